@@ -1,0 +1,95 @@
+#include "formulations/formulation.h"
+
+#include "form_list.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#define DECLARE_(name) extern const formulation form_##name;
+FORM_LIST(DECLARE_)
+#define ADDRESS_(name) &form_##name,
+static const formulation *const all[] = {FORM_LIST(ADDRESS_) NULL};
+
+const formulation *const *formulations(int *count) {
+  *count = BASE_COUNT(all) - 1;
+  return all;
+}
+
+const formulation *formulation_find(const char *name) {
+  for (int i = 0; all[i] != NULL; i++) {
+    if (strcmp(all[i]->name, name) == 0) {
+      return all[i];
+    }
+  }
+  return NULL;
+}
+
+struct formulation_run {
+  const formulation *form;
+  const void *opt; /* borrowed */
+  void *state;     /* owned */
+};
+
+base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
+                             base_error *err) {
+  *out = NULL;
+  formulation_run *r = calloc(1, sizeof *r);
+  void *state = calloc(1, f->state_size > 0 ? f->state_size : 1);
+  if (r == NULL || state == NULL) {
+    free(r);
+    free(state);
+    return BASE_FAIL(err, BASE_ENOMEM, "formulation %s: no memory for its state", f->name);
+  }
+  *r = (formulation_run){f, opt, state};
+  const base_status s = (f->open != NULL) ? f->open(state, opt, err) : BASE_OK;
+  if (s != BASE_OK) {
+    formulation_close(r);
+    return s;
+  }
+  *out = r;
+  return BASE_OK;
+}
+
+void formulation_close(formulation_run *r) {
+  if (r != NULL) {
+    if (r->form->close != NULL) {
+      r->form->close(r->state);
+    }
+    free(r->state);
+    free(r);
+  }
+}
+
+void formulation_forget(formulation_run *r) {
+  if (r->form->forget != NULL) {
+    r->form->forget(r->state);
+  }
+}
+
+const formulation *formulation_of(const formulation_run *r) {
+  return r->form;
+}
+
+base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
+                              base_error *err) {
+  return r->form->begin(r->state, c, r->opt, start, err);
+}
+
+base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,
+                                 bool *pending, base_error *err) {
+  return r->form->assemble(r->state, out, z0, pending, err);
+}
+
+base_status formulation_recover(formulation_run *r, const double *z, lcp_outcome claimed,
+                                base_error *err) {
+  return r->form->recover(r->state, z, claimed, err);
+}
+
+void formulation_answer_of(const formulation_run *r, formulation_answer *out) {
+  r->form->answer(r->state, out);
+}
+
+base_status formulation_step(formulation_run *r, world *w, double h, formulation_answer *out,
+                             base_error *err) {
+  return r->form->step(r->state, w, h, out, err);
+}

@@ -1,0 +1,112 @@
+/* formulations/formulation.h - turns a contact set into complementarity problems and back.
+ *
+ * A step may need several solves (stick/slip modes, Poisson's second phase, frozen bounds):
+ *
+ *   begin(set)
+ *   while (assemble(&problem, z0) gave a problem) { solve -> z;  recover(z, claim) }
+ *   answer(&answer)
+ *
+ * State across steps (bristles, modes, last impulses) belongs to the formulation, keyed by contact
+ * id. The formulation never sees a solver. */
+#pragma once
+
+#include "lcp/base/fields.h"
+#include "lcp/lcp_outcome.h"
+#include "lcp/lcp_problem.h"
+#include "problems/contact_set.h"
+#include "problems/world.h"
+
+/* What of Coulomb's law the model keeps; reported next to every result, so that a
+ * fast solver of an easier model is not mistaken for a fast solver. */
+typedef enum formulation_model {
+  FORM_UNILATERAL = 1u << 0,      /* no interpenetration */
+  FORM_FRICTION = 1u << 1,        /* some friction */
+  FORM_CONE_EXACT = 1u << 2,      /* circular friction cone */
+  FORM_CONE_POLYHEDRAL = 1u << 3, /* faceted cone */
+  FORM_REGULARISED = 1u << 4,     /* friction through a compliant or viscous law */
+  FORM_BOUNDS_LAGGED = 1u << 5,   /* bounds from an earlier normal impulse */
+  FORM_PENALTY = 1u << 6,         /* compliant normal contact */
+  FORM_POSITION = 1u << 7,        /* normal rows at position level */
+  FORM_ACCELERATION = 1u << 8,    /* forces, not impulses */
+  FORM_NO_LCP = 1u << 9,          /* implements step itself */
+} formulation_model;
+
+typedef enum formulation_start { FORM_COLD, FORM_PREVIOUS } formulation_start;
+
+/* Work of one step (the harness adds the solver's own). */
+typedef struct formulation_work {
+  long solves, mode_changes, factorizations, fallbacks, rays, evaluations;
+} formulation_work;
+
+/* Result of one step; arrays are views into the formulation's state, valid until begin. */
+typedef struct formulation_answer {
+  const double *impulse;     /* n_row of the set: contact-frame impulses and joint impulses [N s] */
+  const double *v_next;      /* n_dof */
+  const double *bias;        /* n_contact: normal bias used [m/s]; HUGE_VAL: contact not active */
+  bool solved;               /* the formulation's own residual met its tolerance in this step */
+  double residual;           /* its own model's residual (mode loop, bound loop) [1] */
+  int lcp_dim;               /* unknowns of the largest problem posed */
+  int n_active;              /* active contacts */
+  double stiffness_ratio;    /* min over contacts of G/m_t; HUGE_VAL if not regularised */
+  double v_slip;             /* max regularisation velocity mu f_n / c [m/s], 0 if none */
+  double deflection;         /* max bristle saturation deflection mu f_n / k [m], 0 if none */
+  double spring_energy;      /* stored in bristles after the step [J] */
+  const unsigned char *mode; /* n_contact: 0 open, 1 stick, 2 slip; NULL: unknown */
+  formulation_work work;
+} formulation_answer;
+
+typedef struct formulation formulation;
+
+/* One formulation with its options and state over a run; opaque, owns its arrays, grows them when
+ * a larger contact set arrives. */
+typedef struct formulation_run formulation_run;
+
+struct formulation {
+  const char *name, *title, *cite;
+  unsigned model;         /* formulation_model bits */
+  const char *stands_for; /* which "forms" word of the case format its checks go by: "velocity",
+                             "position" or "regularized"; NULL: only checks without forms */
+  const base_field *fields;
+  int n_fields;
+  size_t options_size, state_size;
+
+  /* LCP dimension in closed form: p active contacts, of which all have friction. */
+  long (*dimension)(int dim, int p, const void *opt);
+
+  /* state lifetime */
+  base_status (*open)(void *state, const void *opt, base_error *err); /* may be NULL */
+  void (*close)(void *state);                                         /* frees what state owns */
+  void (*forget)(void *state); /* drop all memory of earlier steps */
+
+  /* one step */
+  base_status (*begin)(void *state, const contact_set *c, const void *opt, formulation_start start,
+                       base_error *err);
+  /* *pending = false: nothing (more) to solve in this step. Otherwise *out is a view valid until
+   * recover, and z0[n] (capacity given by out->M.n) the start point (zeros when cold). */
+  base_status (*assemble)(void *state, lcp_problem *out, const double **z0, bool *pending,
+                          base_error *err);
+  /* Takes any z, exact or not, with what the solver claimed. */
+  base_status (*recover)(void *state, const double *z, lcp_outcome claimed, base_error *err);
+  void (*answer)(const void *state, formulation_answer *out);
+
+  /* FORM_NO_LCP only: advances the world by h itself (integrator, event location). */
+  base_status (*step)(void *state, world *w, double h, formulation_answer *out, base_error *err);
+};
+
+const formulation *const *formulations(int *count);
+const formulation *formulation_find(const char *name);
+
+base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
+                             base_error *err);
+void formulation_close(formulation_run *r);
+void formulation_forget(formulation_run *r);
+const formulation *formulation_of(const formulation_run *r);
+base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
+                              base_error *err);
+base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,
+                                 bool *pending, base_error *err);
+base_status formulation_recover(formulation_run *r, const double *z, lcp_outcome claimed,
+                                base_error *err);
+void formulation_answer_of(const formulation_run *r, formulation_answer *out);
+base_status formulation_step(formulation_run *r, world *w, double h, formulation_answer *out,
+                             base_error *err);

@@ -1,0 +1,42 @@
+/* lcp/lcp_judge.h - how good is a point? The independent judge: it sees the problem data and z,
+ * nothing of the solver, and accumulates in long double.
+ *
+ * Two residuals for every problem:
+ *
+ * natural [m/s]   max_i |min(d_i z_i, w_i)|, d_i = M_ii (1 where M_ii <= 0), so that impulses and
+ *                 velocities are never compared raw; on boxes, free rows and cones
+ *                 d z - P_K(d z - w~), w~ with De Saxce's term.
+ * rho [1]         the same, invariant under row scaling, column scaling and q -> a q
+ *                 (cases/README.md, section 1):
+ *                   tau0_i = |q_i| + sum_j |M_ij||z_j|
+ *                   zref_i = tau0_i / |M_ii|   (M_ii = 0: max over rows j with M_ji != 0 of
+ *                                               tau0_j / |M_ji|; zero column: 1)
+ *                   tau_i  = |q_i| + sum_j |M_ij| zref_j
+ *                   rho = max_i max(-z_i/zref_i, -w_i/tau_i, min(z_i/zref_i, w_i/tau_i), 0)
+ *                 free rows: |w_i|/tau_i; boxes: the violated half of the same; cones: block
+ *                 residual over the largest tau of the block.
+ *
+ * `verified` means rho <= tol; natural is what plots show.
+ */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+
+typedef struct lcp_verdict {
+  double rho;          /* [1] */
+  double natural;      /* [m/s] */
+  double natural_rel;  /* natural / (1 + max|q|) [1] */
+  double min_map;      /* max_i |min(z_i, w_i)|, unscaled, the literature's number */
+  double infeasible_z; /* largest violation of z in K [N s] */
+  double infeasible_w; /* largest violation of w in K* [m/s] */
+  double comp;         /* sum |z_i w_i| [J] (cones: |z.w~| per block) */
+  bool finite;         /* no NaN or Inf in z */
+} lcp_verdict;
+
+/* Tolerances on rho that "verified" means by default. */
+#define LCP_VERIFY_EXACT     1e-9 /* solvers that declare `exact` */
+#define LCP_VERIFY_ITERATIVE 1e-6 /* the others */
+
+/* Judges z[n]. Allocates scratch (it is never inside a timed bracket). A point with NaN or Inf
+ * has finite = false and all residuals HUGE_VAL. */
+base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, base_error *err);

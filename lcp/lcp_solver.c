@@ -1,0 +1,31 @@
+#include "lcp/lcp_solver.h"
+
+#include "lcp_solver_list.h"
+
+#include <string.h>
+
+#define DECLARE_(name) extern const lcp_solver lcp_solver_##name;
+LCP_SOLVER_LIST(DECLARE_)
+#define ADDRESS_(name) &lcp_solver_##name,
+static const lcp_solver *const all[] = {LCP_SOLVER_LIST(ADDRESS_) NULL};
+
+const lcp_solver *const *lcp_solvers(int *count) {
+  *count = BASE_COUNT(all) - 1;
+  return all;
+}
+
+const lcp_solver *lcp_solver_find(const char *name) {
+  for (int i = 0; all[i] != NULL; i++) {
+    if (strcmp(all[i]->name, name) == 0) {
+      return all[i];
+    }
+  }
+  return NULL;
+}
+
+#define NAME_(id, text) text,
+static const char *const outcome_names[] = {LCP_OUTCOME_LIST(NAME_)};
+
+const char *lcp_outcome_name(lcp_outcome o) {
+  return ((unsigned)o < LCP_OUTCOME_COUNT) ? outcome_names[o] : "unknown";
+}
