@@ -89,7 +89,8 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out) {
   r->form->answer(r->state, out);
 }
 
-base_status formulation_step(formulation_run *r, world *w, double h, formulation_answer *out,
+base_status formulation_step(formulation_run *r, world *w, double h,
+                             const formulation_solver *solver, formulation_answer *out,
                              base_error *err) {
-  return r->form->step(r->state, w, h, out, err);
+  return r->form->step(r->state, w, h, solver, out, err);
 }

@@ -52,8 +52,18 @@ typedef struct formulation_answer {
   double deflection;         /* max bristle saturation deflection mu f_n / k [m], 0 if none */
   double spring_energy;      /* stored in bristles after the step [J] */
   const unsigned char *mode; /* n_contact: 0 open, 1 stick, 2 slip; NULL: unknown */
+  const contact_set *set; /* FORM_NO_LCP: the set at the end of the step that impulse, bias and mode
+                             refer to; NULL: the set given to begin */
   formulation_work work;
 } formulation_answer;
+
+/* How a formulation that advances the world itself has a problem solved: the caller's solver, its
+ * judge and its counters stay behind this call. z[p->M.n]: start point in, answer out. */
+typedef struct formulation_solver {
+  base_status (*solve)(void *ctx, const lcp_problem *p, double *z, lcp_outcome *claimed,
+                       base_error *err);
+  void *ctx;
+} formulation_solver;
 
 typedef struct formulation formulation;
 
@@ -89,8 +99,10 @@ struct formulation {
   base_status (*recover)(void *state, const double *z, lcp_outcome claimed, base_error *err);
   void (*answer)(const void *state, formulation_answer *out);
 
-  /* FORM_NO_LCP only: advances the world by h itself (integrator, event location). */
-  base_status (*step)(void *state, world *w, double h, formulation_answer *out, base_error *err);
+  /* FORM_NO_LCP only: advances the world by h itself (integrator, event location), its clock
+   * included. `solver` solves the problems met at events. */
+  base_status (*step)(void *state, world *w, double h, const formulation_solver *solver,
+                      formulation_answer *out, base_error *err);
 };
 
 const formulation *const *formulations(int *count);
@@ -108,5 +120,6 @@ base_status formulation_assemble(formulation_run *r, lcp_problem *out, const dou
 base_status formulation_recover(formulation_run *r, const double *z, lcp_outcome claimed,
                                 base_error *err);
 void formulation_answer_of(const formulation_run *r, formulation_answer *out);
-base_status formulation_step(formulation_run *r, world *w, double h, formulation_answer *out,
+base_status formulation_step(formulation_run *r, world *w, double h,
+                             const formulation_solver *solver, formulation_answer *out,
                              base_error *err);

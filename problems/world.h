@@ -17,7 +17,8 @@ void world_close(world *w);
 base_status world_reset(world *w, base_error *err); /* back to t = 0 */
 
 /* Detects contacts with gap below margin at the current configuration and fills *out with views
- * valid until the next call. margin < 0: chosen from h and the speeds. Grows its arrays when the
+ * valid until the next call. margin < 0: chosen from h and the speeds; h = 0: geometry and
+ * u_before only (v_free = v). Grows its arrays when the
  * number of contacts does (outside the hot loop after the first steps). */
 base_status world_contacts(world *w, double h, double margin, contact_set *out, base_error *err);
 
@@ -35,6 +36,8 @@ int world_n_config(const world *w);
 void world_get_state(const world *w, double *config, double *v);
 void world_set_state(world *w, double t, const double *config, const double *v);
 void world_config_rate(const world *w, const double *config, const double *v, double *rate);
+/* a = W f: acceleration of the free dofs at the current state without contacts and joints. */
+base_status world_acceleration(world *w, double *a, base_error *err);
 
 /* "body.x", "body.pos", "body.vel", "body.omega.z", "body.angle", ...: false if there is no such
  * quantity. dir (or NULL) picks a component of a vector; without dir a vector gives its norm. */
