@@ -1,0 +1,439 @@
+#include "formulations/assembly.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { FORM_PAIRS_MAX = 1 << 27 };
+
+base_status form_memory(void **mem, void (*layout)(void *, base_arena *), void *state,
+                        base_error *err) {
+  base_arena measure = base_arena_measuring();
+  layout(state, &measure);
+  free(*mem);
+  *mem = measure.overflow ? NULL : base_alloc(measure.used > 0 ? measure.used : 1);
+  if (*mem == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory for %zu bytes of contact space",
+                     measure.used);
+  }
+  base_arena a = base_arena_over(*mem, measure.used);
+  layout(state, &a);
+  return BASE_OK;
+}
+
+static void layout_rows(void *state, base_arena *m) {
+  form_assembly *a = state;
+  const struct form_assembly_size *s = &a->cap;
+  a->group = BASE_ARRAY(m, int, s->group);
+  a->row = BASE_ARRAY(m, int, s->group + 1);
+  a->r = BASE_ARRAY(m, double, s->row);
+  a->lambda = BASE_ARRAY(m, double, s->row);
+  a->near_start = BASE_ARRAY(m, int, s->group + 1);
+  a->self = BASE_ARRAY(m, int, s->group);
+  a->cursor = BASE_ARRAY(m, int, s->group);
+  a->bias = BASE_ARRAY(m, double, s->contact);
+  a->r_normal = BASE_ARRAY(m, double, s->contact);
+  a->mode = BASE_ARRAY(m, unsigned char, s->contact);
+  a->impulse = BASE_ARRAY(m, double, s->row);
+  a->v_next = BASE_ARRAY(m, double, s->dof);
+  a->force = BASE_ARRAY(m, double, s->dof);
+  a->body_start = BASE_ARRAY(m, int, s->body + 2);
+  a->body_group = BASE_ARRAY(m, int, 2 * (size_t)s->group);
+  a->jw = BASE_ARRAY(m, double, s->jw);
+}
+
+static void layout_near(void *state, base_arena *m) {
+  form_assembly *a = state;
+  a->near = BASE_ARRAY(m, int, a->cap.near);
+  a->block_at = BASE_ARRAY(m, size_t, a->cap.near + 1);
+}
+
+static void layout_blocks(void *state, base_arena *m) {
+  form_assembly *a = state;
+  a->block = BASE_ARRAY(m, double, a->cap.block);
+}
+
+void form_assembly_close(form_assembly *a) {
+  free(a->mem);
+  free(a->near_mem);
+  free(a->block_mem);
+  *a = (form_assembly){0};
+}
+
+static int dofs(const contact_set *c, int body) {
+  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
+}
+
+/* Grows by half so that a slowly growing scene allocates rarely. */
+static int larger(int have, int need) {
+  return (need <= have) ? have : need + need / 2;
+}
+
+static base_status grow(form_assembly *a, const contact_set *c, base_error *err) {
+  int widest = 1;
+  for (int g = 0; g < c->n_group; g++) {
+    const int rows = c->row_start[g + 1] - c->row_start[g];
+    const int n = rows * (dofs(c, c->body[2 * g]) + dofs(c, c->body[2 * g + 1]));
+    widest = (n > widest) ? n : widest;
+  }
+  struct form_assembly_size *s = &a->cap;
+  if (a->mem != NULL && c->n_contact <= s->contact && c->n_group <= s->group &&
+      c->n_row <= s->row && c->n_dof <= s->dof && c->n_body <= s->body && widest <= s->jw) {
+    return BASE_OK;
+  }
+  s->contact = larger(s->contact, c->n_contact);
+  s->group = larger(s->group, c->n_group);
+  s->row = larger(s->row, c->n_row);
+  s->dof = larger(s->dof, c->n_dof);
+  s->body = larger(s->body, c->n_body);
+  s->jw = larger(s->jw, widest);
+  return form_memory(&a->mem, layout_rows, a, err);
+}
+
+/* u of the first `rows` rows of group g at velocity v, plus drift. */
+static void group_velocity(const contact_set *c, int g, int rows, const double *v, double *u) {
+  const int first = c->row_start[g];
+  const int all = c->row_start[g + 1] - first;
+  const double *jac = c->jac + c->jac_start[g];
+  for (int i = 0; i < rows; i++) {
+    u[i] = c->u_drift[first + i];
+  }
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    if (n > 0) {
+      const double *vb = v + c->dof_start[b];
+      for (int i = 0; i < rows; i++) {
+        for (int k = 0; k < n; k++) {
+          u[i] += jac[i * n + k] * vb[k];
+        }
+      }
+    }
+    jac += (size_t)all * (size_t)n;
+  }
+}
+
+/* Bias of contact i; HUGE_VAL where it is not active. u_free = J_n v_free + drift. */
+static double normal_bias(const contact_set *c, int i, const form_rule *rule, double u_free,
+                          bool was_closed) {
+  const double gap = c->gap[i];
+  const double u = c->u_before[c->row_start[i]];
+  const double tol = was_closed ? 10 * c->tol : c->tol;
+  const double test = (rule->activation == FORM_MOREAU) ? gap + 0.5 * c->h * u : gap;
+  const bool closed = test <= tol;
+  if (!closed && rule->level == FORM_LEVEL_VELOCITY) {
+    return HUGE_VAL;
+  }
+  double b = 0;
+  if (gap < 0 || rule->level == FORM_LEVEL_POSITION) {
+    b = ((gap < 0) ? rule->push : 1.0) * gap / c->h;
+    b = fmax(b, -rule->push_speed);
+  }
+  const double gain = fmax(0.0, u - u_free); /* approach speed won in this step */
+  if (closed && rule->newton && c->restitution != NULL && -u > rule->rest * gain) {
+    b = fmin(b, c->restitution[i] * fmin(u, 0.0));
+  }
+  return b;
+}
+
+static int rows_wanted(const contact_set *c, int i, form_rows rows) {
+  switch (rows) {
+  case FORM_ROWS_NORMAL:
+    return 1;
+  case FORM_ROWS_TANGENT:
+    return 1 + c->rows[i].tangent;
+  case FORM_ROWS_ALL:
+    break;
+  }
+  return c->row_start[i + 1] - c->row_start[i];
+}
+
+static void choose(form_assembly *a, const contact_set *c, form_rows rows, const form_rule *rule,
+                   contact_memory *memory) {
+  a->n_contact = 0;
+  a->row[0] = 0;
+  for (int i = 0; i < c->n_contact; i++) {
+    group_velocity(c, i, 1, c->v_free, &a->r_normal[i]);
+    const double *past = contact_memory_old(memory, i);
+    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[0] > 0);
+    a->mode[i] = 0;
+    if (a->bias[i] < HUGE_VAL) {
+      const int k = a->n_contact++;
+      contact_memory_now(memory, i)[0] = 1;
+      a->group[k] = i;
+      a->row[k + 1] = a->row[k] + rows_wanted(c, i, rows);
+      group_velocity(c, i, form_rows_of(a, k), c->v_free, a->r + a->row[k]);
+    }
+  }
+  a->n_group = a->n_contact;
+  for (int g = c->n_contact; g < c->n_group; g++) {
+    const int k = a->n_group++;
+    const int n = c->row_start[g + 1] - c->row_start[g];
+    a->group[k] = g;
+    a->row[k + 1] = a->row[k] + n;
+    group_velocity(c, g, n, c->v_free, a->r + a->row[k]);
+    for (int i = 0; i < n; i++) {
+      const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
+      a->r[a->row[k] + i] += rule->joint_push / c->h * c->joint_error[at];
+    }
+  }
+  a->n_row = a->row[a->n_group];
+}
+
+/* Lists the active groups of every body, ascending. */
+static void sort_by_body(form_assembly *a, const contact_set *c) {
+  memset(a->body_start, 0, ((size_t)c->n_body + 2) * sizeof *a->body_start);
+  for (int i = 0; i < a->n_group; i++) {
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * a->group[i] + side];
+      if (b >= 0) {
+        a->body_start[b + 2]++;
+      }
+    }
+  }
+  for (int b = 0; b < c->n_body; b++) {
+    a->body_start[b + 2] += a->body_start[b + 1];
+  }
+  for (int i = 0; i < a->n_group; i++) {
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * a->group[i] + side];
+      if (b >= 0) {
+        a->body_group[a->body_start[b + 1]++] = i;
+      }
+    }
+  }
+}
+
+/* Merges the ascending lists of group i's two bodies; writes them to out unless NULL. */
+static int neighbours(const form_assembly *a, const contact_set *c, int i, int *out) {
+  const int b0 = c->body[2 * a->group[i]];
+  const int b1 = c->body[2 * a->group[i] + 1];
+  int p = (b0 >= 0) ? a->body_start[b0] : 0;
+  int q = (b1 >= 0) ? a->body_start[b1] : 0;
+  const int p_end = (b0 >= 0) ? a->body_start[b0 + 1] : 0;
+  const int q_end = (b1 >= 0) ? a->body_start[b1 + 1] : 0;
+  int n = 0;
+  int last = -1;
+  bool seen = false; /* a group between fixed sides still meets itself */
+  while (p < p_end || q < q_end) {
+    const int gp = (p < p_end) ? a->body_group[p] : a->n_group;
+    const int gq = (q < q_end) ? a->body_group[q] : a->n_group;
+    const int g = (gp < gq) ? gp : gq;
+    p += (gp == g);
+    q += (gq == g);
+    if (g != last) {
+      if (out != NULL) {
+        out[n] = g;
+      }
+      n++;
+    }
+    seen = seen || g == i;
+    last = g;
+  }
+  if (!seen) {
+    if (out != NULL) {
+      out[0] = i;
+    }
+    n = 1;
+  }
+  return n;
+}
+
+/* Fills near_start, near, self, block_at. */
+static base_status link_groups(form_assembly *a, const contact_set *c, base_error *err) {
+  size_t n = 0;
+  for (int i = 0; i < a->n_group; i++) {
+    n += (size_t)neighbours(a, c, i, NULL);
+  }
+  if (n > FORM_PAIRS_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "contact space: %zu pairs of coupled contacts, more than %d", n,
+                     FORM_PAIRS_MAX);
+  }
+  if (a->near_mem == NULL || (int)n > a->cap.near) {
+    a->cap.near = larger(a->cap.near, (int)n);
+    BASE_TRY(form_memory(&a->near_mem, layout_near, a, err));
+  }
+  a->near_start[0] = 0;
+  a->block_at[0] = 0;
+  for (int i = 0; i < a->n_group; i++) {
+    const int at = a->near_start[i];
+    a->near_start[i + 1] = at + neighbours(a, c, i, a->near + at);
+    for (int k = at; k < a->near_start[i + 1]; k++) {
+      const size_t size = (size_t)form_rows_of(a, i) * (size_t)form_rows_of(a, a->near[k]);
+      a->block_at[k + 1] = a->block_at[k] + size;
+      if (a->near[k] == i) {
+        a->self[i] = k;
+      }
+    }
+  }
+  const size_t doubles = a->block_at[n];
+  if (a->block_mem == NULL || doubles > a->cap.block) {
+    a->cap.block = doubles + doubles / 2;
+    BASE_TRY(form_memory(&a->block_mem, layout_blocks, a, err));
+  }
+  return BASE_OK;
+}
+
+/* jw = J_i W for both sides of group i: rows x dofs of side 0, then of side 1. */
+static void weigh(form_assembly *a, const contact_set *c, int i) {
+  const int g = a->group[i];
+  const int rows = form_rows_of(a, i);
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  double *out = a->jw;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    for (int r = 0; r < rows; r++) {
+      for (int k = 0; k < n; k++) {
+        const double *w = c->inv_mass + c->mass_start[b] + (ptrdiff_t)k * n;
+        double sum = 0;
+        for (int m = 0; m < n; m++) {
+          sum += jac[r * n + m] * w[m];
+        }
+        out[r * n + k] = sum;
+      }
+    }
+    jac += (ptrdiff_t)all * n;
+    out += (ptrdiff_t)rows * n;
+  }
+}
+
+/* C_ij = sum over shared bodies of (J_i W) J_j', with J_i W in jw. */
+static void couple(const form_assembly *a, const contact_set *c, int i, int j, double *out) {
+  const int ri = form_rows_of(a, i);
+  const int rj = form_rows_of(a, j);
+  const int gi = a->group[i];
+  const int gj = a->group[j];
+  const int all = c->row_start[gj + 1] - c->row_start[gj];
+  memset(out, 0, (size_t)ri * (size_t)rj * sizeof *out);
+  const double *jw = a->jw;
+  for (int s = 0; s < 2; s++) {
+    const int b = c->body[2 * gi + s];
+    const int n = dofs(c, b);
+    const double *jac = c->jac + c->jac_start[gj];
+    for (int t = 0; t < 2 && n > 0; t++) {
+      const int m = dofs(c, c->body[2 * gj + t]);
+      if (c->body[2 * gj + t] == b) {
+        for (int p = 0; p < ri; p++) {
+          for (int q = 0; q < rj; q++) {
+            double sum = 0;
+            for (int k = 0; k < n; k++) {
+              sum += jw[p * n + k] * jac[q * n + k];
+            }
+            out[p * rj + q] += sum;
+          }
+        }
+      }
+      jac += (ptrdiff_t)all * m;
+    }
+    jw += (ptrdiff_t)ri * n;
+  }
+}
+
+/* Upper blocks are computed, lower ones copied: C is symmetric to the last bit. The own block is
+ * symmetrised the same way. */
+static void fill_blocks(form_assembly *a, const contact_set *c) {
+  memcpy(a->cursor, a->near_start, (size_t)a->n_group * sizeof *a->cursor);
+  for (int i = 0; i < a->n_group; i++) {
+    weigh(a, c, i);
+    const int ri = form_rows_of(a, i);
+    for (int k = a->self[i]; k < a->near_start[i + 1]; k++) {
+      const int j = a->near[k];
+      const int rj = form_rows_of(a, j);
+      double *up = a->block + a->block_at[k];
+      couple(a, c, i, j, up);
+      double *low = (j == i) ? up : a->block + a->block_at[a->cursor[j]++];
+      for (int p = 0; p < ri; p++) {
+        for (int q = (j == i) ? p + 1 : 0; q < rj; q++) {
+          low[q * ri + p] = up[p * rj + q];
+        }
+      }
+    }
+  }
+}
+
+base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
+                                const form_rule *rule, contact_memory *memory, base_error *err) {
+  a->set = c;
+  BASE_TRY(grow(a, c, err));
+  choose(a, c, rows, rule, memory);
+  sort_by_body(a, c);
+  BASE_TRY(link_groups(a, c, err));
+  fill_blocks(a, c);
+  memset(a->impulse, 0, (size_t)c->n_row * sizeof *a->impulse);
+  return BASE_OK;
+}
+
+void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u) {
+  memcpy(u, a->r, (size_t)a->n_row * sizeof *u);
+  for (int i = 0; i < a->n_group; i++) {
+    const int ri = form_rows_of(a, i);
+    double *ui = u + a->row[i];
+    for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
+      const int rj = form_rows_of(a, a->near[k]);
+      const double *lj = lambda + a->row[a->near[k]];
+      const double *block = a->block + a->block_at[k];
+      for (int p = 0; p < ri; p++) {
+        for (int q = 0; q < rj; q++) {
+          ui[p] += block[p * rj + q] * lj[q];
+        }
+      }
+    }
+  }
+}
+
+void form_assembly_dense(const form_assembly *a, double *out) {
+  const ptrdiff_t n = a->n_row;
+  memset(out, 0, (size_t)(n * n) * sizeof *out);
+  for (int i = 0; i < a->n_group; i++) {
+    const int ri = form_rows_of(a, i);
+    for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
+      const int j = a->near[k];
+      const int rj = form_rows_of(a, j);
+      const double *block = a->block + a->block_at[k];
+      for (int q = 0; q < rj; q++) {
+        double *column = out + (a->row[j] + q) * n + a->row[i];
+        for (int p = 0; p < ri; p++) {
+          column[p] = block[p * rj + q];
+        }
+      }
+    }
+  }
+}
+
+void form_assembly_answer(form_assembly *a, const double *lambda) {
+  const contact_set *c = a->set;
+  memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
+  for (int i = 0; i < a->n_group; i++) {
+    const int g = a->group[i];
+    const int rows = form_rows_of(a, i);
+    const int all = c->row_start[g + 1] - c->row_start[g];
+    const double *l = lambda + a->row[i];
+    memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
+    const double *jac = c->jac + c->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * g + side];
+      const int n = dofs(c, b);
+      for (int p = 0; p < rows && n > 0; p++) {
+        double *f = a->force + c->dof_start[b];
+        for (int k = 0; k < n; k++) {
+          f[k] += jac[p * n + k] * l[p];
+        }
+      }
+      jac += (ptrdiff_t)all * n;
+    }
+  }
+  for (int b = 0; b < c->n_body; b++) {
+    const int n = dofs(c, b);
+    const double *w = c->inv_mass + c->mass_start[b];
+    const double *f = a->force + c->dof_start[b];
+    for (int k = 0; k < n; k++) {
+      double sum = c->v_free[c->dof_start[b] + k];
+      for (int m = 0; m < n; m++) {
+        sum += w[m * n + k] * f[m];
+      }
+      a->v_next[c->dof_start[b] + k] = sum;
+    }
+  }
+}

@@ -1,0 +1,102 @@
+/* formulations/assembly.h - the contact space of one step, shared by every formulation that poses
+ * a complementarity problem.
+ *
+ *   u = r + C lambda,    C = J W J'  [1/kg],    r = J v_free + drift  [m/s]
+ *
+ * over the rows of the active contacts (of each contact a prefix of its rows: the normal, then the
+ * tangents, then torsion and rolling) followed by the joint rows, whose r carries the stabilising
+ * bias. C is kept as blocks, one for each pair of groups that share a body; nothing of the size of
+ * all dofs squared is ever formed. */
+#pragma once
+
+#include "formulations/contact_memory.h"
+#include "formulations/formulation.h"
+#include "lcp/base/arena.h"
+
+/* Which prefix of a contact's rows a formulation wants. */
+typedef enum form_rows { FORM_ROWS_NORMAL, FORM_ROWS_TANGENT, FORM_ROWS_ALL } form_rows;
+
+/* Which contacts are active and with what normal bias b in
+ *   0 <= lambda_n  _|_  u_n + b >= 0
+ * (MATH 2.0.1): closed contacts b = min(e min(u-, 0), max(gamma gap/h, -v_max)), the first only
+ * where the approach is faster than `rest` times what the applied forces add in one step; open
+ * ones at position level b = gap/h. */
+typedef enum form_level { FORM_LEVEL_VELOCITY, FORM_LEVEL_POSITION } form_level;
+typedef enum form_activation { FORM_CLOSED, FORM_MOREAU } form_activation;
+typedef struct form_rule {
+  int level;         /* form_level */
+  int activation;    /* form_activation: closed gap <= tol, or gap + h u-/2 <= tol */
+  bool newton;       /* e enters the bias */
+  double push;       /* gamma [1] */
+  double push_speed; /* v_max [m/s] */
+  double rest;       /* [1] */
+  double joint_push; /* share of the joint error removed in one step [1] */
+} form_rule;
+
+typedef struct form_assembly {
+  const contact_set *set; /* borrowed until the next begin */
+
+  int n_contact;  /* active contacts */
+  int n_group;    /* active contacts, then the joints */
+  int n_row;      /* rows of all groups */
+  int *group;     /* n_group: index into the set's groups */
+  int *row;       /* n_group+1 */
+  double *r;      /* n_row [m/s] */
+  double *lambda; /* n_row, scratch for the answer [N s] */
+
+  /* C: group i meets near[near_start[i] ..], ascending and itself included; its block is
+   * rows_i x rows_j, row-major, at block + block_at[]. */
+  int *near_start;  /* n_group+1 */
+  int *near;        /* n_near */
+  size_t *block_at; /* n_near+1 */
+  double *block;
+  int *self; /* n_group: position of the own block in near */
+
+  /* per contact of the set, and the answer */
+  double *bias;        /* n_contact of the set; HUGE_VAL: not active */
+  double *r_normal;    /* n_contact of the set: J_n v_free + drift [m/s] */
+  double *impulse;     /* n_row of the set */
+  double *v_next;      /* n_dof */
+  double *force;       /* n_dof, scratch: J' lambda [N s] */
+  unsigned char *mode; /* n_contact of the set */
+
+  int *body_start, *body_group; /* groups by body, scratch */
+  int *cursor;                  /* n_group, scratch */
+  double *jw;                   /* scratch: J_i W of one group */
+
+  struct form_assembly_size {
+    int contact, group, row, dof, body, near, jw;
+    size_t block;
+  } cap;
+  void *mem, *near_mem, *block_mem; /* owned */
+} form_assembly;
+
+/* Picks active contacts by the rule, fills r, C, bias; impulse is zeroed. Contacts whose memory
+ * entry starts with a number > 0 were closed one step ago: they stay so up to ten times the
+ * tolerance, and rounding does not make a resting contact flicker. Marks the closed ones of this
+ * step in the same way. Allocates only while larger sets than ever before arrive. */
+base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
+                                const form_rule *rule, contact_memory *memory, base_error *err);
+void form_assembly_close(form_assembly *a);
+
+static inline int form_rows_of(const form_assembly *a, int i) {
+  return a->row[i + 1] - a->row[i];
+}
+
+/* The own block of group i: rows_i x rows_i. */
+static inline const double *form_own_block(const form_assembly *a, int i) {
+  return a->block + a->block_at[a->self[i]];
+}
+
+/* u = r + C lambda over the rows in use. */
+void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);
+
+/* C as a dense n_row x n_row matrix, column-major. */
+void form_assembly_dense(const form_assembly *a, double *out);
+
+/* Writes lambda (n_row) into impulse (set rows) and v_next = v_free + W J' lambda. */
+void form_assembly_answer(form_assembly *a, const double *lambda);
+
+/* Runs layout on a measuring arena, replaces *mem by a block of that size, runs it again. */
+base_status form_memory(void **mem, void (*layout)(void *, base_arena *), void *state,
+                        base_error *err);

@@ -1,0 +1,272 @@
+/* form_regularized.c - the mode iteration of regularized.h (MATH 2.3.6): solve the reduced LCP for
+ * the current modes, test the friction law, choose new modes, until the law holds. A reduced LCP
+ * without a solution means wrong modes, not a step without a solution (MATH 2.3.7): all slip then
+ * turns to the secant form, whose matrix is symmetric positive semidefinite. */
+#include "formulations/regularized.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef reg_options options;
+
+static const base_field fields[] = {
+    BASE_FIELD_CHOICE(options, model, "bristle|viscous", 0, "law of the static phase"),
+    BASE_FIELD_CHOICE(options, bias, "velocity|position", 0, "level of the normal rows"),
+    BASE_FIELD_CHOICE(options, stiffness, "ratio|fixed", 0, "scaled to the masses, or k and c"),
+    BASE_FIELD(options, ratio, BASE_REAL, "1", 100, 1e-6, 1e15, "G/m_t, G = h^2 k + h c"),
+    BASE_FIELD(options, zeta, BASE_REAL, "1", 0.7, 0, 100, "damping of the bristle"),
+    BASE_FIELD(options, k, BASE_REAL, "N/m", 1e6, 0, 1e18, "fixed stiffness"),
+    BASE_FIELD(options, c, BASE_REAL, "N s/m", 1e3, 0, 1e18, "fixed damping"),
+    BASE_FIELD_CHOICE(options, impact, "keep|boost", 0, "raise G to the ratio at impacts"),
+    BASE_FIELD_CHOICE(options, modes, "newton|plain|secant", 0, "iteration of stick and slip"),
+    BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
+    BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
+    BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
+    BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
+    BASE_FIELD(options, mode_iter, BASE_INT, "1", 200, 1, 1e6, "most solves in a step"),
+    BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the pure secant"),
+    BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
+    BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
+    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
+    BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
+};
+
+static long dimension(int dim, int p, const void *opt) {
+  (void)dim;
+  (void)opt;
+  return p;
+}
+
+static void layout_groups(void *state, base_arena *m) {
+  regularized *s = state;
+  const int p = s->cap_contact;
+  s->part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
+  s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
+  s->part_start = BASE_ARRAY(m, int, p + 1);
+  s->row_of = BASE_ARRAY(m, int, s->cap_group + 1);
+  s->rows = BASE_ARRAY(m, reg_row, s->cap_row);
+  s->b = BASE_ARRAY(m, double, p);
+  s->z0 = BASE_ARRAY(m, double, p);
+  s->lambda = BASE_ARRAY(m, double, s->cap_row);
+  s->u = BASE_ARRAY(m, double, s->cap_row);
+  s->best = BASE_ARRAY(m, double, s->cap_row);
+  s->t = BASE_ARRAY(m, double, s->cap_row);
+  s->block = BASE_ARRAY(m, lcp_block, p);
+}
+
+static void layout_dense(void *state, base_arena *m) {
+  regularized *s = state;
+  s->sigma = BASE_ARRAY(m, double, s->cap_sigma);
+  s->xyc = BASE_ARRAY(m, double, s->cap_xyc);
+  s->A = BASE_ARRAY(m, double, s->cap_A);
+}
+
+static size_t larger(size_t have, size_t need) {
+  return (need > have) ? need + need / 2 : have;
+}
+
+static base_status grow(regularized *s, base_error *err) {
+  const contact_set *c = s->a.set;
+  if (s->mem == NULL || c->n_contact > s->cap_contact || c->n_group > s->cap_group ||
+      c->n_row > s->cap_row) {
+    s->cap_contact = (int)larger((size_t)s->cap_contact, (size_t)c->n_contact);
+    s->cap_group = (int)larger((size_t)s->cap_group, (size_t)c->n_group);
+    s->cap_row = (int)larger((size_t)s->cap_row, (size_t)c->n_row);
+    BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
+  }
+  const size_t p = (size_t)s->a.n_contact;
+  const size_t n = (size_t)s->a.n_row - p; /* most compliant rows */
+  if (s->dense_mem == NULL || n * n > s->cap_sigma || n * (2 * p + 1) > s->cap_xyc ||
+      p * p > s->cap_A) {
+    s->cap_sigma = larger(s->cap_sigma, n * n);
+    s->cap_xyc = larger(s->cap_xyc, n * (2 * p + 1));
+    s->cap_A = larger(s->cap_A, p * p);
+    BASE_TRY(form_memory(&s->dense_mem, layout_dense, s, err));
+  }
+  return BASE_OK;
+}
+
+static void finish(regularized *s, bool solved) {
+  s->done = true;
+  s->answer.solved = solved;
+  reg_commit(s, s->lambda);
+  form_assembly_answer(&s->a, s->lambda);
+}
+
+/* A, b for the current modes; where the compliance matrix is singular the step ends unsolved. */
+static void reduce(regularized *s) {
+  if (!reg_contact_reduce(s)) {
+    memset(s->lambda, 0, (size_t)s->a.n_row * sizeof *s->lambda);
+    finish(s, false);
+  }
+}
+
+static base_status begin(void *state, const contact_set *c, const void *opt,
+                         formulation_start start, base_error *err) {
+  regularized *s = state;
+  s->opt = *(const options *)opt;
+  s->start = start;
+  const form_rule rule = {.level = s->opt.bias,
+                          .activation = s->opt.activation,
+                          .newton = s->opt.restitution == 0,
+                          .push = s->opt.push,
+                          .push_speed = s->opt.push_speed,
+                          .rest = s->opt.rest,
+                          .joint_push = s->opt.joint_push};
+  BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
+  BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+  BASE_TRY(grow(s, err));
+  const int p = s->a.n_contact;
+  s->answer = (formulation_answer){
+      .solved = true, .lcp_dim = p, .n_active = p, .stiffness_ratio = HUGE_VAL};
+  s->iteration = 0;
+  s->done = false;
+  s->best_residual = HUGE_VAL;
+  reg_parts_build(s);
+  for (int i = 0; i < p; i++) {
+    s->block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
+    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
+    const bool known = start == FORM_PREVIOUS && past != NULL && s->memory.h_old > 0;
+    s->z0[i] = known ? past[1] * c->h / s->memory.h_old : 0;
+  }
+  reduce(s);
+  if (p == 0 && !s->done) { /* joints alone are a linear solve */
+    reg_contact_expand(s, s->z0, s->lambda);
+    finish(s, true);
+  }
+  return BASE_OK;
+}
+
+/* Strict row dominance with a positive diagonal makes every principal minor positive. */
+static bool is_dominant(const double *A, int p) {
+  for (int i = 0; i < p; i++) {
+    double off = 0;
+    for (int j = 0; j < p; j++) {
+      off += (j == i) ? 0 : fabs(A[(ptrdiff_t)j * p + i]);
+    }
+    if (!(A[(ptrdiff_t)i * p + i] > off)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+static base_status assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
+                            base_error *err) {
+  (void)err;
+  regularized *s = state;
+  *pending = !s->done;
+  if (s->done) {
+    return BASE_OK;
+  }
+  const int p = s->a.n_contact;
+  unsigned traits = s->any_slip ? 0u : (unsigned)(LCP_SYMMETRIC | LCP_PSD);
+  traits |= is_dominant(s->A, p) ? (unsigned)LCP_P_MATRIX : 0u;
+  *out = (lcp_problem){.M = {.storage = LCP_DENSE, .n = p, .val = s->A},
+                       .q = s->b,
+                       .block = s->block,
+                       .n_block = p,
+                       .traits = traits};
+  *z0 = s->z0;
+  s->answer.work.solves++;
+  return BASE_OK;
+}
+
+static void all_to_secant(regularized *s) {
+  for (int k = 0; k < s->n_part; k++) {
+    if (s->part[k].mode == REG_SLIP) {
+      s->part[k].mode = REG_SECANT;
+    }
+  }
+  s->answer.work.fallbacks++;
+}
+
+static void keep_best(regularized *s, double residual) {
+  if (residual < s->best_residual) {
+    s->best_residual = residual;
+    memcpy(s->best, s->lambda, (size_t)s->a.n_row * sizeof *s->best);
+    memcpy(s->best_part, s->part, (size_t)s->n_part * sizeof *s->part);
+  }
+}
+
+/* The limit of solves is reached: the best iterate stands, declared as not solved. */
+static void give_up(regularized *s) {
+  if (s->best_residual < HUGE_VAL) {
+    memcpy(s->lambda, s->best, (size_t)s->a.n_row * sizeof *s->best);
+    memcpy(s->part, s->best_part, (size_t)s->n_part * sizeof *s->part);
+  }
+  s->answer.residual = s->best_residual;
+  finish(s, false);
+}
+
+static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
+  (void)err;
+  regularized *s = state;
+  const bool broken = claimed == LCP_RAY || claimed == LCP_INFEASIBLE || claimed == LCP_NUMERICAL;
+  s->iteration++;
+  s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
+  if (broken && s->any_slip && s->opt.modes != REG_PLAIN && s->iteration < s->opt.mode_iter) {
+    all_to_secant(s);
+    reduce(s);
+    return BASE_OK;
+  }
+  reg_contact_expand(s, z, s->lambda);
+  form_assembly_velocity(&s->a, s->lambda, s->u);
+  const double residual = reg_law_residual(s, s->lambda, s->u);
+  if (broken || residual <= s->opt.tol) {
+    s->answer.residual = residual;
+    finish(s, claimed == LCP_SOLVED);
+    return BASE_OK;
+  }
+  keep_best(s, residual);
+  if (s->iteration >= s->opt.mode_iter) {
+    give_up(s);
+    return BASE_OK;
+  }
+  if (s->start == FORM_PREVIOUS) {
+    memcpy(s->z0, z, (size_t)s->a.n_contact * sizeof *z);
+  }
+  reg_modes_next(s);
+  reduce(s);
+  return BASE_OK;
+}
+
+static void answer(const void *state, formulation_answer *out) {
+  const regularized *s = state;
+  *out = s->answer;
+  out->impulse = s->a.impulse;
+  out->v_next = s->a.v_next;
+  out->bias = s->a.bias;
+  out->mode = s->a.mode;
+}
+
+static void close(void *state) {
+  regularized *s = state;
+  form_assembly_close(&s->a);
+  contact_memory_close(&s->memory);
+  free(s->mem);
+  free(s->dense_mem);
+}
+
+static void forget(void *state) {
+  contact_memory_forget(&((regularized *)state)->memory);
+}
+
+const formulation form_regularized = {
+    .name = "regularized",
+    .title = "Normal-impulse LCP with regularised friction",
+    .cite = "Gholami, Nasri, Kovecses & Teichmann 2016",
+    .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
+    .stands_for = "regularized",
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(regularized),
+    .dimension = dimension,
+    .close = close,
+    .forget = forget,
+    .begin = begin,
+    .assemble = assemble,
+    .recover = recover,
+    .answer = answer,
+};

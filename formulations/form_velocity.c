@@ -1,0 +1,46 @@
+/* form_velocity.c - velocity-level LCP with a faceted friction cone: no approach of closed
+ * contacts at the end of the step (Anitescu & Potra 1997). Open contacts are left alone until
+ * they close, so that a fall ends within one step's travel of the surface, and an overlap stays
+ * unless `push` removes a share of it every step. */
+#include "formulations/polyhedral.h"
+
+typedef poly_options options;
+
+static const base_field fields[] = {
+    BASE_FIELD(options, facets, BASE_INT, "1", 4, 3, POLY_FACETS_MAX, "directions of friction"),
+    BASE_FIELD_CHOICE(options, cone, "inscribed|circumscribed", 0, "facets inside the circle"),
+    BASE_FIELD_CHOICE(options, restitution, "newton|poisson|none", 0, "law of impact"),
+    BASE_FIELD_CHOICE(options, planar, "four|three", 0, "unknowns of a planar contact"),
+    BASE_FIELD_CHOICE(options, storage, "auto|dense|csc", 0, "matrix handed to the solver"),
+    BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
+    BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
+    BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
+    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
+    BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
+};
+
+static base_status begin(void *state, const contact_set *c, const void *opt,
+                         formulation_start start, base_error *err) {
+  poly_options o = *(const options *)opt;
+  o.level = FORM_LEVEL_VELOCITY;
+  return poly_begin(state, c, &o, FORM_ROWS_ALL, start, err);
+}
+
+const formulation form_velocity = {
+    .name = "velocity",
+    .title = "Velocity-level polyhedral LCP",
+    .cite = "Anitescu & Potra 1997",
+    .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL,
+    .stands_for = "velocity",
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(polyhedral),
+    .dimension = poly_dimension,
+    .close = poly_close,
+    .forget = poly_forget,
+    .begin = begin,
+    .assemble = poly_assemble,
+    .recover = poly_recover,
+    .answer = poly_answer,
+};

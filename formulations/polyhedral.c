@@ -1,0 +1,283 @@
+#include "formulations/polyhedral.h"
+
+#include "formulations/polyhedral_matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A memory entry: closed, slipping, lambda_n, then the unknowns of the block. */
+enum { PAST_CLOSED, PAST_SLIP, PAST_Z };
+
+long poly_dimension(int dim, int p, const void *opt) {
+  const poly_options *o = opt;
+  const int planar = (o->planar == POLY_THREE) ? 3 : 4;
+  return (long)p * ((dim == 2) ? planar : o->facets + 2);
+}
+
+static void layout_groups(void *state, base_arena *m) {
+  polyhedral *s = state;
+  const int g = s->cap_group;
+  s->shape_of = BASE_ARRAY(m, const poly_shape *, g);
+  s->first = BASE_ARRAY(m, int, g + 1);
+  s->scale = BASE_ARRAY(m, double, POLY_PARTS *(size_t)g);
+  s->bound = BASE_ARRAY(m, double, POLY_PARTS *(size_t)g);
+  s->cone = BASE_ARRAY(m, double, g);
+  s->block = BASE_ARRAY(m, lcp_block, g);
+  s->base = BASE_ARRAY(m, double, s->cap_row);
+  s->u = BASE_ARRAY(m, double, s->cap_row);
+}
+
+static void layout_values(void *state, base_arena *m) {
+  polyhedral *s = state;
+  s->q = BASE_ARRAY(m, double, s->cap_n);
+  s->z0 = BASE_ARRAY(m, double, s->cap_n);
+  s->colptr = BASE_ARRAY(m, int, s->cap_n + 1);
+  s->rowind = BASE_ARRAY(m, int, s->cap_val);
+  s->val = BASE_ARRAY(m, double, s->cap_val);
+}
+
+void poly_close(void *state) {
+  polyhedral *s = state;
+  form_assembly_close(&s->a);
+  contact_memory_close(&s->memory);
+  free(s->mem);
+  free(s->val_mem);
+}
+
+void poly_forget(void *state) {
+  contact_memory_forget(&((polyhedral *)state)->memory);
+}
+
+static contact_rows used_rows(const polyhedral *s, int g) {
+  return (s->rows == FORM_ROWS_NORMAL) ? (contact_rows){0} : s->a.set->rows[g];
+}
+
+static const poly_shape *shape_for(polyhedral *s, contact_rows rows) {
+  poly_shape *shape = &s->shape[rows.tangent][rows.torsion][rows.rolling];
+  if (shape->n_column == 0) {
+    const bool three = s->opt.planar == POLY_THREE && s->a.set->dim == 2;
+    poly_shape_build(shape, rows, s->opt.facets, three);
+  }
+  return shape;
+}
+
+/* Friction coefficient of active contact i: the kinetic one where it slipped a step ago. */
+static double friction_of(const polyhedral *s, int i) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const double *past = contact_memory_old(&s->memory, g);
+  const bool slips = past != NULL && past[PAST_SLIP] > 0;
+  double mu = slips ? c->mu_kinetic[g] : c->mu_static[g];
+  if (s->opt.cone == 1 && c->dim == 3) {
+    mu /= cos(3.14159265358979323846 / s->opt.facets); /* the circle touches the facets */
+  }
+  return mu;
+}
+
+/* Units and bounds of the parts; torsion and rolling impulses are divided by their coefficient, so
+ * that they are bounded by lambda_n itself. */
+static void set_parts(polyhedral *s, int i) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  for (int p = 0; p < s->shape_of[i]->n_part; p++) {
+    const int kind = s->shape_of[i]->part_kind[p];
+    double *scale = &s->scale[POLY_PARTS * i + p];
+    double *bound = &s->bound[POLY_PARTS * i + p];
+    *scale = 1;
+    *bound = 1;
+    if (kind == 0) {
+      *bound = friction_of(s, i);
+    } else {
+      *scale = (kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g];
+    }
+  }
+}
+
+static base_status number_unknowns(polyhedral *s, base_error *err) {
+  const form_assembly *a = &s->a;
+  s->first[0] = 0;
+  for (int i = 0; i < a->n_group; i++) {
+    const int g = a->group[i];
+    const bool contact = i < a->n_contact;
+    s->shape_of[i] = contact ? shape_for(s, used_rows(s, g)) : &s->joint;
+    if (contact) {
+      set_parts(s, i);
+    }
+    s->cone[i] = 0;
+    s->first[i + 1] = s->first[i] + poly_width(s, i);
+    s->block[i] = (lcp_block){
+        .start = s->first[i], .size = poly_width(s, i), .set = contact ? LCP_ORTHANT : LCP_FREE};
+  }
+  s->n = s->first[a->n_group];
+  const size_t nnz = poly_nnz(s);
+  const size_t all = (size_t)s->n * (size_t)s->n;
+  const bool small = s->n <= 64 || nnz > all / 4;
+  const bool dense = s->opt.storage == POLY_DENSE || (s->opt.storage == POLY_AUTO && small);
+  const size_t need = dense ? all : nnz;
+  if (need > (size_t)INT32_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "polyhedral LCP: %zu stored entries, more than 2^31",
+                     need);
+  }
+  if (s->val_mem == NULL || s->n > s->cap_n || need > s->cap_val) {
+    s->cap_n = (s->n > s->cap_n) ? s->n + s->n / 2 : s->cap_n;
+    s->cap_val = (need > s->cap_val) ? need + need / 2 : s->cap_val;
+    BASE_TRY(form_memory(&s->val_mem, layout_values, s, err));
+  }
+  s->M = (lcp_matrix){.storage = dense ? LCP_DENSE : LCP_CSC, .n = s->n};
+  if (dense) {
+    poly_fill_dense(s);
+    s->M.val = s->val;
+  } else {
+    poly_fill_csc(s);
+    s->M.csc = (lcp_csc){s->n, s->n, s->colptr, s->rowind, s->val};
+  }
+  return BASE_OK;
+}
+
+base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
+                       formulation_start start, base_error *err) {
+  const form_rule rule = {.level = opt->level,
+                          .activation = opt->activation,
+                          .newton = opt->restitution == POLY_NEWTON,
+                          .push = opt->push,
+                          .push_speed = opt->push_speed,
+                          .rest = opt->rest,
+                          .joint_push = opt->joint_push};
+  s->opt = *opt;
+  s->rows = rows;
+  s->start = start;
+  const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
+  BASE_TRY(contact_memory_begin(&s->memory, PAST_Z + widest, c, err));
+  BASE_TRY(form_assembly_begin(&s->a, c, rows, &rule, &s->memory, err));
+  if (s->joint.n_column == 0) {
+    poly_shape_identity(&s->joint, 6);
+  }
+  if (s->mem == NULL || c->n_group > s->cap_group || c->n_row > s->cap_row) {
+    s->cap_group = c->n_group + c->n_group / 2;
+    s->cap_row = c->n_row + c->n_row / 2;
+    BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
+  }
+  BASE_TRY(number_unknowns(s, err));
+  memset(s->base, 0, (size_t)s->a.n_row * sizeof *s->base);
+  s->phase = 0;
+  s->answer = (formulation_answer){
+      .solved = true, .lcp_dim = s->n, .n_active = s->a.n_contact, .stiffness_ratio = HUGE_VAL};
+  form_assembly_answer(&s->a, s->base);
+  if (s->n == 0) {
+    s->phase = 2;
+  }
+  return BASE_OK;
+}
+
+static void start_point(polyhedral *s) {
+  memset(s->z0, 0, (size_t)s->n * sizeof *s->z0);
+  if (s->start != FORM_PREVIOUS || s->phase != 0 || !(s->memory.h_old > 0)) {
+    return;
+  }
+  const double ratio = s->a.set->h / s->memory.h_old;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
+    for (int k = 0; past != NULL && k < poly_width(s, i); k++) {
+      s->z0[s->first[i] + k] = ratio * past[PAST_Z + k];
+    }
+  }
+}
+
+/* What is known of the matrix: frictionless contacts give a Delassus matrix, facets a copositive
+ * one with zero diagonal entries. The planar three-unknown form guarantees nothing. */
+static unsigned traits(const polyhedral *s) {
+  bool sigma = false;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    sigma = sigma || s->shape_of[i]->n_part > 0;
+  }
+  if (!sigma) {
+    return LCP_SYMMETRIC | LCP_PSD;
+  }
+  const bool three = s->opt.planar == POLY_THREE && s->a.set->dim == 2;
+  return LCP_ZERO_DIAGONAL | (three ? 0u : (unsigned)LCP_COPOSITIVE);
+}
+
+base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
+                          base_error *err) {
+  (void)err;
+  polyhedral *s = state;
+  *pending = s->phase < 2;
+  if (!*pending) {
+    return BASE_OK;
+  }
+  form_assembly_velocity(&s->a, s->base, s->u);
+  for (int i = 0; i < s->a.n_group; i++) {
+    const double bias = (i < s->a.n_contact) ? s->a.bias[s->a.group[i]] : 0;
+    poly_fill_q(s, i, bias, s->q + s->first[i]);
+  }
+  start_point(s);
+  *out = (lcp_problem){
+      .M = s->M, .q = s->q, .block = s->block, .n_block = s->a.n_group, .traits = traits(s)};
+  *z0 = s->z0;
+  s->answer.work.solves++;
+  return BASE_OK;
+}
+
+/* Poisson: adds e lambda_n of the compression to the impulses and to the friction bounds. True if
+ * there is anything to give back. */
+static bool decompress(polyhedral *s) {
+  const contact_set *c = s->a.set;
+  bool any = false;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double u = c->u_before[c->row_start[g]];
+    const double gain = fmax(0.0, u - s->a.r_normal[g]);
+    double *lambda = s->base + s->a.row[i];
+    if (c->restitution[g] > 0 && lambda[0] > 0 && -u > s->opt.rest * gain) {
+      s->cone[i] = c->restitution[g] * lambda[0];
+      lambda[0] += s->cone[i];
+      if (s->opt.planar == POLY_THREE && c->dim == 2 && s->shape_of[i]->n_part > 0) {
+        lambda[1] -= s->bound[POLY_PARTS * i] * s->cone[i];
+      }
+      any = true;
+    }
+  }
+  return any;
+}
+
+/* 0 open, 1 stick, 2 slip; and the memory of the next step. */
+static void note_modes(polyhedral *s, const double *z) {
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double *zi = z + s->first[i];
+    const poly_shape *shape = s->shape_of[i];
+    double *now = contact_memory_now(&s->memory, g);
+    const bool friction = shape->n_part > 0 && shape->part_kind[0] == 0;
+    const bool slips = friction && zi[shape->n_column] > 0;
+    s->a.mode[g] = (unsigned char)((s->base[s->a.row[i]] > 0) ? (slips || !friction) + 1 : 0);
+    now[PAST_SLIP] = slips;
+    memcpy(now + PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
+  }
+}
+
+base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
+  (void)err;
+  polyhedral *s = state;
+  s->answer.solved = s->answer.solved && claimed == LCP_SOLVED;
+  s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
+  for (int i = 0; i < s->a.n_group; i++) {
+    poly_expand(s, i, z + s->first[i], s->base + s->a.row[i]);
+  }
+  const bool poisson =
+      s->phase == 0 && s->opt.restitution == POLY_POISSON && s->a.set->restitution != NULL;
+  note_modes(s, z);
+  s->phase = (poisson && s->answer.solved && decompress(s)) ? 1 : 2;
+  if (s->phase == 2) {
+    form_assembly_answer(&s->a, s->base);
+  }
+  return BASE_OK;
+}
+
+void poly_answer(const void *state, formulation_answer *out) {
+  const polyhedral *s = state;
+  *out = s->answer;
+  out->impulse = s->a.impulse;
+  out->v_next = s->a.v_next;
+  out->bias = s->a.bias;
+  out->mode = s->a.mode;
+}

@@ -1,0 +1,87 @@
+/* formulations/polyhedral.h - Coulomb friction with a faceted cone as one LCP.
+ *
+ * Per contact the unknowns are (lambda_n, beta_1 .. beta_nd, sigma), in this order, so that one
+ * block of the problem is one contact. With facet directions F = [e_n, d_1 .. d_nd]
+ *
+ *   [ F' C F   a E ] [lambda_n, beta]   [ F' r + b_n ]
+ *   [ a (mu, -E')  0 ] [  sigma        ] + [    0       ]   >= 0   perp   >= 0
+ *
+ * (Anitescu & Potra 1997; Stewart & Trinkle 1996). sigma and its row are scaled by a_i = C_nn of
+ * the contact, so that every unknown is an impulse and every row a velocity. Torsion and rolling
+ * resistance are further facets with a sigma of their own, scaled by their coefficient [m].
+ * A contact without friction has the unknown lambda_n alone. The matrix is copositive: with b_n >=
+ * 0 Lemke's method always finds a solution; with b_n < 0 it may end on a ray. */
+#pragma once
+
+#include "formulations/assembly.h"
+
+enum { POLY_FACETS_MAX = 64, POLY_PARTS = 3 };
+enum { POLY_COLUMNS = 1 + 2 * POLY_FACETS_MAX + 2 };
+
+typedef enum poly_restitution { POLY_NEWTON, POLY_POISSON, POLY_INELASTIC } poly_restitution;
+typedef enum poly_planar { POLY_FOUR, POLY_THREE } poly_planar;
+typedef enum poly_storage { POLY_AUTO, POLY_DENSE, POLY_CSC } poly_storage;
+
+typedef struct poly_options {
+  int facets;      /* directions of the tangent plane; planar contacts always have 2 */
+  int cone;        /* 0 inscribed, 1 circumscribed */
+  int restitution; /* poly_restitution */
+  int planar;      /* poly_planar: unknowns of a planar contact with friction */
+  int storage;     /* poly_storage */
+  int level;       /* form_level */
+  int activation;  /* form_activation */
+  double push, push_speed, rest, joint_push;
+} poly_options;
+
+/* Directions of a contact with given row counts: column k acts on rows row .. row+n-1. */
+typedef struct poly_shape {
+  int n_column; /* lambda_n and all facets */
+  int n_part;
+  int part_start[POLY_PARTS + 1]; /* columns of part k: part_start[k] .. part_start[k+1]-1 */
+  int part_kind[POLY_PARTS];      /* 0 friction, 1 torsion, 2 rolling */
+  struct poly_column {
+    int row, n;
+    double c[2];
+  } column[POLY_COLUMNS];
+} poly_shape;
+
+typedef struct polyhedral {
+  form_assembly a;
+  contact_memory memory;
+  poly_shape shape[3][2][3]; /* by tangent, torsion, rolling rows; built when first met */
+  poly_shape joint;          /* the identity */
+
+  poly_options opt;
+  form_rows rows;
+  formulation_start start;
+  int n;                       /* unknowns */
+  int phase;                   /* 0: first solve, 1: Poisson's decompression, 2: done */
+  const poly_shape **shape_of; /* n_group */
+  int *first;                  /* n_group+1: first unknown of each group */
+  double *scale;               /* 3 n_group: unit of each part, 1 or the coefficient [m] */
+  double *bound;               /* 3 n_group: part's bound per unit of lambda_n */
+  double *base;                /* n_row: impulse before this solve [N s] */
+  double *cone;                /* n_contact: lambda_n in the bound beyond the unknown [N s] */
+  double *u;                   /* n_row: r + C base */
+  lcp_block *block;            /* n_group */
+  double *q, *z0;              /* n */
+  double *val;                 /* dense n*n, or CSC values */
+  int *colptr, *rowind, *at;
+  lcp_matrix M;
+  formulation_answer answer;
+
+  int cap_group, cap_row, cap_n;
+  size_t cap_val;
+  void *mem, *val_mem; /* owned */
+} polyhedral;
+
+long poly_dimension(int dim, int p, const void *opt);
+/* rows: FORM_ROWS_NORMAL for a frictionless model, else FORM_ROWS_ALL. */
+base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
+                       formulation_start start, base_error *err);
+base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
+                          base_error *err);
+base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err);
+void poly_answer(const void *state, formulation_answer *out);
+void poly_close(void *state);
+void poly_forget(void *state);

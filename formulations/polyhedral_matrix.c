@@ -1,0 +1,266 @@
+#include "formulations/polyhedral_matrix.h"
+
+#include <string.h>
+
+enum { MOST_ROWS = 8 }; /* rows of one group: at most 6 of a contact or joint */
+
+static void add_part(poly_shape *s, int kind, int row, int dim, int facets) {
+  const int p = s->n_part++;
+  s->part_kind[p] = kind;
+  s->part_start[p] = s->n_column;
+  const int n = (dim == 1) ? 2 : facets;
+  for (int k = 0; k < n; k++) {
+    struct poly_column *col = &s->column[s->n_column++];
+    const double angle = 2 * 3.14159265358979323846 * k / n;
+    col->row = row;
+    col->n = dim;
+    col->c[0] = cos(angle);
+    col->c[1] = (dim == 1) ? 0 : sin(angle);
+  }
+  /* the four axes exactly, so that a slide along one stays on it */
+  for (int k = 0; k < n; k++) {
+    struct poly_column *col = &s->column[s->part_start[p] + k];
+    if ((4 * k) % n == 0) {
+      const int quarter = (4 * k / n) % 4;
+      col->c[0] = (quarter == 0) - (quarter == 2);
+      col->c[1] = (quarter == 1) - (quarter == 3);
+    }
+  }
+  s->part_start[s->n_part] = s->n_column;
+}
+
+void poly_shape_build(poly_shape *s, contact_rows rows, int facets, bool three) {
+  s->n_column = 1;
+  s->n_part = 0;
+  s->part_start[0] = 1;
+  s->column[0] = (struct poly_column){0, 1, {1, 0}};
+  int row = 1;
+  if (rows.tangent > 0) {
+    add_part(s, 0, row, rows.tangent, facets);
+    row += rows.tangent;
+    if (three) { /* lambda_R along +t is the only facet that stays */
+      s->n_column = 2;
+      s->part_start[1] = 2;
+    }
+  }
+  if (rows.torsion > 0) {
+    add_part(s, 1, row, 1, facets);
+    row += rows.torsion;
+  }
+  if (rows.rolling > 0) {
+    add_part(s, 2, row, rows.rolling, facets);
+  }
+}
+
+void poly_shape_identity(poly_shape *s, int rows) {
+  s->n_part = 0;
+  s->n_column = rows;
+  for (int k = 0; k < rows; k++) {
+    s->column[k] = (struct poly_column){k, 1, {1, 0}};
+  }
+}
+
+static int columns(const polyhedral *s, int i) {
+  return (i < s->a.n_contact) ? s->shape_of[i]->n_column : form_rows_of(&s->a, i);
+}
+
+static int parts(const polyhedral *s, int i) {
+  return (i < s->a.n_contact) ? s->shape_of[i]->n_part : 0;
+}
+
+int poly_width(const polyhedral *s, int i) {
+  return columns(s, i) + parts(s, i);
+}
+
+static bool is_three(const polyhedral *s) {
+  return s->opt.planar == POLY_THREE && s->a.set->dim == 2;
+}
+
+/* Part of column b of group i, -1 for lambda_n and joint rows. */
+static int part_of(const polyhedral *s, int i, int b) {
+  for (int p = 0; p < parts(s, i); p++) {
+    if (b >= s->shape_of[i]->part_start[p] && b < s->shape_of[i]->part_start[p + 1]) {
+      return p;
+    }
+  }
+  return -1;
+}
+
+static double unit_of(const polyhedral *s, int i, int b) {
+  const int p = part_of(s, i, b);
+  return (p < 0) ? 1 : s->scale[POLY_PARTS * i + p];
+}
+
+/* The impulse of group i, row by row, that a unit of its unknown b stands for. */
+static void direction(const polyhedral *s, int i, int b, double *f) {
+  const struct poly_column *col = &s->shape_of[i]->column[b];
+  memset(f, 0, (size_t)form_rows_of(&s->a, i) * sizeof *f);
+  const double unit = unit_of(s, i, b);
+  for (int k = 0; k < col->n; k++) {
+    f[col->row + k] = unit * col->c[k];
+  }
+  if (b == 0 && parts(s, i) > 0 && is_three(s)) {
+    f[1] = -s->bound[POLY_PARTS * i];
+  }
+}
+
+/* out[0..columns_i) = F_i' v, v the velocity of group i's rows. */
+static void project(const polyhedral *s, int i, const double *v, double *out) {
+  const poly_shape *shape = s->shape_of[i];
+  int part = -1;
+  int part_end = 1;
+  double unit = 1;
+  const int n = columns(s, i);
+  for (int a = 0; a < n; a++) {
+    if (a >= part_end && part + 1 < parts(s, i)) {
+      part++;
+      part_end = shape->part_start[part + 1];
+      unit = s->scale[POLY_PARTS * i + part];
+    }
+    const struct poly_column *col = &shape->column[a];
+    double sum = col->c[0] * v[col->row];
+    if (col->n == 2) {
+      sum += col->c[1] * v[col->row + 1];
+    }
+    out[a] = unit * sum;
+  }
+}
+
+/* a_i: normal inverse mass of contact i, 1 where neither side moves. */
+static double normal_mass(const polyhedral *s, int i) {
+  const double a = form_own_block(&s->a, i)[0];
+  return (a > 0) ? a : 1;
+}
+
+/* 1 for facets; the planar three-unknown form bounds lambda_L + lambda_R by 2 mu lambda_n. */
+static double cone_entry(const polyhedral *s, int i, int part) {
+  return ((is_three(s)) ? 2 : 1) * s->bound[POLY_PARTS * i + part];
+}
+
+size_t poly_nnz(const polyhedral *s) {
+  size_t nnz = 0;
+  for (int j = 0; j < s->a.n_group; j++) {
+    size_t height = 0;
+    for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
+      height += (size_t)columns(s, s->a.near[k]);
+    }
+    nnz += height * (size_t)columns(s, j);
+    for (int p = 0; p < parts(s, j); p++) {
+      const int facets = s->shape_of[j]->part_start[p + 1] - s->shape_of[j]->part_start[p];
+      nnz += 1 + 2 * (size_t)facets;
+    }
+  }
+  return nnz;
+}
+
+/* Column b of group j in the rows of group i = near[k]: F_i' C_ij f. The stored block is C_ji. */
+static void coupled_column(const polyhedral *s, int j, int k, const double *f, double *out) {
+  const int i = s->a.near[k];
+  const int ri = form_rows_of(&s->a, i);
+  const int rj = form_rows_of(&s->a, j);
+  const double *block = s->a.block + s->a.block_at[k];
+  double v[MOST_ROWS] = {0};
+  for (int q = 0; q < rj; q++) {
+    for (int p = 0; p < ri; p++) {
+      v[p] += block[q * ri + p] * f[q];
+    }
+  }
+  project(s, i, v, out);
+}
+
+void poly_fill_dense(polyhedral *s) {
+  const ptrdiff_t n = s->n;
+  memset(s->val, 0, (size_t)(n * n) * sizeof *s->val);
+  for (int j = 0; j < s->a.n_group; j++) {
+    const int nj = columns(s, j);
+    for (int b = 0; b < nj; b++) {
+      double f[MOST_ROWS];
+      direction(s, j, b, f);
+      double *column = s->val + (s->first[j] + b) * n;
+      for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
+        coupled_column(s, j, k, f, column + s->first[s->a.near[k]]);
+      }
+    }
+    const double a = normal_mass(s, j);
+    for (int p = 0; p < parts(s, j); p++) {
+      const int sigma = s->first[j] + nj + p;
+      s->val[s->first[j] * n + sigma] = a * cone_entry(s, j, p);
+      for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
+        s->val[(s->first[j] + b) * n + sigma] = -a;
+        s->val[sigma * n + s->first[j] + b] = a;
+      }
+    }
+  }
+}
+
+static int put(polyhedral *s, int at, int row, double value) {
+  s->rowind[at] = row;
+  s->val[at] = value;
+  return at + 1;
+}
+
+/* The sigma rows of group j in its column b. */
+static int put_cone_rows(polyhedral *s, int at, int j, int b) {
+  const double a = normal_mass(s, j);
+  const int sigma = s->first[j] + columns(s, j);
+  const int own = part_of(s, j, b);
+  for (int p = 0; p < parts(s, j); p++) {
+    if (b == 0) {
+      at = put(s, at, sigma + p, a * cone_entry(s, j, p));
+    } else if (p == own) {
+      at = put(s, at, sigma + p, -a);
+    }
+  }
+  return at;
+}
+
+void poly_fill_csc(polyhedral *s) {
+  int at = 0;
+  int column = 0;
+  for (int j = 0; j < s->a.n_group; j++) {
+    const int nj = columns(s, j);
+    for (int b = 0; b < nj; b++) {
+      s->colptr[column++] = at;
+      double f[MOST_ROWS];
+      direction(s, j, b, f);
+      for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
+        const int i = s->a.near[k];
+        coupled_column(s, j, k, f, s->val + at);
+        for (int row = 0; row < columns(s, i); row++) {
+          s->rowind[at++] = s->first[i] + row;
+        }
+        if (i == j) {
+          at = put_cone_rows(s, at, j, b);
+        }
+      }
+    }
+    const double a = normal_mass(s, j);
+    for (int p = 0; p < parts(s, j); p++) {
+      s->colptr[column++] = at;
+      for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
+        at = put(s, at, s->first[j] + b, a);
+      }
+    }
+  }
+  s->colptr[column] = at;
+}
+
+void poly_fill_q(const polyhedral *s, int i, double bias, double *q) {
+  project(s, i, s->u + s->a.row[i], q);
+  if (i < s->a.n_contact) {
+    q[0] += bias;
+    for (int p = 0; p < parts(s, i); p++) {
+      q[columns(s, i) + p] = normal_mass(s, i) * cone_entry(s, i, p) * s->cone[i];
+    }
+  }
+}
+
+void poly_expand(const polyhedral *s, int i, const double *z, double *lambda) {
+  double f[MOST_ROWS];
+  for (int b = 0; b < columns(s, i); b++) {
+    direction(s, i, b, f);
+    for (int p = 0; p < form_rows_of(&s->a, i); p++) {
+      lambda[p] += f[p] * z[b];
+    }
+  }
+}

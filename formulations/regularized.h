@@ -1,0 +1,113 @@
+/* formulations/regularized.h - normal impulses as the only unknowns; friction through a compliant
+ * law in the static phase and through lambda_n in the kinetic one (Gholami, Nasri, Kovecses &
+ * Teichmann 2016; the equations are MATH 2.3).
+ *
+ * Law of one part (friction, torsion or rolling of one contact): a Coulomb slider in series with
+ * spring k and damper c, state s [m], implicit Euler over the step,
+ *
+ *   h tau = h k s + G v_t,   G = h^2 k + h c [kg]
+ *   stick |h tau| <= mu lambda_n:  lambda_t = -h tau,                s+ = s + h v_t
+ *   slip  otherwise, d = tau/|tau|: lambda_t = -mu lambda_n d,       s+ = (mu lambda_n d + c s)/(h k + c)
+ *
+ * For given modes lambda_t is affine in lambda_n, which leaves an LCP of size p. Each part is
+ *   S  stick            lambda_t = -h tau
+ *   L  slip, linearised lambda_t = -mu lambda_n d - r (I - d d') h tau
+ *   R  secant           lambda_t = -r h tau,   r = min(1, mu lambda_n / |h tau|) of the last iterate
+ * and the modes are found by solving again: L is a Newton step, R always converges. */
+#pragma once
+
+#include "formulations/assembly.h"
+
+enum { REG_KINDS = 3 }; /* friction, torsion, rolling */
+typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT } reg_mode;
+typedef enum reg_model { REG_BRISTLE, REG_VISCOUS } reg_model;
+typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY } reg_modes;
+
+typedef struct reg_options {
+  int model;     /* reg_model */
+  int bias;      /* form_level */
+  int stiffness; /* 0: G/m_t fixed, 1: k and c fixed */
+  double ratio;  /* G/m_t [1] */
+  double zeta;   /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
+  double k, c;   /* [N/m], [N s/m] */
+  int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
+  int modes;     /* reg_modes */
+  int form;      /* 0 by size, 1 contact space, 2 mass matrix */
+  int activation, restitution;
+  double tol;      /* of the mode loop, on the friction impulses over the largest impulse [1] */
+  int mode_iter;   /* most solves in a step */
+  int newton_iter; /* solves after which all slip is treated by the secant */
+  double push, push_speed, rest, joint_push;
+} reg_options;
+
+typedef struct reg_part {
+  int contact;  /* active contact */
+  int kind;     /* 0 friction, 1 torsion, 2 rolling */
+  int row, dim; /* rows row .. row+dim-1 of the assembly */
+  double mu_static, mu_kinetic;
+  double k, c, G, m;     /* m: effective mass m_t [kg] */
+  double s[2];           /* at the start of the step [m] */
+  double d[2], r;        /* slip direction, secant factor of the current mode */
+  double tau[2];         /* h tau of the last iterate [N s] */
+  double next_r;         /* min(1, mu lambda_n / |h tau|) there */
+  unsigned char mode;    /* reg_mode */
+  unsigned char sliding; /* mu is the kinetic one */
+  unsigned char flips;   /* changes of `sliding` in this step */
+} reg_part;
+
+/* One compliant or rigid row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
+typedef struct reg_row {
+  int group, row, n;
+  double c[2];
+  double compliance; /* 1/(r G) [1/kg]; 0 for a joint row */
+  double offset;     /* [m/s] */
+} reg_row;
+
+typedef struct regularized {
+  form_assembly a;
+  contact_memory memory;
+  reg_options opt;
+  formulation_start start;
+
+  reg_part *part, *best_part; /* n_part */
+  int n_part;
+  int *part_start; /* n_contact+1: parts of each active contact */
+  int *row_of;     /* n_group+1: compliant rows of each group */
+  reg_row *rows;   /* n_rows */
+  int n_rows;
+  bool any_slip; /* some part has a slip column */
+
+  double *A, *b, *z0;        /* p*p, p, p */
+  double *sigma;             /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
+  double *xyc;               /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
+  double *lambda, *u, *best; /* assembly rows */
+  double *t;                 /* n_rows */
+  lcp_block *block;
+
+  int iteration;
+  bool done, claimed_ok;
+  double best_residual;
+  formulation_answer answer;
+
+  int cap_contact, cap_group, cap_row;
+  size_t cap_sigma, cap_xyc, cap_A;
+  void *mem, *dense_mem; /* owned */
+} regularized;
+
+/* regularized_law.c: parts of the step with their stiffness and transported state; the law at an
+ * iterate; the next modes; the memory of the next step. */
+void reg_parts_build(regularized *s);
+/* Evaluates the law at (lambda, u), both over the assembly's rows: fills tau, r; returns the
+ * largest deviation of lambda from the law over the largest impulse. */
+double reg_law_residual(regularized *s, const double *lambda, const double *u);
+void reg_modes_next(regularized *s);
+/* Puts the law's friction impulses into lambda and stores states and modes. */
+void reg_commit(regularized *s, double *lambda);
+
+int reg_stride(void); /* doubles remembered per contact */
+
+/* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
+ * matrix is not positive definite (redundant joints or rigid friction). */
+bool reg_contact_reduce(regularized *s);
+/* lambda over the assembly's rows from the normal impulses. */
+void reg_contact_expand(regularized *s, const double *lambda_n, double *lambda);

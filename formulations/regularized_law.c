@@ -1,0 +1,297 @@
+/* regularized_law.c - friction parts: stiffness, transported state, the law, modes, memory. */
+#include "formulations/regularized.h"
+
+#include <string.h>
+
+/* A memory entry: closed, lambda_n, then for each kind of part the numbers below. */
+enum { PAST_MODE, PAST_SLIDING, PAST_R, PAST_S, PAST_D = PAST_S + 3, PAST_PART = PAST_D + 3 };
+enum { PAST_PARTS = 2, REG_STRIDE = PAST_PARTS + REG_KINDS * PAST_PART };
+
+/* Largest eigenvalue of the dim x dim block of C at rows `at` of contact i. */
+static double mobility(const form_assembly *a, int i, int at, int dim) {
+  const int n = form_rows_of(a, i);
+  const double *block = form_own_block(a, i);
+  const double p = block[at * n + at];
+  if (dim == 1) {
+    return p;
+  }
+  const double q = block[at * n + at + 1];
+  const double r = block[(at + 1) * n + at + 1];
+  return 0.5 * (p + r) + sqrt(0.25 * (p - r) * (p - r) + q * q);
+}
+
+/* k, c and G = h^2 k + h c. With a fixed ratio, G = ratio m_t and c = 2 zeta sqrt(k m_t). Torsion
+ * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. */
+static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *p) {
+  const double arm = (p->kind == 0) ? 1 : p->mu_static;
+  const bool viscous = o->model == REG_VISCOUS;
+  if (o->stiffness == 0) {
+    const double root = viscous ? 0 : sqrt(o->zeta * o->zeta + o->ratio) - o->zeta;
+    p->k = root * root * p->m / (h * h);
+    p->c = (viscous ? o->ratio : 2 * o->zeta * root) * p->m / h;
+  } else {
+    p->k = viscous ? 0 : o->k * arm * arm;
+    p->c = o->c * arm * arm;
+  }
+  p->G = h * h * p->k + h * p->c;
+  if (boost && p->G > 0 && p->G < o->ratio * p->m) {
+    const double up = o->ratio * p->m / p->G;
+    p->k *= up;
+    p->c *= up;
+    p->G *= up;
+  }
+}
+
+/* Carries a tangential world vector into the frame of this step: projected onto the tangent plane,
+ * brought back to its length, turned about the normal by the mean spin of the two bodies
+ * (MATH 2.3.11). */
+static void to_frame(const contact_set *c, int g, const double *vector, double *out) {
+  const double *n = c->frame + 9 * (ptrdiff_t)g;
+  const double *t1 = n + 3;
+  const double *t2 = n + 6;
+  const double x = t1[0] * vector[0] + t1[1] * vector[1] + t1[2] * vector[2];
+  const double y = t2[0] * vector[0] + t2[1] * vector[1] + t2[2] * vector[2];
+  const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
+  const double now = sqrt(x * x + y * y);
+  if (!(now > 0)) {
+    out[0] = 0;
+    out[1] = 0;
+    return;
+  }
+  double angle = 0;
+  if (c->spin != NULL) {
+    const double *w = c->spin + 3 * (ptrdiff_t)g;
+    angle = c->h * (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]);
+  }
+  const double scale = length / now;
+  out[0] = scale * (cos(angle) * x - sin(angle) * y);
+  out[1] = scale * (sin(angle) * x + cos(angle) * y);
+}
+
+static void to_world(const contact_set *c, int g, const double *in, double *vector) {
+  const double *t1 = c->frame + 9 * (ptrdiff_t)g + 3;
+  const double *t2 = t1 + 3;
+  for (int k = 0; k < 3; k++) {
+    vector[k] = in[0] * t1[k] + in[1] * t2[k];
+  }
+}
+
+/* A planar tangent or a torsion is one number. A planar t1 turns with the normal by itself. */
+static void restore(const regularized *s, int g, reg_part *p) {
+  const double *past = contact_memory_old(&s->memory, g);
+  p->mode = REG_STICK;
+  p->r = 1;
+  if (past == NULL) {
+    return;
+  }
+  const double *m = past + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
+  p->mode = (unsigned char)m[PAST_MODE];
+  p->sliding = (unsigned char)m[PAST_SLIDING];
+  p->r = m[PAST_R];
+  if (p->dim == 1) {
+    p->s[0] = m[PAST_S];
+    p->d[0] = m[PAST_D];
+  } else {
+    to_frame(s->a.set, g, m + PAST_S, p->s);
+    to_frame(s->a.set, g, m + PAST_D, p->d);
+  }
+  if (p->mode == REG_SECANT) {
+    p->mode = REG_SLIP;
+  }
+}
+
+static bool has_impact(const regularized *s) {
+  const contact_set *c = s->a.set;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double u = c->u_before[c->row_start[g]];
+    const double gain = fmax(0.0, u - s->a.r_normal[g]);
+    if (-u > s->opt.rest * gain && -u * c->h > c->tol) {
+      return true;
+    }
+  }
+  return false;
+}
+
+static void add_part(regularized *s, int i, int kind, int row, int dim, bool boost) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  reg_part *p = &s->part[s->n_part];
+  *p = (reg_part){.contact = i, .kind = kind, .row = row, .dim = dim};
+  if (kind == 0) {
+    p->mu_static = c->mu_static[g];
+    p->mu_kinetic = c->mu_kinetic[g];
+  } else {
+    p->mu_static = (kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g];
+    p->mu_kinetic = p->mu_static;
+  }
+  const double inverse = mobility(&s->a, i, row - s->a.row[i], dim);
+  if (!(inverse > 0) || !(p->mu_static > 0)) {
+    return; /* nothing can move, or nothing holds */
+  }
+  p->m = 1 / inverse;
+  set_stiffness(&s->opt, c->h, boost, p);
+  restore(s, g, p);
+  s->n_part++;
+}
+
+void reg_parts_build(regularized *s) {
+  const bool boost = s->opt.impact == 1 && has_impact(s);
+  s->n_part = 0;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const contact_rows rows = s->a.set->rows[s->a.group[i]];
+    const int first = s->a.row[i] + 1;
+    s->part_start[i] = s->n_part;
+    if (rows.tangent > 0) {
+      add_part(s, i, 0, first, rows.tangent, boost);
+    }
+    if (rows.torsion > 0) {
+      add_part(s, i, 1, first + rows.tangent, 1, boost);
+    }
+    if (rows.rolling > 0) {
+      add_part(s, i, 2, first + rows.tangent + rows.torsion, rows.rolling, boost);
+    }
+  }
+  s->part_start[s->a.n_contact] = s->n_part;
+}
+
+static double norm(const double *x, int n) {
+  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
+}
+
+/* h tau from the end velocity, or where lambda follows it with full accuracy (a stiff spring times
+ * a small velocity would lose digits) from lambda. */
+static void trial(const regularized *s, reg_part *p, const double *lambda, const double *u) {
+  const double h = s->a.set->h;
+  for (int m = 0; m < p->dim; m++) {
+    p->tau[m] = h * p->k * p->s[m] + p->G * u[p->row + m];
+  }
+  if (p->mode == REG_STICK || (p->mode == REG_SECANT && p->r > 0)) {
+    const double r = (p->mode == REG_STICK) ? 1 : p->r;
+    for (int m = 0; m < p->dim; m++) {
+      p->tau[m] = -lambda[p->row + m] / r;
+    }
+  }
+}
+
+static double bound_of(const reg_part *p, double lambda_n) {
+  return (p->sliding ? p->mu_kinetic : p->mu_static) * fmax(lambda_n, 0.0);
+}
+
+/* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATH 2.3.6). At
+ * most one change to and fro in a step. */
+static void choose_coefficient(reg_part *p, double tau, double lambda_n) {
+  const double mu = p->sliding ? p->mu_kinetic : p->mu_static;
+  const bool slides = tau > mu * fmax(lambda_n, 0.0);
+  if (slides != (p->sliding != 0) && p->flips < 2) {
+    p->sliding = slides;
+    p->flips = (unsigned char)(p->flips + (p->mu_static > p->mu_kinetic));
+  }
+}
+
+double reg_law_residual(regularized *s, const double *lambda, const double *u) {
+  double largest = 0;
+  double worst = 0;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const double ln = lambda[s->a.row[i]];
+    largest = fmax(largest, fabs(ln));
+    for (int k = s->part_start[i]; k < s->part_start[i + 1]; k++) {
+      reg_part *p = &s->part[k];
+      trial(s, p, lambda, u);
+      const double tau = norm(p->tau, p->dim);
+      choose_coefficient(p, tau, ln);
+      const double bound = bound_of(p, ln);
+      const double scale = (tau > bound) ? bound / tau : 1;
+      const double arm = (p->kind == 0) ? 1 : p->mu_static;
+      for (int m = 0; m < p->dim; m++) {
+        worst = fmax(worst, fabs(lambda[p->row + m] + scale * p->tau[m]) / arm);
+        largest = fmax(largest, fabs(lambda[p->row + m]) / arm);
+      }
+      p->next_r = scale;
+    }
+  }
+  return (largest > 0) ? worst / largest : 0;
+}
+
+void reg_modes_next(regularized *s) {
+  const bool secant = s->opt.modes == REG_SECANT_ONLY ||
+                      (s->opt.modes == REG_NEWTON && s->iteration >= s->opt.newton_iter);
+  for (int k = 0; k < s->n_part; k++) {
+    reg_part *p = &s->part[k];
+    const unsigned char was = p->mode;
+    const double tau = norm(p->tau, p->dim);
+    p->r = p->next_r;
+    p->mode = REG_STICK;
+    if (p->next_r < 1 && tau > 0) {
+      const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
+      const bool turned = was != REG_STICK && d[0] * p->d[0] + d[1] * p->d[1] < 0;
+      const bool hold = s->opt.modes == REG_NEWTON && turned;
+      p->mode = (secant || hold) ? REG_SECANT : REG_SLIP;
+      p->d[0] = d[0];
+      p->d[1] = d[1];
+    }
+    s->answer.work.mode_changes += p->mode != was;
+  }
+}
+
+static void store(regularized *s, const reg_part *p, const double *next) {
+  const int g = s->a.group[p->contact];
+  double *m = contact_memory_now(&s->memory, g) + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
+  m[PAST_MODE] = (p->next_r < 1) ? REG_SLIP : REG_STICK;
+  m[PAST_SLIDING] = p->sliding;
+  m[PAST_R] = p->next_r;
+  const double tau = norm(p->tau, p->dim);
+  const double d[2] = {(tau > 0) ? p->tau[0] / tau : 0, (tau > 0) ? p->tau[1] / tau : 0};
+  if (p->dim == 1) {
+    m[PAST_S] = next[0];
+    m[PAST_D] = d[0];
+  } else {
+    to_world(s->a.set, g, next, m + PAST_S);
+    to_world(s->a.set, g, d, m + PAST_D);
+  }
+}
+
+void reg_commit(regularized *s, double *lambda) {
+  const contact_set *c = s->a.set;
+  formulation_answer *out = &s->answer;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    contact_memory_now(&s->memory, s->a.group[i])[1] = lambda[s->a.row[i]];
+    s->a.mode[s->a.group[i]] = (lambda[s->a.row[i]] > 0) ? 2 : 0; /* no friction: slides */
+  }
+  for (int k = 0; k < s->n_part; k++) {
+    const reg_part *p = &s->part[k];
+    const int g = s->a.group[p->contact];
+    const double ln = lambda[s->a.row[p->contact]];
+    const double bound = bound_of(p, ln);
+    const double creep = c->h * p->k + p->c;
+    double next[2] = {0, 0};
+    const bool left = !(ln > 0) && c->gap[g] > 10 * c->tol; /* separated: nothing is kept */
+    for (int m = 0; m < p->dim; m++) {
+      const double l = -p->next_r * p->tau[m];
+      lambda[p->row + m] = l;
+      if (p->next_r < 1) {
+        next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;
+      } else if (p->G > 0) { /* s + h v_t with v_t = -(l + h k s)/G */
+        next[m] = p->s[m] - c->h * (l + c->h * p->k * p->s[m]) / p->G;
+      }
+      next[m] = left ? 0 : next[m];
+      out->spring_energy += 0.5 * p->k * next[m] * next[m];
+    }
+    if (!left) {
+      store(s, p, next);
+    }
+    if (p->kind == 0) {
+      out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / p->m);
+      s->a.mode[g] = (unsigned char)((ln > 0) ? 1 + (p->next_r < 1) : 0);
+      if (p->k > 0) {
+        out->deflection = fmax(out->deflection, bound / (c->h * p->k));
+      } else if (p->c > 0) {
+        out->v_slip = fmax(out->v_slip, bound / (c->h * p->c));
+      }
+    }
+  }
+}
+
+int reg_stride(void) {
+  return REG_STRIDE;
+}
