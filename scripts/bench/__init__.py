@@ -1,0 +1,1 @@
+"""The Python side of lcpbench: statistics, figures and the report, made from the rows of a campaign."""
