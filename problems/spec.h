@@ -9,7 +9,15 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-enum { SPEC_NAME = 32, SPEC_VERTICES = 32, SPEC_PARTS = 8, SPEC_FORMS = 9, SPEC_PAIRS = 8 };
+enum {
+  SPEC_NAME = 32,
+  SPEC_VERTICES = 32,
+  SPEC_PARTS = 8,
+  SPEC_FORMS = 9,
+  SPEC_PAIRS = 8,
+  SPEC_STEPS = 8,
+  SPEC_OBSERVE = 16
+};
 
 typedef enum spec_shape_kind {
   SPEC_POINT,
@@ -172,7 +180,7 @@ typedef struct spec_check {
   bool tangential;            /* component of the force */
   spec_event event;
   double threshold;
-  char source[96]; /* formula or reference */
+  char source[160]; /* formula, reference or remark */
 } spec_check;
 
 /* What the scene must give when one effect is switched off. */
@@ -181,13 +189,22 @@ typedef struct spec_off {
   spec_check check;
 } spec_off;
 
+/* Painleve: the sliding contact's normal acceleration is p N + b (MATH 2.3.8). */
+typedef struct spec_acceleration {
+  bool given;
+  double p, b, mu_crit;
+  char regime[SPEC_NAME]; /* slip, flight, inconsistent, indeterminate */
+} spec_acceleration;
+
 typedef struct scene_spec {
   char id[64];
   char title[160];
-  char formula[240];
+  char formula[320];
+  char note[320]; /* remark or source */
   int dim;
   double gravity[3];
-  unsigned effects; /* declared, EFFECT_ bits */
+  unsigned effects; /* declared: what the scene calls for, EFFECT_ bits */
+  unsigned present; /* what occurs in the data, needed or not; set by spec_check_all */
   int n_body;
   spec_body *body; /* owned, as all arrays below */
   int n_static;
@@ -203,16 +220,23 @@ typedef struct scene_spec {
   int contact_multiplicity; /* >= 1: every contact point listed that often */
   double duration;          /* T [s] */
   int n_h;
-  double h[8]; /* steps at which it is judged; {0.01} where none is given */
-  int facets;  /* nd the checks were made for; 0: any */
-  int order;   /* order of convergence in h */
+  double h[SPEC_STEPS]; /* steps at which it is judged; {0.01} where none is given */
+  int facets;           /* nd the checks were made for; 0: any */
+  int order;            /* order of convergence in h */
   int n_not_applicable;
   char not_applicable[SPEC_FORMS][SPEC_NAME];
   int n_check;
   spec_check *check;
   int n_off;
   spec_off *off;
-  bool expect_unsolved;           /* the honest end is "infeasible" or "unsolved" */
+  bool expect_unsolved;     /* the honest end is "infeasible" or "unsolved" */
+  bool is_long;             /* too many steps for a quick run */
+  double contact_stiffness; /* normal compliance 1/k instead of a rigid contact [N/m]; 0: rigid */
+  spec_acceleration acceleration; /* regime of the acceleration-level problem at t = 0 */
+  double sweep_rate;              /* known convergence rate of Gauss-Seidel sweeps; 0: unknown */
+  double sweeps_to_1e6;           /* sweeps to reduce the error by 1e6; 0: unknown */
+  int n_observe;                  /* quantities to report; 0: those of the checks */
+  char observe[SPEC_OBSERVE][2 * SPEC_NAME];
   const struct mech_model *model; /* generalised coordinates in C (woodpecker, ...); NULL */
   void *model_param;              /* owned, freed with free() */
 } scene_spec;
@@ -235,10 +259,37 @@ base_status spec_add_pair(spec_coefficient *c, const char *a, const char *b, dou
                           base_error *err);
 int spec_find_body(const scene_spec *s, const char *name); /* -1 if absent */
 
+/* A state check |var(t) - value| <= abs + h_coef h, the commonest kind. */
+base_status spec_add_state(scene_spec *s, const char *var, double t, double value, double abs,
+                           double h_coef, base_error *err);
+base_status spec_add_off(scene_spec *s, unsigned effect_bit, const char *var, double t,
+                         double value, double abs, double h_coef, base_error *err);
+base_status spec_add_no_collision(scene_spec *s, const char *a, const char *b, base_error *err);
+base_status spec_add_observe(scene_spec *s, const char *var, base_error *err);
+/* Restricts a check to a formulation (may be called again for another one). */
+base_status spec_check_only(spec_check *c, const char *formulation, base_error *err);
+/* Copies a name or text into a fixed buffer; refuses what does not fit. */
+base_status spec_text(char *to, size_t cap, const char *from, const char *what, base_error *err);
+
 /* Names the culprit and the rule: positive finite masses and inertias, unit-able normals, known
  * names in pairs, loads and checks, no empty scene, T > 0, ... Also derives `effects` where the
  * scene does not declare them (bit set iff something of it occurs). */
 base_status spec_check_all(scene_spec *s, base_error *err);
+
+/* Part of spec_check_all: sets `present`, and `effects` to what is declared (nothing declared: all
+ * that is present). Gravity, joints, loads, motion and the dimension belong to the data and always
+ * count as declared; a rotating body that is not round always is gyroscopic. */
+base_status spec_settle_effects(scene_spec *s, base_error *err);
+
+/* Moments of inertia of a homogeneous solid of that shape and mass (planar: [0] per the disc, box,
+ * rod, polygon about its centroid, which must be the origin of its vertices). Compounds and points
+ * have none of their own: BASE_EINVAL. */
+base_status spec_solid_inertia(const spec_shape *p, int dim, double mass, double inertia[3],
+                               base_error *err);
+
+/* Is `quantity` one that "body.quantity" may observe (x, y, z, vx, vy, vz, pos, vel, angle, omega,
+ * omega.x, ...) in this dimension? */
+bool spec_quantity_known(const char *quantity, int dim);
 
 /* Does the check apply to this formulation at these facets (0: no facets)? */
 bool spec_check_applies(const spec_check *c, const char *formulation, int facets);

@@ -1,0 +1,477 @@
+#include "problems/spec.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- names ---------------------------------------------------------------------------------- */
+
+typedef struct names {
+  const char **sorted;
+  int n;
+} names;
+
+static int by_text(const void *a, const void *b) {
+  return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+static bool name_known(const names *k, const char *name) {
+  return bsearch(&name, k->sorted, (size_t)k->n, sizeof *k->sorted, by_text) != NULL;
+}
+
+/* Sorted names of bodies and statics; refuses empty and repeated ones. */
+static base_status collect_names(const scene_spec *s, names *k, base_error *err) {
+  k->n = s->n_body + s->n_static;
+  k->sorted = malloc((size_t)k->n * sizeof *k->sorted);
+  if (k->sorted == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "scene '%s': no memory for %d names", s->id, k->n);
+  }
+  for (int i = 0; i < k->n; i++) {
+    k->sorted[i] = (i < s->n_body) ? s->body[i].name : s->fixed[i - s->n_body].name;
+    if (k->sorted[i][0] == '\0' || strchr(k->sorted[i], '.') != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL,
+                       "scene '%s': body or static %d named '%s': need a name without '.'", s->id,
+                       i, k->sorted[i]);
+    }
+  }
+  qsort(k->sorted, (size_t)k->n, sizeof *k->sorted, by_text);
+  for (int i = 1; i < k->n; i++) {
+    if (strcmp(k->sorted[i], k->sorted[i - 1]) == 0) {
+      return BASE_FAIL(err, BASE_EINVAL, "scene '%s': the name '%s' is used twice", s->id,
+                       k->sorted[i]);
+    }
+  }
+  return BASE_OK;
+}
+
+/* ---- numbers -------------------------------------------------------------------------------- */
+
+static bool all_finite(const double *x, int n) {
+  for (int i = 0; i < n; i++) {
+    if (!isfinite(x[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+static double norm3(const double *v) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+#define BAD(...) BASE_FAIL(err, BASE_EINVAL, __VA_ARGS__)
+
+/* ---- bodies --------------------------------------------------------------------------------- */
+
+/* Twice the signed area, or a negative number where the polygon is not convex. */
+static double convex_area2(const spec_shape *p) {
+  double area = 0.0;
+  for (int i = 0; i < p->n_vertex; i++) {
+    const double *a = p->vertex[i], *b = p->vertex[(i + 1) % p->n_vertex],
+                 *c = p->vertex[(i + 2) % p->n_vertex];
+    if ((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0) {
+      return -1.0;
+    }
+    area += a[0] * b[1] - a[1] * b[0];
+  }
+  return area;
+}
+
+static base_status check_polygon(const scene_spec *s, const spec_body *b, const spec_shape *p,
+                                 base_error *err) {
+  if (s->dim != 2) {
+    return BAD("scene '%s': body '%s': a polygon is planar, dim is %d", s->id, b->name, s->dim);
+  }
+  if (p->n_vertex < 3 || p->n_vertex > SPEC_VERTICES) {
+    return BAD("scene '%s': body '%s': polygon needs 3 to %d vertices, has %d", s->id, b->name,
+               SPEC_VERTICES, p->n_vertex);
+  }
+  for (int i = 0; i < p->n_vertex; i++) {
+    if (!all_finite(p->vertex[i], 2)) {
+      return BAD("scene '%s': body '%s': vertex %d is not finite", s->id, b->name, i + 1);
+    }
+  }
+  if (!(convex_area2(p) > 0.0)) {
+    return BAD("scene '%s': body '%s': polygon must be convex, counter-clockwise", s->id, b->name);
+  }
+  return BASE_OK;
+}
+
+static base_status check_extent(const scene_spec *s, const spec_body *b, const char *what,
+                                double value, base_error *err) {
+  if (!(value > 0.0) || !isfinite(value)) {
+    return BAD("scene '%s': body '%s': shape %s = %g, need a finite value > 0", s->id, b->name,
+               what, value);
+  }
+  return BASE_OK;
+}
+
+static base_status check_shape(const scene_spec *s, const spec_body *b, const spec_shape *p,
+                               bool is_part, base_error *err);
+
+static base_status check_parts(const scene_spec *s, const spec_body *b, const spec_shape *p,
+                               base_error *err) {
+  if (p->n_part < 1 || p->n_part > SPEC_PARTS) {
+    return BAD("scene '%s': body '%s': compound needs 1 to %d parts, has %d", s->id, b->name,
+               SPEC_PARTS, p->n_part);
+  }
+  for (int i = 0; i < p->n_part; i++) {
+    if (!all_finite(p->part[i].pos, 3) || !all_finite(p->part[i].quat, 4)) {
+      return BAD("scene '%s': body '%s': pose of part %d is not finite", s->id, b->name, i + 1);
+    }
+    BASE_TRY(check_shape(s, b, &p->part[i].shape, true, err));
+  }
+  return BASE_OK;
+}
+
+static base_status check_shape(const scene_spec *s, const spec_body *b, const spec_shape *p,
+                               bool is_part, base_error *err) {
+  switch (p->kind) {
+  case SPEC_POINT:
+    return BASE_OK;
+  case SPEC_SPHERE:
+    return check_extent(s, b, "r", p->r, err);
+  case SPEC_BOX:
+    for (int k = 0; k < s->dim; k++) {
+      BASE_TRY(check_extent(s, b, "half", p->half[k], err));
+    }
+    return BASE_OK;
+  case SPEC_ROD:
+    if (!(p->r >= 0.0) || !isfinite(p->r)) {
+      return BAD("scene '%s': body '%s': rod r = %g, need >= 0", s->id, b->name, p->r);
+    }
+    return check_extent(s, b, "half_length", p->half[0], err);
+  case SPEC_DISC3D:
+    if (s->dim != 3 || !(p->half[2] >= 0.0) || !isfinite(p->half[2])) {
+      return BAD("scene '%s': body '%s': disc3d or cylinder needs dim 3 and half height >= 0",
+                 s->id, b->name);
+    }
+    return check_extent(s, b, "r", p->r, err);
+  case SPEC_POLYGON:
+    return check_polygon(s, b, p, err);
+  case SPEC_COMPOUND:
+    if (is_part) {
+      return BAD("scene '%s': body '%s': a compound inside a compound", s->id, b->name);
+    }
+    return check_parts(s, b, p, err);
+  }
+  return BAD("scene '%s': body '%s': unknown shape %d", s->id, b->name, (int)p->kind);
+}
+
+static bool can_rotate(const scene_spec *s, const spec_body *b) {
+  const unsigned rot = (s->dim == 2) ? SPEC_RZ : SPEC_ROT;
+  return (b->lock & rot) != rot;
+}
+
+static base_status check_inertia(const scene_spec *s, const spec_body *b, base_error *err) {
+  const double *I = b->inertia;
+  const int n = (s->dim == 2) ? 1 : 3;
+  for (int k = 0; k < n; k++) {
+    if (!(I[k] > 0.0) || !isfinite(I[k])) {
+      return BAD("scene '%s': body '%s': inertia = %g, need a finite value > 0", s->id, b->name,
+                 I[k]);
+    }
+  }
+  const double slack = 1.0 + 1e-12; /* a flat body meets the bound with equality */
+  if (n == 3 && (I[0] > (I[1] + I[2]) * slack || I[1] > (I[0] + I[2]) * slack ||
+                 I[2] > (I[0] + I[1]) * slack)) {
+    return BAD("scene '%s': body '%s': inertia (%g, %g, %g): each moment is at most the sum of "
+               "the others",
+               s->id, b->name, I[0], I[1], I[2]);
+  }
+  return BASE_OK;
+}
+
+static base_status check_body(const scene_spec *s, spec_body *b, base_error *err) {
+  const bool fine = all_finite(b->pos, 3) && all_finite(b->quat, 4) && isfinite(b->angle) &&
+                    all_finite(b->vel, 3) && all_finite(b->omega, 3) && all_finite(b->acc, 3) &&
+                    all_finite(b->prescribed_v0, 6) && all_finite(b->prescribed_a, 6);
+  if (!fine) {
+    return BAD("scene '%s': body '%s': position, velocity or motion is not finite", s->id, b->name);
+  }
+  const double length = sqrt(b->quat[0] * b->quat[0] + b->quat[1] * b->quat[1] +
+                             b->quat[2] * b->quat[2] + b->quat[3] * b->quat[3]);
+  if (!(fabs(length - 1.0) <= 1e-6)) {
+    return BAD("scene '%s': body '%s': quat has length %g, need 1", s->id, b->name, length);
+  }
+  if (!(b->mass > 0.0) || !isfinite(b->mass)) {
+    return BAD("scene '%s': body '%s': mass = %g, need a finite value > 0", s->id, b->name,
+               b->mass);
+  }
+  if (!b->kinematic && can_rotate(s, b)) {
+    BASE_TRY(check_inertia(s, b, err));
+  }
+  if ((b->lock & b->prescribed) != 0) {
+    return BAD("scene '%s': body '%s': a dof is both locked and prescribed", s->id, b->name);
+  }
+  const unsigned allowed =
+      (s->dim == 2) ? (SPEC_X | SPEC_Y | SPEC_RZ) : (SPEC_X | SPEC_Y | SPEC_Z | SPEC_ROT);
+  if (((b->lock | b->prescribed) & ~allowed) != 0) {
+    return BAD("scene '%s': body '%s': lock or prescribed names a dof absent in dim %d", s->id,
+               b->name, s->dim);
+  }
+  return check_shape(s, b, &b->shape, false, err);
+}
+
+static base_status check_static(const scene_spec *s, spec_static *p, base_error *err) {
+  const double length = norm3(p->normal);
+  if (!all_finite(p->normal, 3) || !(fabs(length - 1.0) <= 1e-6)) {
+    return BAD("scene '%s': static '%s': normal has length %g, need 1", s->id, p->name, length);
+  }
+  if (!isfinite(p->offset) || !all_finite(p->surface_velocity, 3)) {
+    return BAD("scene '%s': static '%s': offset or surface velocity is not finite", s->id, p->name);
+  }
+  return BASE_OK;
+}
+
+/* ---- coefficients, loads, joints ------------------------------------------------------------- */
+
+static base_status check_pair(const scene_spec *s, const names *k, const char *what,
+                              const spec_pair *p, base_error *err) {
+  if (!name_known(k, p->a) || !name_known(k, p->b)) {
+    return BAD("scene '%s': %s of pair %s-%s: no body or static named '%s'", s->id, what, p->a,
+               p->b, name_known(k, p->a) ? p->b : p->a);
+  }
+  return BASE_OK;
+}
+
+static base_status check_coefficient(const scene_spec *s, const names *k, const char *what,
+                                     const spec_coefficient *c, double lo, double hi,
+                                     base_error *err) {
+  if (!(c->dflt >= lo && c->dflt <= hi) || !isfinite(c->dflt)) {
+    return BAD("scene '%s': %s default = %g, need a value in [%g, %g]", s->id, what, c->dflt, lo,
+               hi);
+  }
+  for (int i = 0; i < c->n_pair; i++) {
+    const spec_pair *p = &c->pair[i];
+    BASE_TRY(check_pair(s, k, what, p, err));
+    if (!(p->value >= 0.0 && p->value <= hi) || !isfinite(p->value)) {
+      return BAD("scene '%s': %s of pair %s-%s = %g, need a value in [0, %g]", s->id, what, p->a,
+                 p->b, p->value, hi);
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status check_coefficients(const scene_spec *s, const names *k, base_error *err) {
+  const double any = HUGE_VAL;
+  BASE_TRY(check_coefficient(s, k, "friction", &s->friction, 0.0, any, err));
+  /* -1: same as static */
+  BASE_TRY(check_coefficient(s, k, "friction_kinetic", &s->friction_kinetic, -1.0, any, err));
+  BASE_TRY(check_coefficient(s, k, "restitution", &s->restitution, 0.0, 1.0, err));
+  BASE_TRY(check_coefficient(s, k, "rolling", &s->rolling, 0.0, any, err));
+  BASE_TRY(check_coefficient(s, k, "torsion", &s->torsion, 0.0, any, err));
+  for (int i = 0; i < s->n_no_collision; i++) {
+    BASE_TRY(check_pair(s, k, "no_collision", &s->no_collision[i], err));
+  }
+  return BASE_OK;
+}
+
+static base_status check_load(const scene_spec *s, int i, base_error *err) {
+  const spec_load *l = &s->load[i];
+  if (l->body < 0 || l->body >= s->n_body || l->other < -1 || l->other >= s->n_body) {
+    return BAD("scene '%s': load %d acts on no body of the scene", s->id, i + 1);
+  }
+  const bool fine = all_finite(l->force, 3) && all_finite(l->torque, 3) && all_finite(l->dir, 3) &&
+                    isfinite(l->rate) && isfinite(l->rest) && all_finite(l->anchor, 3) &&
+                    all_finite(l->anchor_vel, 3) && all_finite(l->offset, 3) &&
+                    all_finite(l->other_offset, 3) && isfinite(l->omega) && isfinite(l->phase);
+  if (!fine) {
+    return BAD("scene '%s': load %d on '%s' has a number that is not finite", s->id, i + 1,
+               s->body[l->body].name);
+  }
+  if (!(l->k >= 0.0) || !(l->c >= 0.0) || !isfinite(l->k) || !isfinite(l->c)) {
+    return BAD("scene '%s': load %d on '%s': stiffness %g and damping %g must be >= 0", s->id,
+               i + 1, s->body[l->body].name, l->k, l->c);
+  }
+  const bool needs_dir =
+      l->kind == SPEC_FORCE_RAMP || l->kind == SPEC_FORCE_SINE || l->kind == SPEC_SPRING;
+  if (needs_dir && !(fabs(norm3(l->dir) - 1.0) <= 1e-6)) {
+    return BAD("scene '%s': load %d on '%s': dir has length %g, need 1", s->id, i + 1,
+               s->body[l->body].name, norm3(l->dir));
+  }
+  if (l->kind == SPEC_SPRING_PAIR && l->other == l->body) {
+    return BAD("scene '%s': load %d ties '%s' to itself", s->id, i + 1, s->body[l->body].name);
+  }
+  if (l->kind == SPEC_TORSION_SPRING && s->dim != 2) {
+    return BAD("scene '%s': load %d: a torsion spring is planar, dim is %d", s->id, i + 1, s->dim);
+  }
+  return BASE_OK;
+}
+
+static base_status check_joint(const scene_spec *s, int i, base_error *err) {
+  const spec_joint *j = &s->joint[i];
+  if (j->body < 0 || j->body >= s->n_body || j->other < -1 || j->other >= s->n_body ||
+      j->other == j->body) {
+    return BAD("scene '%s': joint '%s' needs two different bodies, or one and the world", s->id,
+               j->name);
+  }
+  if (!all_finite(j->anchor, 3) || !all_finite(j->other_anchor, 3) || !all_finite(j->axis, 3)) {
+    return BAD("scene '%s': joint '%s' has a number that is not finite", s->id, j->name);
+  }
+  const bool needs_axis = j->kind == SPEC_SLIDER || (j->kind == SPEC_HINGE && s->dim == 3);
+  if (needs_axis && !(fabs(norm3(j->axis) - 1.0) <= 1e-6)) {
+    return BAD("scene '%s': joint '%s': axis has length %g, need 1", s->id, j->name,
+               norm3(j->axis));
+  }
+  if (j->kind == SPEC_DISTANCE) {
+    const double d[3] = {j->anchor[0] - j->other_anchor[0], j->anchor[1] - j->other_anchor[1],
+                         j->anchor[2] - j->other_anchor[2]};
+    if (!(norm3(d) > 0.0)) {
+      return BAD("scene '%s': joint '%s': its two anchors coincide", s->id, j->name);
+    }
+  }
+  return BASE_OK;
+}
+
+/* ---- checks --------------------------------------------------------------------------------- */
+
+bool spec_quantity_known(const char *quantity, int dim) {
+  static const char *const both[] = {"x", "y", "vx", "vy", "pos", "vel", "angle", "omega"};
+  static const char *const spatial[] = {"z", "vz", "omega.x", "omega.y", "omega.z"};
+  for (int i = 0; i < BASE_COUNT(both); i++) {
+    if (strcmp(quantity, both[i]) == 0) {
+      return true;
+    }
+  }
+  for (int i = 0; dim == 3 && i < BASE_COUNT(spatial); i++) {
+    if (strcmp(quantity, spatial[i]) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+static base_status check_var(const scene_spec *s, const names *k, const char *var,
+                             base_error *err) {
+  if (s->model != NULL || var[0] == '\0') {
+    return BASE_OK; /* the model knows its own names */
+  }
+  const char *dot = strchr(var, '.');
+  char body[2 * SPEC_NAME] = "";
+  if (dot != NULL) {
+    memcpy(body, var, (size_t)(dot - var));
+  }
+  if (dot == NULL || !name_known(k, body)) {
+    return BAD("scene '%s': '%s' names no body; need body.quantity", s->id, var);
+  }
+  if (!spec_quantity_known(dot + 1, s->dim)) {
+    return BAD("scene '%s': '%s': unknown quantity '%s' in dim %d", s->id, var, dot + 1, s->dim);
+  }
+  return BASE_OK;
+}
+
+static bool needs_var(spec_check_kind k) {
+  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_MAX_DRIFT ||
+         k == CHECK_WINDOW_MAX || k == CHECK_WINDOW_MIN || k == CHECK_MIN_CHANGE;
+}
+
+static base_status check_check(const scene_spec *s, const names *k, const spec_check *c,
+                               base_error *err) {
+  const char *kind = spec_check_name(c->kind);
+  if (needs_var(c->kind) && c->var[0] == '\0') {
+    return BAD("scene '%s': check %s needs a var", s->id, kind);
+  }
+  BASE_TRY(check_var(s, k, c->var, err));
+  const spec_tolerance *t = &c->tol;
+  const double tol[] = {t->abs, t->h, t->h2, t->inv_h, t->reg_h, t->reg_v, t->reg_d, t->rel};
+  for (int i = 0; i < BASE_COUNT(tol); i++) {
+    if (!(tol[i] >= 0.0) || !isfinite(tol[i])) {
+      return BAD("scene '%s': check %s of '%s': a tolerance is %g, need >= 0", s->id, kind, c->var,
+                 tol[i]);
+    }
+  }
+  if (!isfinite(c->value) || !isfinite(c->dvalue_dh) || !(c->t >= 0.0) || !(c->t0 >= 0.0) ||
+      !(c->t1 >= c->t0)) {
+    return BAD("scene '%s': check %s of '%s': value or time is not finite or out of order", s->id,
+               kind, c->var);
+  }
+  if (c->t > s->duration * (1.0 + 1e-12)) {
+    return BAD("scene '%s': check %s of '%s' at t = %g is after the end T = %g", s->id, kind,
+               c->var, c->t, s->duration);
+  }
+  const bool of_force = c->kind == CHECK_CONTACT_FORCE || c->kind == CHECK_CONTACT_FORCE_SUM;
+  if (of_force && c->n_pair < 1) {
+    return BAD("scene '%s': check %s needs a pair", s->id, kind);
+  }
+  for (int i = 0; i < c->n_pair; i++) {
+    BASE_TRY(check_pair(s, k, kind, &c->pair[i], err));
+  }
+  return BASE_OK;
+}
+
+/* ---- all ------------------------------------------------------------------------------------ */
+
+static base_status check_frame(const scene_spec *s, base_error *err) {
+  if (s->dim != 2 && s->dim != 3) {
+    return BAD("scene '%s': dim = %d, need 2 or 3", s->id, s->dim);
+  }
+  if (s->n_body == 0 && s->model == NULL) {
+    return BAD("scene '%s' is empty: need at least one body", s->id);
+  }
+  if (!(s->duration > 0.0) || !isfinite(s->duration)) {
+    return BAD("scene '%s': T = %g, need a finite time > 0", s->id, s->duration);
+  }
+  if (!all_finite(s->gravity, 3)) {
+    return BAD("scene '%s': gravity is not finite", s->id);
+  }
+  if (s->contact_multiplicity < 1 || s->contact_multiplicity > 1000) {
+    return BAD("scene '%s': contact_multiplicity = %d, need 1 to 1000", s->id,
+               s->contact_multiplicity);
+  }
+  if (s->n_h < 1 || s->n_h > SPEC_STEPS) {
+    return BAD("scene '%s': need 1 to %d steps in hs, has %d", s->id, SPEC_STEPS, s->n_h);
+  }
+  for (int i = 0; i < s->n_h; i++) {
+    if (!(s->h[i] > 0.0) || !isfinite(s->h[i])) {
+      return BAD("scene '%s': step h = %g, need a finite time > 0", s->id, s->h[i]);
+    }
+  }
+  if (s->facets != 0 && (s->facets < 3 || s->facets > 256)) {
+    return BAD("scene '%s': nd = %d, need 3 to 256 facets", s->id, s->facets);
+  }
+  if (!(s->contact_stiffness >= 0.0) || !isfinite(s->contact_stiffness)) {
+    return BAD("scene '%s': contact stiffness = %g, need >= 0", s->id, s->contact_stiffness);
+  }
+  return BASE_OK;
+}
+
+static base_status check_parts_of(scene_spec *s, const names *k, base_error *err) {
+  for (int i = 0; i < s->n_body; i++) {
+    BASE_TRY(check_body(s, &s->body[i], err));
+  }
+  for (int i = 0; i < s->n_static; i++) {
+    BASE_TRY(check_static(s, &s->fixed[i], err));
+  }
+  BASE_TRY(check_coefficients(s, k, err));
+  for (int i = 0; i < s->n_load; i++) {
+    BASE_TRY(check_load(s, i, err));
+  }
+  for (int i = 0; i < s->n_joint; i++) {
+    BASE_TRY(check_joint(s, i, err));
+  }
+  for (int i = 0; i < s->n_check; i++) {
+    BASE_TRY(check_check(s, k, &s->check[i], err));
+  }
+  for (int i = 0; i < s->n_off; i++) {
+    BASE_TRY(check_check(s, k, &s->off[i].check, err));
+  }
+  for (int i = 0; i < s->n_observe; i++) {
+    BASE_TRY(check_var(s, k, s->observe[i], err));
+  }
+  return spec_settle_effects(s, err);
+}
+
+base_status spec_check_all(scene_spec *s, base_error *err) {
+  BASE_TRY(check_frame(s, err));
+  names k = {NULL, 0};
+  base_status status = BASE_OK;
+  if (s->n_body + s->n_static > 0) {
+    status = collect_names(s, &k, err);
+  }
+  if (status == BASE_OK) {
+    status = check_parts_of(s, &k, err);
+  }
+  free(k.sorted);
+  return status;
+}

@@ -1,0 +1,80 @@
+/* Which effects occur in a scene's data, and what it declares of them. */
+#include "problems/spec.h"
+
+#include <math.h>
+
+static double norm3(const double *v) {
+  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+static bool can_rotate(const scene_spec *s, const spec_body *b) {
+  const unsigned rot = (s->dim == 2) ? SPEC_RZ : SPEC_ROT;
+  return (b->lock & rot) != rot;
+}
+
+static bool occurs(const spec_coefficient *c) {
+  bool any = c->dflt > 0.0;
+  for (int i = 0; i < c->n_pair; i++) {
+    any = any || c->pair[i].value > 0.0;
+  }
+  return any;
+}
+
+static bool is_round(const scene_spec *s, const spec_body *b) {
+  return s->dim == 2 || (b->inertia[0] == b->inertia[1] && b->inertia[1] == b->inertia[2]);
+}
+
+static unsigned present_effects(const scene_spec *s) {
+  unsigned e = (s->dim == 3) ? EFFECT_SPATIAL : 0u;
+  e |= (norm3(s->gravity) > 0.0) ? EFFECT_GRAVITY : 0u;
+  e |= (s->n_joint > 0) ? EFFECT_JOINTS : 0u;
+  const bool contact = s->n_body > 1 || (s->n_static > 0 && s->n_body > 0);
+  if (contact) {
+    e |= EFFECT_CONTACT;
+    e |= occurs(&s->friction) ? EFFECT_FRICTION : 0u;
+    e |= occurs(&s->restitution) ? EFFECT_RESTITUTION : 0u;
+    e |= occurs(&s->rolling) ? EFFECT_ROLLING : 0u;
+    e |= occurs(&s->torsion) ? EFFECT_TORSION : 0u;
+  }
+  for (int i = 0; i < s->n_body; i++) {
+    const spec_body *b = &s->body[i];
+    if (b->kinematic || b->prescribed != 0) {
+      e |= EFFECT_MOTION;
+    }
+    if (!b->kinematic && can_rotate(s, b)) {
+      e |= EFFECT_ROTATION | (is_round(s, b) ? 0u : EFFECT_GYROSCOPIC);
+    }
+  }
+  for (int i = 0; i < s->n_static; i++) {
+    e |= (norm3(s->fixed[i].surface_velocity) > 0.0) ? EFFECT_MOTION : 0u;
+  }
+  for (int i = 0; i < s->n_load; i++) {
+    e |= EFFECT_LOADS | (s->load[i].c > 0.0 ? EFFECT_DAMPING : 0u);
+  }
+  return e;
+}
+
+base_status spec_settle_effects(scene_spec *s, base_error *err) {
+  s->present = present_effects(s);
+  if (s->model != NULL) {
+    return BASE_OK; /* its scene declares them */
+  }
+  /* A coefficient of zero is a fair value of a declared effect; it just costs nothing. */
+  const unsigned may_vanish =
+      EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_ROLLING | EFFECT_TORSION;
+  const unsigned missing = s->effects & ~s->present & ~may_vanish;
+  if (missing != 0) {
+    char text[160];
+    effects_print(missing, text, sizeof text);
+    return BASE_FAIL(err, BASE_EINVAL, "scene '%s': declares %s, but nothing in it has that effect",
+                     s->id, text);
+  }
+  const unsigned always = EFFECT_GRAVITY | EFFECT_JOINTS | EFFECT_LOADS | EFFECT_DAMPING |
+                          EFFECT_MOTION | EFFECT_SPATIAL;
+  s->effects = (s->effects == 0) ? s->present : s->effects | (s->present & always);
+  if ((s->effects & EFFECT_ROTATION) != 0) {
+    s->effects |= s->present & EFFECT_GYROSCOPIC;
+  }
+  s->effects &= s->present;
+  return BASE_OK;
+}
