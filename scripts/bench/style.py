@@ -47,8 +47,11 @@ def look(name, variant=0):
     """Keyword arguments of plot() for a formulation or a solver; variants of one name differ in dashes."""
     known = FORMULATIONS if name.split(":")[0] in FORMULATIONS else SOLVERS
     i = _place(name, known)
-    return {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[(i + 3 * variant) % len(MARKERS)],
-            "linestyle": DASHES[(i + variant) % len(DASHES)]}
+    marker = MARKERS[(i + 3 * variant) % len(MARKERS)]
+    out = {"color": COLOURS[i % len(COLOURS)], "marker": marker, "linestyle": DASHES[(i + variant) % len(DASHES)]}
+    if i % 2 == 0 and i > 0:  # large and open below, small and filled above: two lines on top of each other both show
+        out.update(markerfacecolor="white", markersize=6.5, markeredgewidth=1.1, zorder=1.9)
+    return out
 
 
 UNVERIFIED = {"marker": "x", "linestyle": "none", "markersize": 6.5, "markeredgewidth": 1.4, "zorder": 5}

@@ -1,0 +1,103 @@
+"""Rows of a campaign: reads results.csv and manifest.json, and sums the repetitions of each cell up."""
+import json
+import pathlib
+
+import numpy as np
+import pandas as pd
+
+from bench import stats
+
+IDENTITY = ["campaign", "problem_family", "problem", "formulation", "formulation_options", "solver", "solver_options",
+            "step_s", "duration_s", "start", "effects", "tol"]
+TIMES = ["t_contacts_s", "t_assemble_s", "t_setup_s", "t_factor_s", "t_solve_s", "t_advance_s", "t_total_s",
+         "t_step_max_s"]
+TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "formulation", "formulation_options",
+        "solver", "solver_options", "solver_variant", "start", "effects", "storage", "status", "status_claimed", "note",
+        "err_quantity", "err_source", "solution_hash", "host", "suite_commit", "command", "metric_version", "cpu_set",
+        "exit_signal", "started_utc", "build_hash"]
+
+
+class BadRows(Exception):
+    pass
+
+
+def load(folder):
+    """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an empty figure."""
+    path = pathlib.Path(folder) / "results.csv"
+    if not path.exists():
+        raise BadRows(f"{path}: no such file; run the campaign first")
+    rows = pd.read_csv(path, dtype={c: "string" for c in TEXT}, float_precision="round_trip", low_memory=False)
+    if rows.empty:
+        raise BadRows(f"{path}: no rows")
+    needed = {"cell_id", "problem", "formulation", "solver", "status", "verified"}
+    if needed - set(rows.columns):
+        raise BadRows(f"{path}: columns missing: {', '.join(sorted(needed - set(rows.columns)))}")
+    for c in TEXT:
+        if c in rows:
+            rows[c] = rows[c].fillna("").astype(object)
+    for c in rows.columns:
+        if c not in TEXT and rows[c].dtype == object:
+            rows[c] = pd.to_numeric(rows[c].replace({"true": 1, "false": 0}))
+    rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
+    return rows
+
+
+def manifest(folder):
+    path = pathlib.Path(folder) / "manifest.json"
+    return json.loads(path.read_text()) if path.exists() else {}
+
+
+def options(text):
+    """'facets=8,side=in' -> {'facets': '8', 'side': 'in'}"""
+    return dict(part.split("=", 1) for part in str(text).split(",") if "=" in part)
+
+
+def formulation_label(name, opts):
+    """Short name for a plot: 'velocity, 8 facets', 'regularized'."""
+    o = options(opts)
+    facets = o.pop("facets", None)
+    label = name + (f", {facets} facets" if facets else "")
+    return label + (f" ({','.join(f'{k}={v}' for k, v in o.items())})" if o else "")
+
+
+def combination(form, form_opts, solver, solver_opts):
+    def one(name, opts):
+        return name + (f":{opts}" if opts else "")
+    if not form:
+        return one(solver, solver_opts)
+    return f"{one(form, form_opts)} + {one(solver, solver_opts)}"
+
+
+def cells(rows):
+    """One line per cell: worst status, verified only if every repetition is, median time with its interval.
+
+    Times of rows that are not `ok` or not verified are not times of a solution: they stay in t_*_s for the record,
+    and `cost` (what comparisons use) is infinite there.
+    """
+    out = []
+    for cell, group in rows.groupby("cell_id", sort=False):
+        first = group.iloc[0]
+        line = {c: first[c] for c in rows.columns if c not in TIMES}
+        line["cell_id"] = cell
+        line["reps"] = len(group)
+        line["verified"] = bool(group["verified"].all())
+        bad = group[group["status"] != "ok"]
+        if len(bad):
+            line.update(status=bad.iloc[0]["status"], note=bad.iloc[0].get("note", ""))
+        line["good"] = line["verified"] and line["status"] == "ok"
+        for c in TIMES:
+            if c in group:
+                line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval(group[c])
+        line["cost"] = line.get("t_total_s", np.nan) if line["good"] else np.inf
+        if not np.isfinite(line["cost"]):
+            line["cost"] = np.inf
+        out.append(line)
+    frame = pd.DataFrame(out)
+    frame["label"] = [formulation_label(f, o) for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))]
+    frame["combination"] = [combination(*r) for r in frame[["formulation", "formulation_options", "solver", "solver_options"]].itertuples(index=False)]
+    if "n_steps" in frame:
+        for c in TIMES[:-1]:
+            if c in frame:
+                for end in ("", "_low", "_high"):
+                    frame[c[:-2] + "_step_s" + end] = frame[c + end] / frame["n_steps"]
+    return frame

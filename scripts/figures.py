@@ -1,0 +1,36 @@
+#!/usr/bin/env python3
+"""figures.py DIR --out FOLDER - the figures of a campaign, as PDF and PNG, the same bytes each time."""
+import argparse
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from bench import paper, rows, style  # noqa: E402
+
+FIGURES = {"dimension": paper.dimension, "time_and_error": paper.time_and_error,
+           "error_against_step": paper.error_against_step}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("folder", metavar="DIR", help="folder of a campaign (results.csv)")
+    parser.add_argument("--out", help="where the figures go (default: DIR/figures)")
+    args = parser.parse_args()
+    out = pathlib.Path(args.out or pathlib.Path(args.folder) / "figures")
+    try:
+        cells = rows.cells(rows.load(args.folder))
+    except rows.BadRows as error:
+        print(error, file=sys.stderr)
+        return 2
+    for name, draw in FIGURES.items():
+        figure = draw(cells)
+        if figure is None:
+            print(f"figures: {name}: this campaign has no rows for it", file=sys.stderr)
+            continue
+        style.save(figure, out, name)
+        print(out / f"{name}.pdf")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
