@@ -2,7 +2,11 @@
  *
  * One step of the caller:
  *   world_contacts(w, h, &set) -> formulation, solver -> world_advance(w, v_next, impulse)
- * Semi-implicit Euler: everything is evaluated at the start of the step, q+ = q + h N v+. */
+ * Semi-implicit Euler: everything is evaluated at the start of the step, q+ = q + h N v+, with the
+ * orientation turned exactly by h omega+. Loads are explicit (a spring is symplectic Euler, refused
+ * where h^2 k/m >= 4); gyroscopic torques follow the implicit midpoint rule (body.h), which keeps
+ * energy and |angular momentum| of free bodies for every h. Driven velocities count at the end of
+ * the step. Bodies joined by a joint still collide unless the spec says no_collision. */
 #pragma once
 
 #include "problems/contact_set.h"
@@ -48,7 +52,7 @@ double world_energy(const world *w);  /* kinetic + gravity + springs [J] */
 double world_kinetic(const world *w); /* [J] */
 void world_momentum(const world *w, double p[3]);
 void world_angular_momentum(const world *w, double L[3]); /* about the origin */
-double world_min_gap(world *w);         /* exact, over all pairs, HUGE_VAL if none [m] */
+double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
 bool world_finite(const world *w);
 
@@ -59,5 +63,9 @@ void world_contact_pair(const world *w, uint64_t id, const char **a, const char 
 int world_n_body(const world *w);
 void world_body_pose(const world *w, int body, double pos[3], double quat[4]);
 void world_body_velocity(const world *w, int body, double vel[3], double omega[3]);
-/* World point of a contact of the last set, for force arrows. */
+const char *world_body_name(const world *w, int body);
+
+/* World point of a contact of the last set, and the mean force on its side 0 over the step after
+ * world_advance [N]: for arrows. */
 void world_contact_point(const world *w, int contact, double point[3]);
+void world_contact_force(const world *w, int contact, double force[3]);

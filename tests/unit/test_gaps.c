@@ -1,0 +1,252 @@
+#include "tests/support/check.h"
+
+#include "tests/support/shapes_any.h"
+
+static const spec_shape polygon5 = {
+    .kind = SPEC_POLYGON,
+    .n_vertex = 5,
+    .vertex = {{-0.4, -0.3}, {0.5, -0.35}, {0.6, 0.1}, {0.1, 0.5}, {-0.5, 0.2}}};
+static const spec_shape planar[] = {
+    {.kind = SPEC_POINT},
+    {.kind = SPEC_SPHERE, .r = 0.3},
+    {.kind = SPEC_ROD, .half = {0.5}},
+    {.kind = SPEC_ROD, .r = 0.1, .half = {0.4}},
+    {.kind = SPEC_BOX, .half = {0.5, 0.3}},
+};
+static const spec_shape spatial[] = {
+    {.kind = SPEC_POINT},
+    {.kind = SPEC_SPHERE, .r = 0.3},
+    {.kind = SPEC_ROD, .r = 0.1, .half = {0.4}},
+    {.kind = SPEC_BOX, .half = {0.5, 0.3, 0.2}},
+    {.kind = SPEC_DISC3D, .r = 0.4},
+    {.kind = SPEC_DISC3D, .r = 0.3, .half = {0, 0, 0.2}},
+};
+enum { N_PLANAR = BASE_COUNT(planar) + 1, N_SPATIAL = BASE_COUNT(spatial) };
+
+static const spec_shape *planar_shape(int i) {
+  return (i < BASE_COUNT(planar)) ? &planar[i] : &polygon5;
+}
+
+static int pair_of(int dim, const any_piece *a, const pose *pa, const any_piece *b, const pose *pb,
+                   double margin, gap_point *out) {
+  return (dim == 2) ? gap_planar(&a->p, pa, &b->p, pb, margin, out)
+                    : gap_spatial(&a->p, pa, &b->p, pb, margin, out);
+}
+
+static const gap_point *find(const gap_point *g, int n, uint32_t feature) {
+  for (int i = 0; i < n; i++) {
+    if (g[i].feature == feature) {
+      return &g[i];
+    }
+  }
+  return NULL;
+}
+
+/* Central difference of the gap of each point against n . relative velocity at the point. */
+static int check_rates(int dim, const any_piece *a, const any_piece *b, base_rng *r) {
+  const double dt = 1e-6;
+  gap_point now[GAP_MAX], before[GAP_MAX], after[GAP_MAX];
+  const mover ma = any_mover(r, dim, 0.6), mb = any_mover(r, dim, 0.6);
+  const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
+  const pose pa0 = mover_at(&ma, -dt), pb0 = mover_at(&mb, -dt);
+  const pose pa1 = mover_at(&ma, dt), pb1 = mover_at(&mb, dt);
+  const int n = pair_of(dim, a, &pa, b, &pb, 0.2, now);
+  const int n0 = pair_of(dim, a, &pa0, b, &pb0, 0.21, before);
+  const int n1 = pair_of(dim, a, &pa1, b, &pb1, 0.21, after);
+  int checked = 0;
+  for (int i = 0; i < n; i++) {
+    const gap_point *g0 = find(before, n0, now[i].feature), *g1 = find(after, n1, now[i].feature);
+    check_close(v3_norm(now[i].n), 1.0, 1e-12);
+    if (g0 == NULL || g1 == NULL || v3_dot(g0->n, g1->n) < 0.999 || fabs(now[i].gap) < 1e-3) {
+      continue; /* the feature changed within the difference */
+    }
+    const double rate = mover_rate(&ma, &mb, now[i].x, now[i].n);
+    check_close((g1->gap - g0->gap) / (2 * dt), rate, 2e-6);
+    checked++;
+  }
+  return checked;
+}
+
+static void every_gap_changes_at_the_rate_of_its_jacobian(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(11);
+  for (int dim = 2; dim <= 3; dim++) {
+    const int n = (dim == 2) ? N_PLANAR : N_SPATIAL;
+    for (int i = 0; i < n * n; i++) {
+      any_piece a, b;
+      any_shape(&a, (dim == 2) ? planar_shape(i / n) : &spatial[i / n], dim);
+      any_shape(&b, (dim == 2) ? planar_shape(i % n) : &spatial[i % n], dim);
+      int checked = 0;
+      for (int k = 0; gap_known(dim, a.p.kind, b.p.kind) && k < 400; k++) {
+        checked += check_rates(dim, &a, &b, &r);
+      }
+      if (gap_known(dim, a.p.kind, b.p.kind)) {
+        assert_true(checked > 10);
+      }
+    }
+  }
+}
+
+static void swapping_the_sides_flips_the_normals(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(12);
+  for (int dim = 2; dim <= 3; dim++) {
+    const int n = (dim == 2) ? N_PLANAR : N_SPATIAL;
+    for (int i = 0; i < 40 * n * n; i++) {
+      any_piece a, b;
+      gap_point ab[GAP_MAX], ba[GAP_MAX];
+      any_shape(&a, (dim == 2) ? planar_shape((i / n) % n) : &spatial[(i / n) % n], dim);
+      any_shape(&b, (dim == 2) ? planar_shape(i % n) : &spatial[i % n], dim);
+      if (!gap_known(dim, a.p.kind, b.p.kind)) {
+        continue;
+      }
+      const mover ma = any_mover(&r, dim, 0.6), mb = any_mover(&r, dim, 0.6);
+      const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
+      const int m = pair_of(dim, &a, &pa, &b, &pb, 0.2, ab);
+      assert_int_equal(m, pair_of(dim, &b, &pb, &a, &pa, 0.2, ba));
+      for (int k = 0; k < m; k++) { /* the same points, perhaps in another order */
+        double best = HUGE_VAL;
+        for (int l = 0; l < m; l++) {
+          double d[3], s[3];
+          v3_sub(ab[k].x, ba[l].x, d);
+          v3_add_scaled(ab[k].n, 1.0, ba[l].n, s);
+          best = fmin(best, v3_norm(d) + v3_norm(s) + fabs(ab[k].gap - ba[l].gap));
+        }
+        check_close(best, 0.0, 1e-9);
+      }
+    }
+  }
+}
+
+/* Brute force: least distance between the outlines, sampled or by vertex against edge; exact for
+ * separated polygons because the closest pair contains a vertex. */
+static double outline_distance(const any_piece *a, const pose *pa, const any_piece *b,
+                               const pose *pb) {
+  double best = HUGE_VAL;
+  for (int swap = 0; swap < 2; swap++) {
+    const any_piece *u = swap ? b : a, *v = swap ? a : b;
+    const pose *pu = swap ? pb : pa, *pv = swap ? pa : pb;
+    for (int i = 0; i < u->p.n_vertex; i++) {
+      for (int j = 0; j < v->p.n_vertex; j++) {
+        double x[3], e0[3], e1[3], on_x[3], on_e[3], d[3];
+        const int j1 = (j + 1) % v->p.n_vertex;
+        m3_mul_vec(pu->R, u->p.vertex + 3 * i, x);
+        v3_add_scaled(pu->x, 1.0, x, x);
+        m3_mul_vec(pv->R, v->p.vertex + 3 * j, e0);
+        v3_add_scaled(pv->x, 1.0, e0, e0);
+        m3_mul_vec(pv->R, v->p.vertex + 3 * j1, e1);
+        v3_add_scaled(pv->x, 1.0, e1, e1);
+        segment_closest(x, x, e0, e1, on_x, on_e);
+        v3_sub(on_x, on_e, d);
+        best = fmin(best, v3_norm(d));
+      }
+    }
+  }
+  return best - a->p.r - b->p.r;
+}
+
+static void separated_planar_shapes_report_their_distance(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(13);
+  int seen = 0;
+  for (int i = 0; i < 20000; i++) {
+    any_piece a, b;
+    gap_point g[GAP_MAX];
+    any_shape(&a, planar_shape((i / N_PLANAR) % N_PLANAR), 2);
+    any_shape(&b, planar_shape(i % N_PLANAR), 2);
+    const mover ma = any_mover(&r, 2, 1.0), mb = any_mover(&r, 2, 1.0);
+    const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
+    const int n = gap_planar(&a.p, &pa, &b.p, &pb, HUGE_VAL, g);
+    assert_true(n >= 1);
+    double least = HUGE_VAL;
+    for (int k = 0; k < n; k++) {
+      least = fmin(least, g[k].gap);
+    }
+    if (least + a.p.r + b.p.r > 1e-6) { /* cores apart */
+      check_close(least, outline_distance(&a, &pa, &b, &pb), 1e-9);
+      seen++;
+    }
+  }
+  assert_true(seen > 5000);
+}
+
+static void half_space_lists_every_corner(void **state) {
+  (void)state;
+  const double up[3] = {0, 0, 1}, x[3] = {0, 0, 0.2}, q[4] = {1, 0, 0, 0};
+  any_piece box;
+  gap_point g[GAP_MAX];
+  any_shape(&box, &spatial[3], 3);
+  const pose at = any_pose(x, q);
+  assert_int_equal(gap_halfspace(&box.p, &at, up, 0.0, 0.01, g), 4);
+  for (int i = 0; i < 4; i++) {
+    check_close(g[i].gap, 0.0, 1e-15);
+    assert_int_equal(g[i].feature, i);
+  }
+  assert_int_equal(gap_halfspace(&box.p, &at, up, 0.0, 1.0, g), 8);
+}
+
+/* Lowest point of a tilted disc: centre height - r sin(tilt). */
+static void tilted_disc_touches_at_its_lowest_rim_point(void **state) {
+  (void)state;
+  const double up[3] = {0, 0, 1}, x[3] = {0.1, 0.2, 0.5}, tilt = 0.4;
+  const double q[4] = {cos(tilt / 2), sin(tilt / 2), 0, 0};
+  any_piece disc;
+  gap_point g[GAP_MAX];
+  any_shape(&disc, &spatial[4], 3);
+  const pose at = any_pose(x, q);
+  assert_int_equal(gap_halfspace(&disc.p, &at, up, 0.0, 0.4, g), 1);
+  check_close(g[0].gap, 0.5 - 0.4 * sin(tilt), 1e-14);
+  check_close(g[0].x[0], 0.1, 1e-14);
+  const double flat[4] = {1, 0, 0, 0};
+  const pose lying = any_pose(x, flat);
+  assert_int_equal(gap_halfspace(&disc.p, &lying, up, 0.0, 0.6, g), 4);
+}
+
+/* A box pushed along a floor box: ids must not change while the corners stay over it. */
+static void ids_last_while_features_do(void **state) {
+  (void)state;
+  any_piece block, table;
+  const spec_shape wide = {.kind = SPEC_BOX, .half = {3, 0.05}};
+  any_shape(&block, &planar[4], 2);
+  any_shape(&table, &wide, 2);
+  const double q[4] = {1, 0, 0, 0}, origin[3] = {0, 0, 0};
+  const pose down = any_pose(origin, q);
+  for (int i = 0; i <= 100; i++) {
+    const double x[3] = {-2.0 + 0.04 * i, 0.35 + 1e-12 * (i % 3 - 1), 0};
+    const pose up = any_pose(x, q);
+    gap_point g[GAP_MAX];
+    assert_int_equal(gap_planar(&block.p, &up, &table.p, &down, 1e-3, g), 2);
+    assert_int_equal(g[0].feature + g[1].feature, 1); /* vertices 0 and 1 of the block */
+    check_close(g[0].n[1], 1.0, 1e-12);
+  }
+}
+
+static void equal_boxes_keep_two_points_at_every_rounding(void **state) {
+  (void)state;
+  any_piece box;
+  any_shape(&box, &planar[4], 2);
+  base_rng r = base_rng_seeded(5);
+  const double origin[3] = {0, 0, 0};
+  for (int i = 0; i < 1000; i++) {
+    const double tilt = 1e-12 * base_rng_normal(&r);
+    const double q0[4] = {1, 0, 0, 0}, q1[4] = {1, 0, 0, tilt};
+    const double x[3] = {1e-12 * base_rng_normal(&r), 0.6 + 1e-13 * base_rng_normal(&r), 0};
+    const pose low = any_pose(origin, q0), high = any_pose(x, q1);
+    gap_point g[GAP_MAX];
+    assert_int_equal(gap_planar(&box.p, &low, &box.p, &high, 1e-3, g), 2);
+    assert_true(g[0].feature == SPEC_VERTICES && g[1].feature == SPEC_VERTICES + 1);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_gap_changes_at_the_rate_of_its_jacobian),
+      cmocka_unit_test(swapping_the_sides_flips_the_normals),
+      cmocka_unit_test(separated_planar_shapes_report_their_distance),
+      cmocka_unit_test(half_space_lists_every_corner),
+      cmocka_unit_test(tilted_disc_touches_at_its_lowest_rim_point),
+      cmocka_unit_test(ids_last_while_features_do),
+      cmocka_unit_test(equal_boxes_keep_two_points_at_every_rounding),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
