@@ -177,40 +177,39 @@ static int next(const poly *p, int i) {
   return (i + 1 == p->n) ? 0 : i + 1;
 }
 
-/* Edge i of ref against the edge of `other` facing it: vertices of either that lie over the
- * other's edge. Vertices within `slack` of an end count as over it, and then stand for both. */
+/* Does vertex x stand over edge i of p lengthened by slack at both ends? */
+static bool over_edge(const poly *p, int i, const double *x, double slack) {
+  double n[3], d[3];
+  const double length = edge_normal(p, i, n);
+  v3_sub(x, corner(p, i), d);
+  const double s = -n[1] * d[0] + n[0] * d[1];
+  return s >= -slack && s <= length + slack;
+}
+
+/* Edge i of ref against the edge of `other` facing it: vertices of either that stand over the
+ * other's edge. A vertex of `other` within `slack` of an end counts and stands for both. */
 static int clip_edges(const poly *ref, int i, const poly *other, bool ref_is_a, double slack,
                       double margin, gap_point *out) {
-  double n[3], t[3], d[3];
-  const double length = edge_normal(ref, i, n);
-  t[0] = -n[1], t[1] = n[0], t[2] = 0.0;
+  double n[3];
+  edge_normal(ref, i, n);
   const int j = facing_edge(other, n);
-  const int inc[2] = {j, next(other, j)};
-  double s[2]; /* where the ends of the facing edge lie along ref's edge */
-  bool over[2];
-  for (int k = 0; k < 2; k++) {
-    v3_sub(corner(other, inc[k]), corner(ref, i), d);
-    s[k] = v3_dot(t, d);
-    over[k] = s[k] >= -slack && s[k] <= length + slack;
-  }
   int n_out = 0;
   for (int k = 0; k < 2; k++) {
-    if (over[k]) {
-      vertex_edge(ref, i, other, inc[k], ref_is_a, margin, out, &n_out);
+    const int v = (k == 0) ? j : next(other, j);
+    if (over_edge(ref, i, corner(other, v), slack)) {
+      vertex_edge(ref, i, other, v, ref_is_a, margin, out, &n_out);
     }
   }
-  /* ends of ref's edge strictly under the facing edge: its ends run against t, s[0] > s[1] */
-  const double hi = fmax(s[0], s[1]), lo = fmin(s[0], s[1]);
-  if (lo < -slack && hi > slack) {
-    vertex_edge(other, j, ref, i, !ref_is_a, margin, out, &n_out);
-  }
-  if (lo < length - slack && hi > length + slack) {
-    vertex_edge(other, j, ref, next(ref, i), !ref_is_a, margin, out, &n_out);
+  for (int k = 0; k < 2; k++) {
+    const int v = (k == 0) ? i : next(ref, i);
+    if (over_edge(other, j, corner(ref, v), -slack)) {
+      vertex_edge(other, j, ref, v, !ref_is_a, margin, out, &n_out);
+    }
   }
   return n_out;
 }
 
-/* Nothing over the reference edge: the polygons pass corner to corner. */
+/* The closest pair of corners. */
 static int corner_corner(const poly *a, const poly *b, const double *fallback, double margin,
                          gap_point *out) {
   double best = HUGE_VAL;
@@ -228,6 +227,15 @@ static int corner_corner(const poly *a, const poly *b, const double *fallback, d
     }
   }
   return vertex_vertex(a, corner(a, ia), b, corner(b, ib), fallback, margin, ia, out);
+}
+
+/* Least gap of n points. */
+static double least(const gap_point *g, int n) {
+  double best = HUGE_VAL;
+  for (int i = 0; i < n; i++) {
+    best = fmin(best, g[i].gap);
+  }
+  return best;
 }
 
 static int polygon_polygon(const poly *a, const poly *b, double margin, gap_point *out) {
@@ -250,7 +258,13 @@ static int polygon_polygon(const poly *a, const poly *b, double margin, gap_poin
     found = clip_edges(b, edge_b, a, false, slack, margin, out);
     edge_normal(b, edge_b, n);
   }
-  return (found > 0) ? found : corner_corner(a, b, n, margin, out);
+  /* apart by more than any edge normal shows: they pass corner to corner */
+  const double sep = fmax(sep_a, sep_b), radii = a->r + b->r;
+  const double nearest = least(out, found);
+  if (sep <= slack || nearest + radii <= sep + slack) {
+    return found;
+  }
+  return found + corner_corner(a, b, n, fmin(margin, nearest - slack), out + found);
 }
 
 int gap_planar(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,

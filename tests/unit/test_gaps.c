@@ -50,9 +50,9 @@ static int check_rates(int dim, const any_piece *a, const any_piece *b, base_rng
   const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
   const pose pa0 = mover_at(&ma, -dt), pb0 = mover_at(&mb, -dt);
   const pose pa1 = mover_at(&ma, dt), pb1 = mover_at(&mb, dt);
-  const int n = pair_of(dim, a, &pa, b, &pb, 0.2, now);
-  const int n0 = pair_of(dim, a, &pa0, b, &pb0, 0.21, before);
-  const int n1 = pair_of(dim, a, &pa1, b, &pb1, 0.21, after);
+  const int n = pair_of(dim, a, &pa, b, &pb, 0.4, now);
+  const int n0 = pair_of(dim, a, &pa0, b, &pb0, 0.41, before);
+  const int n1 = pair_of(dim, a, &pa1, b, &pb1, 0.41, after);
   int checked = 0;
   for (int i = 0; i < n; i++) {
     const gap_point *g0 = find(before, n0, now[i].feature), *g1 = find(after, n1, now[i].feature);
@@ -81,7 +81,7 @@ static void every_gap_changes_at_the_rate_of_its_jacobian(void **state) {
         checked += check_rates(dim, &a, &b, &r);
       }
       if (gap_known(dim, a.p.kind, b.p.kind)) {
-        assert_true(checked > 10);
+        assert_true(checked > 5);
       }
     }
   }
@@ -118,8 +118,8 @@ static void swapping_the_sides_flips_the_normals(void **state) {
   }
 }
 
-/* Brute force: least distance between the outlines, sampled or by vertex against edge; exact for
- * separated polygons because the closest pair contains a vertex. */
+/* Brute force, vertex against edge: exact for separated polygons, whose closest pair of points
+ * contains a vertex. */
 static double outline_distance(const any_piece *a, const pose *pa, const any_piece *b,
                                const pose *pb) {
   double best = HUGE_VAL;
