@@ -47,7 +47,7 @@ static bool before(const real *T, int n, int width, int r, int s, int c) {
     const int at = (k < 0) ? width - 1 : k;
     const real x = a[at] / a[c];
     const real y = b[at] / b[c];
-    if (absolute(x - y) > 1e-15L * (absolute(x) + absolute(y))) {
+    if (absolute(x - y) > 1e-11L * (absolute(x) + absolute(y))) {
       return x < y;
     }
   }
@@ -61,7 +61,7 @@ static int ratio_test(const real *T, int n, int width, int c, const int *basis) 
   }
   int leave = -1;
   for (int i = 0; i < n; i++) {
-    if (T[(ptrdiff_t)i * width + c] > 1e-13L * (1 + largest)) {
+    if (T[(ptrdiff_t)i * width + c] > 1e-10L * (1 + largest)) {
       if (leave < 0 || before(T, n, width, i, leave, c)) {
         leave = i;
       }
@@ -70,10 +70,10 @@ static int ratio_test(const real *T, int n, int width, int c, const int *basis) 
   /* z0 leaves as soon as it may */
   for (int i = 0; i < n && leave >= 0; i++) {
     const real d = T[(ptrdiff_t)i * width + c];
-    if (basis[i] == 2 * n && d > 1e-13L * (1 + largest)) {
+    if (basis[i] == 2 * n && d > 1e-10L * (1 + largest)) {
       const real x = T[(ptrdiff_t)i * width + width - 1] / d;
       const real y = T[(ptrdiff_t)leave * width + width - 1] / T[(ptrdiff_t)leave * width + c];
-      leave = (x <= y + 1e-16L * (1 + absolute(y))) ? i : leave;
+      leave = (x <= y + 1e-12L * (1 + absolute(y))) ? i : leave;
     }
   }
   return leave;
