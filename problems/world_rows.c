@@ -19,7 +19,7 @@ static size_t at_least(size_t need, size_t have) {
 }
 
 static base_status grow_groups(set_store *s, size_t n_group, base_error *err) {
-  if (n_group <= s->cap_group) {
+  if (n_group <= s->cap_group && s->row_start != NULL) { /* no group still has offsets */
     return BASE_OK;
   }
   const size_t n = at_least(n_group, s->cap_group);

@@ -1,0 +1,296 @@
+#include "tests/support/check.h"
+
+#include "problems/vec.h"
+#include "problems/world.h"
+
+#include <string.h>
+
+static base_error err;
+
+static spec_body *add_body(scene_spec *s, const char *name, spec_shape_kind kind, double size) {
+  spec_body *b;
+  check_ok(spec_add_body(s, name, &b, &err), &err);
+  b->shape.kind = kind;
+  b->shape.r = (kind == SPEC_BOX) ? 0.0 : size;
+  b->shape.half[0] = b->shape.half[1] = b->shape.half[2] = size;
+  b->mass = 2.0;
+  b->inertia[0] = 0.3;
+  b->inertia[1] = 0.4;
+  b->inertia[2] = 0.5;
+  b->quat[0] = 1.0;
+  return b;
+}
+
+static void add_floor(scene_spec *s, int dim) {
+  const double up[3] = {0, dim == 2, dim == 3};
+  spec_static *f;
+  check_ok(spec_add_static(s, "floor", up, 0.0, &f, &err), &err);
+}
+
+static void step_free(world *w, double h, int n) {
+  contact_set c;
+  for (int i = 0; i < n; i++) {
+    check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+    check_ok(contact_set_check(&c, &err), &err);
+    check_ok(world_advance(w, c.v_free, NULL, &err), &err);
+  }
+}
+
+static double observe(const world *w, const char *var) {
+  double x = 0.0;
+  assert_true(world_observe(w, var, NULL, &x));
+  return x;
+}
+
+/* z_N = v0 T - g T^2/2 - g h T/2 exactly for semi-implicit Euler. */
+static void free_flight_hits_the_exact_discrete_answer(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    scene_spec s;
+    world *w;
+    spec_init(&s);
+    s.dim = dim;
+    s.gravity[dim - 1] = -9.81;
+    s.duration = 1.0;
+    spec_body *b = add_body(&s, "ball", SPEC_SPHERE, 0.1);
+    b->vel[0] = 3.0;
+    b->vel[dim - 1] = 5.0;
+    b->omega[2] = 2.0;
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    step_free(w, 0.01, 100);
+    check_close(observe(w, dim == 2 ? "ball.y" : "ball.z"), 5.0 - 9.81 / 2 - 9.81 * 0.01 / 2,
+                1e-12);
+    check_close(observe(w, "ball.x"), 3.0, 1e-12);
+    check_close(observe(w, dim == 2 ? "ball.omega" : "ball.omega.z"), 2.0, 1e-12);
+    check_close(world_time(w), 1.0, 1e-12);
+    assert_true(world_min_gap(w) == HUGE_VAL);
+    check_ok(world_reset(w, &err), &err);
+    check_close(observe(w, "ball.x"), 0.0, 0.0);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
+/* What each effect costs in dofs and rows, for a box of four corners on a floor. */
+static void counts(int dim, unsigned effects, int n_dof, int n_contact, int n_row) {
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = dim;
+  s.gravity[dim - 1] = -9.81;
+  s.duration = 1.0;
+  s.friction.dflt = 0.5;
+  s.rolling.dflt = 0.01;
+  s.torsion.dflt = 0.01;
+  spec_body *b = add_body(&s, "box", SPEC_BOX, 0.1);
+  b->pos[dim - 1] = 0.1;
+  b->omega[2] = 1.0;
+  add_floor(&s, dim);
+  check_ok(world_open(&w, &s, effects, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+  check_ok(contact_set_check(&c, &err), &err);
+  assert_int_equal(c.n_dof, n_dof);
+  assert_int_equal(c.n_contact, n_contact);
+  assert_int_equal(c.n_row, n_row);
+  assert_true((c.mu_torsion != NULL) == ((effects & EFFECT_TORSION) != 0));
+  check_close(observe(w, "box.omega.z"), (effects & EFFECT_ROTATION) != 0 ? 1.0 : 0.0, 0.0);
+  world_close(w);
+  spec_free(&s);
+}
+
+static void undeclared_effects_cost_nothing(void **state) {
+  (void)state;
+  const unsigned base = EFFECT_GRAVITY | EFFECT_CONTACT;
+  counts(2, base, 2, 2, 2);
+  counts(2, base | EFFECT_ROTATION, 3, 2, 2);
+  counts(2, base | EFFECT_FRICTION, 2, 2, 4);
+  counts(2, base | EFFECT_ROTATION | EFFECT_FRICTION | EFFECT_ROLLING, 3, 2, 6);
+  counts(2, EFFECT_GRAVITY | EFFECT_ROTATION, 3, 0, 0);
+  counts(3, base | EFFECT_SPATIAL, 3, 4, 4);
+  counts(3, base, 2, 4, 4);
+  counts(3, base | EFFECT_FRICTION, 2, 4, 8);
+  counts(3, base | EFFECT_SPATIAL | EFFECT_ROTATION, 6, 4, 4);
+  counts(3, base | EFFECT_SPATIAL | EFFECT_FRICTION, 3, 4, 12);
+  counts(3, base | EFFECT_SPATIAL | EFFECT_ROTATION | EFFECT_FRICTION, 6, 4, 12);
+  counts(3, base | EFFECT_SPATIAL | EFFECT_ROTATION | EFFECT_FRICTION | EFFECT_TORSION, 6, 4, 16);
+  counts(3,
+         base | EFFECT_SPATIAL | EFFECT_ROTATION | EFFECT_FRICTION | EFFECT_TORSION |
+             EFFECT_ROLLING,
+         6, 4, 24);
+}
+
+/* Torque-free asymmetric body: implicit midpoint keeps energy and |L| for every h. */
+static void free_spin_keeps_energy_and_momentum(void **state) {
+  (void)state;
+  const double steps[] = {1e-4, 1e-2, 0.1};
+  for (int i = 0; i < BASE_COUNT(steps); i++) {
+    scene_spec s;
+    world *w;
+    double L[3];
+    spec_init(&s);
+    s.dim = 3;
+    s.duration = 1.0;
+    spec_body *b = add_body(&s, "body", SPEC_BOX, 0.1);
+    b->omega[0] = 0.01;
+    b->omega[1] = 5.0;
+    b->omega[2] = 0.01;
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    const double E = world_energy(w);
+    world_angular_momentum(w, L);
+    const double L0 = v3_norm(L);
+    step_free(w, steps[i], 1000);
+    world_angular_momentum(w, L);
+    check_close(world_energy(w) / E, 1.0, 1e-12);
+    check_close(v3_norm(L) / L0, 1.0, 1e-12);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
+static void two_bodies_exchange_momentum_through_rows(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    spec_init(&s);
+    s.dim = dim;
+    s.duration = 1.0;
+    s.friction.dflt = 0.5;
+    add_body(&s, "a", SPEC_SPHERE, 0.1)->vel[0] = 1.0;
+    spec_body *b = add_body(&s, "b", SPEC_SPHERE, 0.2);
+    b->pos[0] = 0.25;
+    b->pos[1] = 0.1;
+    b->mass = 3.0;
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+    assert_int_equal(c.n_contact, 1);
+    check_close(c.gap[0], hypot(0.25, 0.1) - 0.3, 1e-15);
+    check_close(c.frame[0], -0.25 / hypot(0.25, 0.1), 1e-15); /* from b to a */
+    check_close(c.gap[0], world_min_gap(w), 0.0);
+    double impulse[3] = {0.7, 0.2, (dim == 3) ? -0.1 : 0.0}, v[12], scratch[12], p[3], L[3], L0[3];
+    world_angular_momentum(w, L0);
+    contact_velocity(&c, impulse, v, scratch);
+    check_ok(world_advance(w, v, impulse, &err), &err);
+    world_momentum(w, p);
+    world_angular_momentum(w, L);
+    check_close(p[0], 2.0, 1e-14);
+    check_close(p[1], 0.0, 1e-14);
+    double f[3];
+    world_contact_force(w, 0, f);
+    check_close(v3_dot(f, f), v3_dot(impulse, impulse) / 1e-4, 1e-9);
+    if (dim == 2) { /* in space I(q+) differs from I(q) by O(h) */
+      check_close(L[2], L0[2], 1e-14);
+    }
+    const char *na, *nb;
+    world_contact_pair(w, c.id[0], &na, &nb);
+    assert_string_equal(na, "a");
+    assert_string_equal(nb, "b");
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
+static void drift_carries_kinematic_and_belt_motion(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = 2;
+  s.duration = 1.0;
+  s.friction.dflt = 0.5;
+  spec_body *table = add_body(&s, "table", SPEC_BOX, 0.5);
+  table->kinematic = true;
+  table->vel[0] = 1.0;
+  table->acc[0] = 2.0;
+  spec_body *block = add_body(&s, "block", SPEC_BOX, 0.1);
+  block->pos[1] = 0.6;
+  add_floor(&s, 2);
+  s.fixed[0].offset = -0.5;
+  s.fixed[0].surface_velocity[0] = 3.0;
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_dof, 3);
+  assert_int_equal(c.n_contact, 2); /* the table has no dof: its floor contacts are not posed */
+  /* side 0 is the table: u_t = +-(1 + 2 h) at the end, +-1 before, along t = n turned */
+  const double t = c.frame[3];
+  check_close(c.u_drift[1], t * 1.02, 1e-15);
+  check_close(c.u_before[1], t * 1.0, 1e-15);
+  assert_int_equal(c.body[0], -1);
+  assert_int_equal(c.body[1], 0);
+  world_close(w);
+  s.body[0].kinematic = false; /* now the floor's belt is felt */
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_contact, 4);
+  int belts = 0;
+  for (int i = 0; i < c.n_contact; i++) {
+    belts += c.u_drift[c.row_start[i] + 1] == -3.0;
+  }
+  assert_int_equal(belts, 2);
+  world_close(w);
+  spec_free(&s);
+}
+
+static void pairs_multiplicity_and_no_collision_are_honoured(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = 2;
+  s.gravity[1] = -9.81;
+  s.duration = 1.0;
+  s.friction.dflt = 0.5;
+  check_ok(spec_add_pair(&s.friction, "low", "floor", 0.0, &err), &err);
+  add_body(&s, "low", SPEC_BOX, 0.1)->pos[1] = 0.1;
+  add_body(&s, "high", SPEC_BOX, 0.1)->pos[1] = 0.3;
+  add_floor(&s, 2);
+  s.contact_multiplicity = 3;
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_contact, 12);
+  assert_int_equal(c.n_row, 6 * 2 + 6 * 1);
+  check_ok(contact_set_check(&c, &err), &err);
+  world_close(w);
+  s.contact_multiplicity = 17;
+  assert_int_equal(world_open(&w, &s, ~0u, &err), BASE_EINVAL);
+  spec_free(&s);
+}
+
+static void open_reports_what_it_cannot_do(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = 3;
+  s.duration = 1.0;
+  add_body(&s, "coin", SPEC_DISC3D, 0.1);
+  add_body(&s, "other", SPEC_DISC3D, 0.1)->pos[0] = 5.0;
+  assert_int_equal(world_open(&w, &s, ~0u, &err), BASE_EUNSUPPORTED);
+  assert_non_null(strstr(err.text, "coin"));
+  check_ok(world_open(&w, &s, ~(unsigned)EFFECT_CONTACT, &err), &err);
+  assert_int_equal(world_contacts(w, 0.0, -1.0, &c, &err), BASE_EINVAL);
+  double x;
+  assert_false(world_observe(w, "coin.weight", NULL, &x));
+  assert_false(world_observe(w, "coin.pos.q", NULL, &x));
+  assert_false(world_observe(w, "nobody.x", NULL, &x));
+  world_close(w);
+  spec_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(free_flight_hits_the_exact_discrete_answer),
+      cmocka_unit_test(undeclared_effects_cost_nothing),
+      cmocka_unit_test(free_spin_keeps_energy_and_momentum),
+      cmocka_unit_test(two_bodies_exchange_momentum_through_rows),
+      cmocka_unit_test(drift_carries_kinematic_and_belt_motion),
+      cmocka_unit_test(pairs_multiplicity_and_no_collision_are_honoured),
+      cmocka_unit_test(open_reports_what_it_cannot_do),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
