@@ -198,6 +198,7 @@ static base_status check_body(const scene_spec *s, spec_body *b, base_error *err
     return BAD("scene '%s': body '%s': mass = %g, need a finite value > 0", s->id, b->name,
                b->mass);
   }
+  BASE_TRY(check_shape(s, b, &b->shape, false, err));
   if (!b->kinematic && can_rotate(s, b)) {
     BASE_TRY(check_inertia(s, b, err));
   }
@@ -210,7 +211,7 @@ static base_status check_body(const scene_spec *s, spec_body *b, base_error *err
     return BAD("scene '%s': body '%s': lock or prescribed names a dof absent in dim %d", s->id,
                b->name, s->dim);
   }
-  return check_shape(s, b, &b->shape, false, err);
+  return BASE_OK;
 }
 
 static base_status check_static(const scene_spec *s, spec_static *p, base_error *err) {

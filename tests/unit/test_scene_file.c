@@ -1,0 +1,236 @@
+/* Scene files of users: JSON and YAML say the same, and what is wrong is named in one line. */
+#include "tests/support/check.h"
+
+#include "problems/case_file.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *write_file(const char *ending, const char *text) {
+  static char path[256];
+  (void)snprintf(path, sizeof path, "%s/lcpbench_scene_%d.%s",
+                 getenv("TMPDIR") != NULL ? getenv("TMPDIR") : "/tmp", (int)getpid(), ending);
+  FILE *f = fopen(path, "wb");
+  assert_non_null(f);
+  assert_int_equal(fwrite(text, 1, strlen(text), f), strlen(text));
+  assert_int_equal(fclose(f), 0);
+  return path;
+}
+
+static const char json[] =
+    "{\"id\": \"ramp\", \"dim\": 2, \"T\": 0.5, \"gravity\": [0, -9.81],"
+    " \"bodies\": [{\"name\": \"b\", \"shape\": {\"type\": \"box\", \"half\": [0.2, 0.1]},"
+    "   \"mass\": 2, \"pos\": [0, 0.1], \"vel\": [1.5, 0]},"
+    "   {\"name\": \"c\", \"shape\": {\"type\": \"compound\", \"parts\": ["
+    "     {\"shape\": {\"type\": \"disc\", \"r\": 0.1}, \"pos\": [0.2, 0]},"
+    "     {\"shape\": {\"type\": \"capsule\", \"half_length\": 0.2, \"r\": 0.05}, \"angle\": 1}]},"
+    "   \"mass\": 1, \"inertia\": 0.02, \"pos\": [0, 2]}],"
+    " \"static\": [{\"name\": \"floor\", \"normal\": [0, 1], \"offset\": 0}],"
+    " \"friction\": {\"default\": 0.4, \"pairs\": [[\"b\", \"floor\", 0.6]]},"
+    " \"loads\": [{\"body\": \"b\", \"other\": \"c\", \"type\": \"spring\", \"k\": 10, \"c\": 1}],"
+    " \"joints\": [{\"name\": \"j\", \"type\": \"ball\", \"body\": \"c\", \"anchor\": [0, 2.5]}],"
+    " \"checks\": [{\"type\": \"state\", \"var\": \"b.x\", \"t\": 0.5, \"value\": 0.1,"
+    "   \"tol\": {\"abs\": 1}}]}";
+
+static const char yaml[] =
+    "id: ramp\n"
+    "dim: 2\n"
+    "T: 0.5\n"
+    "gravity: [0, -9.81]\n"
+    "bodies:\n"
+    "  - {name: b, shape: {type: box, half: [0.2, 0.1]}, mass: 2,\n"
+    "     pos: [0, 0.1], vel: [1.5, 0]}\n"
+    "  - name: c\n"
+    "    shape:\n"
+    "      type: compound\n"
+    "      parts:\n"
+    "        - {shape: {type: disc, r: 0.1}, pos: [0.2, 0]}\n"
+    "        - {shape: {type: capsule, half_length: 0.2, r: 0.05}, angle: 1}\n"
+    "    mass: 1\n"
+    "    inertia: 0.02\n"
+    "    pos: [0, 2]\n"
+    "static:\n"
+    "  - {name: floor, normal: [0, 1], offset: 0}\n"
+    "friction: {default: 0.4, pairs: [[b, floor, 0.6]]}\n"
+    "loads:\n"
+    "  - {body: b, other: c, type: spring, k: 10, c: 1}\n"
+    "joints:\n"
+    "  - {name: j, type: ball, body: c, anchor: [0, 2.5]}\n"
+    "checks:\n"
+    "  - {type: state, var: b.x, t: 0.5, value: 0.1, tol: {abs: 1}}\n";
+
+static void check_ramp(const scene_spec *s) {
+  assert_int_equal(s->n_body, 2);
+  check_close(s->body[0].inertia[0], 2.0 * (0.04 + 0.01) / 3.0, 1e-15);
+  check_close(s->body[0].vel[0], 1.5, 0.0);
+  assert_int_equal(s->body[1].shape.n_part, 2);
+  check_close(s->body[1].shape.part[1].quat[3], sin(0.5), 1e-15);
+  check_close(s->friction.pair[0].value, 0.6, 0.0);
+  assert_int_equal(s->load[0].other, 1);
+  assert_int_equal(s->joint[0].other, -1);
+  assert_int_equal(s->effects, EFFECT_GRAVITY | EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION |
+                                   EFFECT_LOADS | EFFECT_DAMPING | EFFECT_JOINTS);
+}
+
+static void json_and_yaml_agree(void **state) {
+  (void)state;
+  base_error err = {0};
+  scene_spec a, b, c;
+  check_ok(scene_load(write_file("json", json), &a, &err), &err);
+  check_ok(scene_load(write_file("yaml", yaml), &b, &err), &err);
+  check_ramp(&a);
+  check_ramp(&b);
+  check_ok(spec_copy(&a, &c, &err), &err);
+  spec_free(&a);
+  check_ramp(&c); /* owns everything */
+  spec_free(&b);
+  spec_free(&c);
+}
+
+#define HEAD "{\"id\": \"s\", \"dim\": 2, \"T\": 1, "
+#define BALL                                                                                       \
+  "{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1}, \"mass\": 1, \"pos\": [0, 0]}"
+#define BODIES "\"bodies\": [" BALL "]"
+
+static const struct {
+  const char *text, *says;
+} bad[] = {
+    {"", "JSON"},
+    {"{\"id\": \"s\"", "JSON"},
+    {"[1, 2]", "need an object"},
+    {"{\"id\": \"s\", \"id\": \"t\"}", "duplicate"},
+    {"{\"dim\": 2}", "no scene"},
+    {HEAD "\"bodies\": []}", "is empty"},
+    {HEAD "\"colour\": 1, " BODIES "}", "unknown key 'colour'"},
+    {"{\"id\": \"s\", \"dim\": 4, \"T\": 1, " BODIES "}", "dim = 4"},
+    {"{\"id\": \"s\", \"dim\": 2, " BODIES "}", "needs 'T'"},
+    {"{\"id\": \"s\", \"dim\": 2, \"T\": -1, " BODIES "}", "T = -1"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1}, \"mass\": -2,"
+          " \"pos\": [0, 0]}]}",
+     "mass = -2"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"shape\": {\"type\": \"torus\", \"r\": 1}, \"mass\": 2,"
+          " \"pos\": [0, 0]}]}",
+     "type 'torus'"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 0}, \"mass\": 2,"
+          " \"pos\": [0, 0]}]}",
+     "r = 0"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1e999},"
+          " \"mass\": 2, \"pos\": [0, 0]}]}",
+     "JSON"},
+    {HEAD "\"bodies\": [" BALL ", " BALL "]}", "'a' is used twice"},
+    {HEAD BODIES ", \"loads\": [{\"body\": \"z\", \"type\": \"constant_force\"}]}",
+     "no body named 'z'"},
+    {HEAD BODIES ", \"friction\": {\"pairs\": [[\"a\", \"q\", 1]]}}", "'q'"},
+    {HEAD BODIES ", \"friction\": {\"default\": -0.1}}", "friction default = -0.1"},
+    {HEAD BODIES ", \"restitution\": {\"default\": 1.5}}", "restitution default = 1.5"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"z.x\"}]}", "'z.x'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.z\"}]}", "quantity 'z'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"stat\"}]}", "check type 'stat'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.x\", \"t\": 2}]}",
+     "after the end"},
+    {HEAD BODIES ", \"needs\": [\"magnetism\"]}", "no such effect"},
+    {HEAD BODIES ", \"needs\": [\"contact\"]}", "declares contact"},
+    {HEAD BODIES ", \"static\": [{\"name\": \"f\", \"normal\": [0, 2]}]}", "length 2"},
+    {HEAD BODIES ", \"gravity\": [0, 0, 1]}", "need 2 numbers"},
+    {HEAD BODIES ", \"hs\": [0]}", "h = 0"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": [0, 0], \"shape\": {\"type\":"
+          " \"polygon\", \"vertices\": [[0,0],[0,1],[1,0]]}}]}",
+     "counter-clockwise"},
+};
+
+static void refused(const char *ending, const char *text, const char *says) {
+  base_error err = {0};
+  scene_spec s;
+  if (scene_load(write_file(ending, text), &s, &err) == BASE_OK) {
+    spec_free(&s);
+    fail_msg("accepted: %s", text);
+  }
+  if (strstr(err.text, says) == NULL || strchr(err.text, '\n') != NULL) {
+    fail_msg("'%s' should say '%s': %s", err.text, says, text);
+  }
+}
+
+static void bad_scenes_are_named(void **state) {
+  (void)state;
+  for (int i = 0; i < BASE_COUNT(bad); i++) {
+    refused("json", bad[i].text, bad[i].says);
+  }
+}
+
+static void bad_yaml_is_named(void **state) {
+  (void)state;
+  refused("yaml", "", "empty");
+  refused("yaml", "id: s\nid: t\n", "twice");
+  refused("yaml", "a: &x [1]\nid: *x\n", "aliases");
+  refused("yaml", "id: [1, 2\n", "line");
+  refused("yaml", "--- {id: s}\n--- {id: t}\n", "one document");
+  refused("yaml", "? [a]\n: 1\n", "key");
+  char deep[1200] = "id: ";
+  memset(deep + 4, '[', 1000);
+  refused("yaml", deep, "line");
+  refused("yaml", "id: s\ndim: 2\nT: .nan\nbodies: []\n", "need a number");
+  refused("yaml", "id: \"\\xff\"\ndim: x\n", "");
+  refused("yaml", "- 1\n- 2\n", "need an object");
+}
+
+/* Every prefix of a good file is either refused or (rarely) still a whole scene. */
+static void truncation_never_crashes(void **state) {
+  (void)state;
+  char cut[sizeof json];
+  for (size_t n = 0; n + 1 < sizeof json; n += 3) {
+    base_error err = {0};
+    scene_spec s;
+    memcpy(cut, json, n);
+    cut[n] = '\0';
+    assert_int_not_equal(scene_load(write_file("json", cut), &s, &err), BASE_OK);
+  }
+  char cut_yaml[sizeof yaml];
+  for (size_t n = 0; n < sizeof yaml; n += 5) {
+    base_error err = {0};
+    scene_spec s;
+    memcpy(cut_yaml, yaml, n);
+    cut_yaml[n] = '\0';
+    if (scene_load(write_file("yaml", cut_yaml), &s, &err) == BASE_OK) {
+      spec_free(&s);
+    }
+  }
+}
+
+static void missing_and_ambiguous_files(void **state) {
+  (void)state;
+  base_error err = {0};
+  scene_spec s;
+  assert_int_equal(scene_load("/nonexistent/x.json", &s, &err), BASE_EIO);
+  assert_int_equal(scene_load("/tmp/", &s, &err), BASE_EINVAL);
+  assert_int_equal(scene_load("no_such_scene", &s, &err), BASE_EINVAL);
+  assert_int_equal(scene_load("incline:mu=-1", &s, &err), BASE_EINVAL);
+  assert_non_null(strstr(err.text, "mu=-1"));
+  assert_int_equal(scene_load("incline:colour=1", &s, &err), BASE_EINVAL);
+  assert_non_null(strstr(err.text, "colour"));
+  char two[2 * sizeof json + 8], with_id[512];
+  (void)snprintf(two, sizeof two, "[%s, %s]", json, json);
+  memcpy(strstr(two + sizeof json, "ramp"), "pipe", 4);
+  const char *path = write_file("json", two);
+  refused("json", two, "holds 2 scenes");
+  (void)snprintf(with_id, sizeof with_id, "%s#pipe", path);
+  check_ok(scene_load(with_id, &s, &err), &err);
+  assert_string_equal(s.id, "pipe");
+  spec_free(&s);
+}
+
+static int clean_up(void **state) {
+  (void)state;
+  (void)remove(write_file("json", ""));
+  (void)remove(write_file("yaml", ""));
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(json_and_yaml_agree),         cmocka_unit_test(bad_scenes_are_named),
+      cmocka_unit_test(bad_yaml_is_named),           cmocka_unit_test(truncation_never_crashes),
+      cmocka_unit_test(missing_and_ambiguous_files),
+  };
+  return cmocka_run_group_tests(tests, NULL, clean_up);
+}
