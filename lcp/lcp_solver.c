@@ -29,3 +29,25 @@ static const char *const outcome_names[] = {LCP_OUTCOME_LIST(NAME_)};
 const char *lcp_outcome_name(lcp_outcome o) {
   return ((unsigned)o < LCP_OUTCOME_COUNT) ? outcome_names[o] : "unknown";
 }
+
+static const char *const set_names[] = {"orthant", "box", "free", "cone"};
+static const char *const trait_names[] = {
+    "symmetric", "psd", "pd", "copositive", "copositive_plus", "p_matrix", "zero_diagonal"};
+
+base_status lcp_solver_admits(const lcp_solver *s, const lcp_problem *p, base_error *err) {
+  const unsigned sets = lcp_problem_sets(p) & ~s->sets;
+  for (int i = 0; i < BASE_COUNT(set_names); i++) {
+    if ((sets & (1u << i)) != 0) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: does not solve %s blocks", s->name,
+                       set_names[i]);
+    }
+  }
+  const unsigned traits = s->needs & ~p->traits;
+  for (int i = 0; i < BASE_COUNT(trait_names); i++) {
+    if ((traits & (1u << i)) != 0) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: needs a problem known to be %s", s->name,
+                       trait_names[i]);
+    }
+  }
+  return BASE_OK;
+}

@@ -1,0 +1,245 @@
+/* read_mtx.c - Matrix Market files (Boisvert, Pozo & Remington 1996): real or integer, coordinate or
+ * array, general, symmetric or skew-symmetric. Duplicate coordinate entries are refused. */
+#include "lcp/io/lcp_read.h"
+#include "lcp/io/lcp_text.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+typedef struct header {
+  bool array;
+  int mirror; /* 0 general, 1 symmetric, -1 skew */
+  long rows, cols, entries;
+} header;
+
+static base_status word(lcp_text *t, const char *const *allowed, int *index, base_error *err) {
+  char w[64];
+  lcp_text_peek(t, w);
+  for (int i = 0; allowed[i] != NULL; i++) {
+    if (strcasecmp(w, allowed[i]) == 0) {
+      *index = i;
+      t->at = strstr(t->at, w) + strlen(w);
+      return BASE_OK;
+    }
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "%s:%ld: '%s' in the Matrix Market header: need %s%s%s",
+                   t->path, t->line, w, allowed[0], allowed[1] != NULL ? " or " : "",
+                   allowed[1] != NULL ? allowed[1] : "");
+}
+
+static base_status read_header(lcp_text *t, header *h, base_error *err) {
+  static const char *const banner[] = {"%%MatrixMarket", NULL}, *const object[] = {"matrix", NULL},
+                           *const format[] = {"coordinate", "array", NULL},
+                           *const field[] = {"real", "integer", NULL},
+                           *const symmetry[] = {"general", "symmetric", "skew-symmetric", NULL};
+  int i;
+  BASE_TRY(word(t, banner, &i, err));
+  BASE_TRY(word(t, object, &i, err));
+  BASE_TRY(word(t, format, &i, err));
+  h->array = i == 1;
+  BASE_TRY(word(t, field, &i, err));
+  BASE_TRY(word(t, symmetry, &i, err));
+  h->mirror = (i == 2) ? -1 : i;
+  char w[64];
+  for (lcp_text_skip_line(t), lcp_text_peek(t, w); w[0] == '%'; lcp_text_peek(t, w)) {
+    t->at = strchr(t->at, '%');
+    lcp_text_skip_line(t);
+  }
+  BASE_TRY(lcp_text_int(t, "the number of rows", 0, 100000000, &h->rows, err));
+  BASE_TRY(lcp_text_int(t, "the number of columns", 0, 100000000, &h->cols, err));
+  if (h->array) {
+    h->entries = 0;
+    return lcp_text_holds(t, (double)h->rows * (double)h->cols * (h->mirror ? 0.5 : 1.0), "size",
+                          err);
+  }
+  BASE_TRY(lcp_text_int(t, "the number of entries", 0, 1000000000, &h->entries, err));
+  return lcp_text_holds(t, 3.0 * (double)h->entries, "size", err);
+}
+
+typedef struct triplet {
+  int row, col;
+  double value;
+} triplet;
+
+static int by_column(const void *a, const void *b) {
+  const triplet *x = a, *y = b;
+  return (x->col != y->col) ? (x->col > y->col) - (x->col < y->col)
+                            : (x->row > y->row) - (x->row < y->row);
+}
+
+static base_status read_triplets(lcp_text *t, const header *h, triplet *e, size_t *count,
+                                 base_error *err) {
+  size_t n = 0;
+  for (long k = 0; k < h->entries; k++) {
+    long i, j;
+    double x;
+    BASE_TRY(lcp_text_int(t, "a row index", 1, h->rows, &i, err));
+    BASE_TRY(lcp_text_int(t, "a column index", 1, h->cols, &j, err));
+    BASE_TRY(lcp_text_real(t, "an entry", &x, err));
+    e[n++] = (triplet){(int)i - 1, (int)j - 1, x};
+    if (h->mirror != 0 && i != j) {
+      e[n++] = (triplet){(int)j - 1, (int)i - 1, h->mirror * x};
+    }
+  }
+  qsort(e, n, sizeof *e, by_column);
+  for (size_t k = 1; k < n; k++) {
+    if (by_column(&e[k - 1], &e[k]) == 0) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s: entry (%d, %d) stands twice", t->path, e[k].row + 1,
+                       e[k].col + 1);
+    }
+  }
+  *count = n;
+  return BASE_OK;
+}
+
+static base_status own(lcp_file_problem *f, void *p, const lcp_text *t, base_error *err) {
+  if (p == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for its matrix", t->path);
+  }
+  f->owned[f->n_owned++] = p;
+  return BASE_OK;
+}
+
+static base_status coordinate_matrix(lcp_text *t, const header *h, lcp_file_problem *out,
+                                     base_error *err) {
+  triplet *e = malloc((2 * (size_t)h->entries + 1) * sizeof *e);
+  size_t nnz = 0;
+  base_status s = (e != NULL) ? read_triplets(t, h, e, &nnz, err)
+                              : BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %ld entries",
+                                          t->path, h->entries);
+  int *colptr = calloc((size_t)h->cols + 1, sizeof *colptr);
+  int *rowind = malloc((nnz + 1) * sizeof *rowind);
+  double *val = malloc((nnz + 1) * sizeof *val);
+  void *const arrays[] = {colptr, rowind, val};
+  for (int i = 0; i < 3; i++) {
+    const base_status got = own(out, arrays[i], t, err);
+    s = (s == BASE_OK) ? got : s;
+  }
+  for (size_t k = 0; s == BASE_OK && k < nnz; k++) {
+    colptr[e[k].col + 1] = (int)k + 1;
+    rowind[k] = e[k].row;
+    val[k] = e[k].value;
+  }
+  free(e);
+  if (s != BASE_OK) {
+    return s;
+  }
+  for (long j = 0; j < h->cols; j++) { /* empty columns start where the one before ended */
+    colptr[j + 1] = (colptr[j + 1] > colptr[j]) ? colptr[j + 1] : colptr[j];
+  }
+  const int n = (int)h->rows;
+  out->p.M = (lcp_matrix){.storage = LCP_CSC, .n = n, .csc = {n, n, colptr, rowind, val}};
+  return BASE_OK;
+}
+
+/* Array files list columns; symmetric ones only the lower triangle (skew: below the diagonal). */
+static base_status array_values(lcp_text *t, const header *h, double *x, base_error *err) {
+  for (long j = 0; j < h->cols; j++) {
+    const long first = (h->mirror == 0) ? 0 : (h->mirror > 0 ? j : j + 1);
+    for (long i = first; i < h->rows; i++) {
+      double value;
+      BASE_TRY(lcp_text_real(t, "an entry", &value, err));
+      x[j * h->rows + i] = value;
+      if (h->mirror != 0 && i != j) {
+        x[i * h->rows + j] = h->mirror * value;
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status array_matrix(lcp_text *t, const header *h, lcp_file_problem *out,
+                                base_error *err) {
+  double *M = calloc((size_t)h->rows * (size_t)h->cols + 1, sizeof *M);
+  BASE_TRY(own(out, M, t, err));
+  BASE_TRY(array_values(t, h, M, err));
+  out->p.M = (lcp_matrix){.storage = LCP_DENSE, .n = (int)h->rows, .val = M};
+  return BASE_OK;
+}
+
+static base_status read_matrix(lcp_text *t, lcp_file_problem *out, base_error *err) {
+  header h;
+  BASE_TRY(read_header(t, &h, err));
+  if (h.rows != h.cols) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: M is %ld x %ld: need a square matrix", t->path, h.rows,
+                     h.cols);
+  }
+  BASE_TRY(h.array ? array_matrix(t, &h, out, err) : coordinate_matrix(t, &h, out, err));
+  out->p.traits = lcp_matrix_is_symmetric(&out->p.M) ? LCP_SYMMETRIC : 0u;
+  return BASE_OK;
+}
+
+static base_status vector_values(lcp_text *t, const header *h, double *x, base_error *err) {
+  if (h->array) {
+    return array_values(t, h, x, err);
+  }
+  memset(x, 0, (size_t)h->rows * sizeof *x);
+  for (long k = 0; k < h->entries; k++) {
+    long i, j;
+    BASE_TRY(lcp_text_int(t, "a row index", 1, h->rows, &i, err));
+    BASE_TRY(lcp_text_int(t, "a column index", 1, 1, &j, err));
+    BASE_TRY(lcp_text_real(t, "an entry", &x[i - 1], err));
+  }
+  return BASE_OK;
+}
+
+base_status lcp_read_mtx_vector(const char *path, int n, double *x, base_error *err) {
+  lcp_text t;
+  header h;
+  BASE_TRY(lcp_text_open(&t, path, err));
+  base_status s = read_header(&t, &h, err);
+  if (s == BASE_OK && (h.rows != n || h.cols != 1 || h.mirror != 0)) {
+    s = BASE_FAIL(err, BASE_EINVAL, "%s: is %ld x %ld: need a vector of %d", path, h.rows, h.cols,
+                  n);
+  }
+  if (s == BASE_OK) {
+    s = vector_values(&t, &h, x, err);
+  }
+  lcp_text_close(&t);
+  return s;
+}
+
+base_status lcp_write_mtx_vector(const char *path, int n, const double *x, base_error *err) {
+  FILE *f = fopen(path, "w");
+  if (f == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  }
+  (void)fprintf(f, "%%%%MatrixMarket matrix array real general\n%d 1\n", n);
+  for (int i = 0; i < n; i++) {
+    (void)fprintf(f, "%.17g\n", x[i]);
+  }
+  const int failed = ferror(f);
+  if (fclose(f) != 0 || failed != 0) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be written to the end", path);
+  }
+  return BASE_OK;
+}
+
+static base_status read_q(const char *path, lcp_file_problem *out, base_error *err) {
+  double *q = malloc(((size_t)out->p.M.n + 1) * sizeof *q);
+  if (q == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %d numbers", path, out->p.M.n);
+  }
+  out->owned[out->n_owned++] = q;
+  out->p.q = q;
+  BASE_TRY(lcp_read_mtx_vector(path, out->p.M.n, q, err));
+  return lcp_problem_check(&out->p, err);
+}
+
+base_status lcp_read_mtx(const char *m_path, const char *q_path, lcp_file_problem *out,
+                         base_error *err) {
+  *out = (lcp_file_problem){0};
+  lcp_text t;
+  BASE_TRY(lcp_text_open(&t, m_path, err));
+  base_status s = read_matrix(&t, out, err);
+  lcp_text_close(&t);
+  if (s == BASE_OK) {
+    s = read_q(q_path, out, err);
+  }
+  if (s != BASE_OK) {
+    lcp_file_problem_free(out);
+  }
+  return s;
+}

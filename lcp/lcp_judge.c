@@ -1,0 +1,184 @@
+/* lcp_judge.c - the independent residuals, accumulated in long double. */
+#include "lcp/lcp_judge.h"
+
+#include "lcp/lcp_cone.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct judge {
+  const lcp_problem *p;
+  const double *z;
+  lcp_csc M;
+  long double *w, *tau0, *tau; /* n */
+  double *zref, *d;            /* n */
+} judge;
+
+static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
+  const size_t n = (size_t)p->M.n + 1;
+  *j = (judge){.p = p, .z = z};
+  j->w = calloc(n, sizeof *j->w);
+  j->tau0 = calloc(n, sizeof *j->tau0);
+  j->tau = calloc(n, sizeof *j->tau);
+  j->zref = calloc(n, sizeof *j->zref);
+  j->d = calloc(n, sizeof *j->d);
+  return j->w != NULL && j->tau0 != NULL && j->tau != NULL && j->zref != NULL && j->d != NULL;
+}
+
+static void judge_close(judge *j) {
+  lcp_csc_free(&j->M);
+  free(j->w);
+  free(j->tau0);
+  free(j->tau);
+  free(j->zref);
+  free(j->d);
+}
+
+/* w = M z + q, tau0, the diagonal, zref, tau: two passes over the columns. */
+static void measure(judge *j) {
+  const int n = j->p->M.n;
+  for (int i = 0; i < n; i++) {
+    j->w[i] = j->p->q[i];
+    j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
+  }
+  for (int c = 0; c < n; c++) {
+    for (int k = j->M.colptr[c]; k < j->M.colptr[c + 1]; k++) {
+      const long double term = (long double)j->M.val[k] * j->z[c];
+      j->w[j->M.rowind[k]] += term;
+      j->tau0[j->M.rowind[k]] += fabsl(term);
+      if (j->M.rowind[k] == c) {
+        j->d[c] = j->M.val[k];
+      }
+    }
+  }
+  for (int c = 0; c < n; c++) {
+    long double ref = (j->d[c] != 0.0) ? j->tau0[c] / fabsl((long double)j->d[c]) : 0.0L;
+    const bool empty = j->M.colptr[c] == j->M.colptr[c + 1];
+    for (int k = j->M.colptr[c]; j->d[c] == 0.0 && k < j->M.colptr[c + 1]; k++) {
+      ref = fmaxl(ref, j->tau0[j->M.rowind[k]] / fabsl((long double)j->M.val[k]));
+    }
+    j->zref[c] = empty ? 1.0 : (double)ref;
+    for (int k = j->M.colptr[c]; k < j->M.colptr[c + 1]; k++) {
+      j->tau[j->M.rowind[k]] += fabsl((long double)j->M.val[k]) * j->zref[c];
+    }
+  }
+}
+
+/* x / scale where a zero scale means that nothing but zero can stand above it. */
+static double ratio(double x, double scale) {
+  if (scale > 0.0) {
+    return x / scale;
+  }
+  return (x == 0.0) ? 0.0 : copysign(HUGE_VAL, x);
+}
+
+static double clip(double x, double lo, double hi) {
+  return fmin(fmax(x, lo), hi);
+}
+
+/* |natural map| of one orthant, box or free row with variable x and residual y in like units. */
+static double row_map(lcp_set set, double x, double y, double lo, double hi) {
+  switch (set) {
+  case LCP_FREE:
+    return fabs(y);
+  case LCP_BOX:
+    return fabs(x - clip(x - y, lo, hi));
+  default:
+    return fabs(fmin(x, y));
+  }
+}
+
+static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
+  const double z = j->z[i], w = (double)j->w[i];
+  const double zref = j->zref[i], tau = (double)j->tau[i];
+  const double d = (j->d[i] > 0.0) ? j->d[i] : 1.0;
+  const double lo = (set == LCP_BOX) ? j->p->lo[i] : 0.0;
+  const double hi = (set == LCP_BOX) ? j->p->hi[i] : HUGE_VAL;
+  v->rho =
+      fmax(v->rho, row_map(set, ratio(z, zref), ratio(w, tau), ratio(lo, zref), ratio(hi, zref)));
+  v->natural = fmax(v->natural, row_map(set, d * z, w, d * lo, d * hi));
+  v->min_map = fmax(v->min_map, row_map(set, z, w, lo, hi));
+  if (set == LCP_FREE) {
+    v->infeasible_w = fmax(v->infeasible_w, fabs(w));
+    return;
+  }
+  v->infeasible_z = fmax(v->infeasible_z, fmax(lo - z, z - hi));
+  v->infeasible_w = fmax(v->infeasible_w, (set == LCP_ORTHANT) ? -w : 0.0);
+  v->comp += (set == LCP_ORTHANT) ? fabs(z * w) : 0.0;
+}
+
+enum { CONE_ROWS_MAX = 1 + 2 * LCP_PARTS_MAX };
+
+static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
+  double w[CONE_ROWS_MAX], moved[CONE_ROWS_MAX], plain[CONE_ROWS_MAX];
+  double d = 0.0, tau = 0.0, work = 0.0;
+  const double *z = j->z + b->start;
+  for (int i = 0; i < b->size; i++) {
+    w[i] = (double)j->w[b->start + i];
+    d += j->d[b->start + i] / b->size;
+    tau = fmax(tau, (double)j->tau[b->start + i]);
+  }
+  v->infeasible_w = fmax(v->infeasible_w, -w[0]);
+  w[0] += lcp_cone_shift(b, w);
+  d = (d > 0.0) ? d : 1.0;
+  for (int i = 0; i < b->size; i++) {
+    moved[i] = d * z[i] - w[i];
+    plain[i] = z[i] - w[i];
+    work += z[i] * w[i];
+  }
+  lcp_cone_project(b, moved, moved);
+  lcp_cone_project(b, plain, plain);
+  for (int i = 0; i < b->size; i++) {
+    v->natural = fmax(v->natural, fabs(d * z[i] - moved[i]));
+    v->rho = fmax(v->rho, ratio(fabs(d * z[i] - moved[i]), tau));
+    v->min_map = fmax(v->min_map, fabs(z[i] - plain[i]));
+  }
+  v->infeasible_z = fmax(v->infeasible_z, lcp_cone_violation(b, z));
+  v->comp += fabs(work);
+}
+
+static void judge_all(const judge *j, lcp_verdict *v) {
+  const lcp_problem *p = j->p;
+  double q_max = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    q_max = fmax(q_max, fabs(p->q[i]));
+    if (p->block == NULL) {
+      judge_row(j, LCP_ORTHANT, i, v);
+    }
+  }
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    const lcp_block *b = &p->block[k];
+    if (b->set == LCP_CONE) {
+      judge_cone(j, b, v);
+      continue;
+    }
+    for (int i = b->start; i < b->start + b->size; i++) {
+      judge_row(j, b->set, i, v);
+    }
+  }
+  v->natural_rel = v->natural / (1.0 + q_max);
+}
+
+base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, base_error *err) {
+  *out = (lcp_verdict){.finite = true};
+  for (int i = 0; i < p->M.n; i++) {
+    if (!isfinite(z[i])) {
+      *out = (lcp_verdict){HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL,
+                           HUGE_VAL, HUGE_VAL, HUGE_VAL, false};
+      return BASE_OK;
+    }
+  }
+  judge j;
+  base_status s = BASE_OK;
+  if (!judge_open(&j, p, z)) {
+    s = BASE_FAIL(err, BASE_ENOMEM, "judge: no memory for %d rows", p->M.n);
+  } else {
+    s = lcp_matrix_to_csc(&p->M, &j.M, err);
+  }
+  if (s == BASE_OK) {
+    measure(&j);
+    judge_all(&j, out);
+  }
+  judge_close(&j);
+  return s;
+}

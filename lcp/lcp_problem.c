@@ -1,0 +1,177 @@
+/* lcp_problem.c - is this a problem at all? Shapes, ranges, finiteness. */
+#include "lcp/lcp_problem.h"
+
+#include <limits.h>
+
+static base_status check_values(const double *x, size_t n, const char *what, base_error *err) {
+  for (size_t i = 0; i < n; i++) {
+    if (!isfinite(x[i])) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s[%zu] is %g: need finite numbers", what, i, x[i]);
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status check_csc(const lcp_csc *m, int n, const char *what, base_error *err) {
+  if (m->n_row != n || m->n_col != n) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s is %d x %d: need %d x %d", what, m->n_row, m->n_col, n,
+                     n);
+  }
+  if (m->colptr[0] != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: column pointers start at %d, need 0", what,
+                     m->colptr[0]);
+  }
+  for (int j = 0; j < n; j++) {
+    if (m->colptr[j + 1] < m->colptr[j]) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s: column pointers decrease at column %d", what, j);
+    }
+    for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
+      const bool ordered = k == m->colptr[j] || m->rowind[k] > m->rowind[k - 1];
+      if (m->rowind[k] < 0 || m->rowind[k] >= n || !ordered) {
+        return BASE_FAIL(err, BASE_EINVAL,
+                         "%s: row index %d in column %d: need increasing indices in 0..%d", what,
+                         m->rowind[k], j, n - 1);
+      }
+    }
+  }
+  return check_values(m->val, (size_t)m->colptr[n], what, err);
+}
+
+static base_status check_bodies(const lcp_factored *f, base_error *err) {
+  for (int b = 0; b < f->n_body; b++) {
+    const int dofs = f->dof_start[b + 1] - f->dof_start[b];
+    if (dofs < 0 || f->weight_start[b + 1] - f->weight_start[b] != dofs * dofs) {
+      return BASE_FAIL(err, BASE_EINVAL, "body %d: need a square weight block for its %d dofs", b,
+                       dofs);
+    }
+  }
+  return check_values(f->weight, (size_t)f->weight_start[f->n_body], "W", err);
+}
+
+static base_status check_factored(const lcp_factored *f, int n, base_error *err) {
+  if (f->row_start[0] != 0 || f->row_start[f->n_group] != n) {
+    return BASE_FAIL(err, BASE_EINVAL, "factored matrix: groups cover rows %d..%d, need 0..%d",
+                     f->row_start[0], f->row_start[f->n_group], n);
+  }
+  BASE_TRY(check_bodies(f, err));
+  for (int g = 0; g < f->n_group; g++) {
+    const int rows = f->row_start[g + 1] - f->row_start[g];
+    int cols = 0;
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * g + side];
+      if (b < -1 || b >= f->n_body) {
+        return BASE_FAIL(err, BASE_EINVAL, "group %d touches body %d: need -1..%d", g, b,
+                         f->n_body - 1);
+      }
+      cols += (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
+    }
+    if (rows < 1 || f->jac_start[g + 1] - f->jac_start[g] != rows * cols) {
+      return BASE_FAIL(err, BASE_EINVAL, "group %d: need %d x %d Jacobian entries", g, rows, cols);
+    }
+  }
+  BASE_TRY(check_values(f->jac, (size_t)f->jac_start[f->n_group], "J", err));
+  return (f->shift != NULL) ? check_csc(f->shift, n, "S", err) : BASE_OK;
+}
+
+static base_status check_cone(const lcp_block *b, int k, base_error *err) {
+  int size = 1;
+  for (int i = 0; i < b->n_part; i++) {
+    size += b->part_dim[i];
+    if (b->part_dim[i] < 1 || b->part_dim[i] > 2 || !(b->part_mu[i] >= 0.0) ||
+        !isfinite(b->part_mu[i])) {
+      return BASE_FAIL(err, BASE_EINVAL,
+                       "cone block %d part %d: need 1 or 2 rows and a coefficient >= 0, not %d, %g",
+                       k, i, b->part_dim[i], b->part_mu[i]);
+    }
+  }
+  if (b->n_part < 0 || b->n_part > LCP_PARTS_MAX || size != b->size) {
+    return BASE_FAIL(err, BASE_EINVAL, "cone block %d has %d rows: its parts need %d", k, b->size,
+                     size);
+  }
+  return BASE_OK;
+}
+
+static base_status check_box(const lcp_problem *p, const lcp_block *b, base_error *err) {
+  for (int i = b->start; i < b->start + b->size; i++) {
+    if (p->lo == NULL || p->hi == NULL || !(p->lo[i] <= p->hi[i])) {
+      return BASE_FAIL(err, BASE_EINVAL, "box row %d: need lo <= hi", i);
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status check_blocks(const lcp_problem *p, base_error *err) {
+  int next = 0;
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    const lcp_block *b = &p->block[k];
+    if (b->start != next || b->size < 1 || b->size > p->M.n - next) {
+      return BASE_FAIL(err, BASE_EINVAL, "block %d covers rows %d..%d: need to start at %d", k,
+                       b->start, b->start + b->size, next);
+    }
+    next += b->size;
+    if (b->set == LCP_CONE) {
+      BASE_TRY(check_cone(b, k, err));
+    } else if (b->set == LCP_BOX) {
+      BASE_TRY(check_box(p, b, err));
+    }
+  }
+  if (p->block != NULL && next != p->M.n) {
+    return BASE_FAIL(err, BASE_EINVAL, "blocks cover %d rows of %d", next, p->M.n);
+  }
+  return BASE_OK;
+}
+
+base_status lcp_problem_check(const lcp_problem *p, base_error *err) {
+  const lcp_matrix *M = &p->M;
+  if (M->n < 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "size n=%d: need n >= 0", M->n);
+  }
+  if (M->n == 0) {
+    return BASE_OK;
+  }
+  switch (M->storage) {
+  case LCP_DENSE:
+    BASE_TRY(check_values(M->val, (size_t)M->n * (size_t)M->n, "M", err));
+    break;
+  case LCP_CSC:
+    BASE_TRY(check_csc(&M->csc, M->n, "M", err));
+    break;
+  case LCP_FACTORED:
+    BASE_TRY(check_factored(M->factored, M->n, err));
+    break;
+  }
+  BASE_TRY(check_values(p->q, (size_t)M->n, "q", err));
+  return check_blocks(p, err);
+}
+
+unsigned lcp_problem_sets(const lcp_problem *p) {
+  unsigned sets = (p->block == NULL && p->M.n > 0) ? 1u << LCP_ORTHANT : 0u;
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    sets |= 1u << p->block[k].set;
+  }
+  return sets;
+}
+
+lcp_capacity lcp_problem_capacity(const lcp_problem *p) {
+  const lcp_matrix *M = &p->M;
+  lcp_capacity c = {.n = M->n, .n_block = (p->block != NULL) ? p->n_block : 0};
+  if (M->storage == LCP_DENSE) {
+    c.nnz = (M->n <= 46340) ? M->n * M->n : INT_MAX; /* 46340^2 is the last square below 2^31 */
+  } else if (M->storage == LCP_CSC) {
+    c.nnz = (M->n > 0) ? M->csc.colptr[M->n] : 0;
+  } else {
+    const lcp_factored *f = M->factored;
+    c.nnz = (f->shift != NULL) ? f->shift->colptr[M->n] : 0;
+    c.n_body = f->n_body;
+    c.n_dof = f->dof_start[f->n_body];
+    c.n_jac = f->jac_start[f->n_group];
+    c.n_weight = f->weight_start[f->n_body];
+  }
+  return c;
+}
+
+bool lcp_capacity_holds(const lcp_capacity *c, const lcp_capacity *need) {
+  return need->n <= c->n && need->n_block <= c->n_block && need->nnz <= c->nnz &&
+         need->n_body <= c->n_body && need->n_dof <= c->n_dof && need->n_jac <= c->n_jac &&
+         need->n_weight <= c->n_weight;
+}
