@@ -27,7 +27,7 @@ static void layout_rows(void *state, base_arena *m) {
   a->row = BASE_ARRAY(m, int, s->group + 1);
   a->r = BASE_ARRAY(m, double, s->row);
   a->lambda = BASE_ARRAY(m, double, s->row);
-  a->near_start = BASE_ARRAY(m, int, s->group + 1);
+  a->home.near_start = BASE_ARRAY(m, int, s->group + 1);
   a->self = BASE_ARRAY(m, int, s->group);
   a->cursor = BASE_ARRAY(m, int, s->group);
   a->bias = BASE_ARRAY(m, double, s->contact);
@@ -43,19 +43,20 @@ static void layout_rows(void *state, base_arena *m) {
 
 static void layout_near(void *state, base_arena *m) {
   form_assembly *a = state;
-  a->near = BASE_ARRAY(m, int, a->cap.near);
-  a->block_at = BASE_ARRAY(m, size_t, a->cap.near + 1);
+  a->home.near = BASE_ARRAY(m, int, a->cap.near);
+  a->home.block_at = BASE_ARRAY(m, size_t, a->cap.near + 1);
 }
 
 static void layout_blocks(void *state, base_arena *m) {
   form_assembly *a = state;
-  a->block = BASE_ARRAY(m, double, a->cap.block);
+  a->home.block = BASE_ARRAY(m, double, a->cap.block);
 }
 
 void form_assembly_close(form_assembly *a) {
   free(a->mem);
   free(a->near_mem);
   free(a->block_mem);
+  form_joints_close(&a->joints);
   *a = (form_assembly){0};
 }
 
@@ -164,6 +165,7 @@ static void choose(form_assembly *a, const contact_set *c, form_rows rows, const
       group_velocity(c, i, form_rows_of(a, k), c->v_free, a->r + a->row[k]);
     }
   }
+  a->n_joint_group = 0;
   a->n_group = a->n_contact;
   for (int g = c->n_contact; g < c->n_group; g++) {
     const int k = a->n_group++;
@@ -253,6 +255,9 @@ static base_status link_groups(form_assembly *a, const contact_set *c, base_erro
     a->cap.near = larger(a->cap.near, (int)n);
     BASE_TRY(form_memory(&a->near_mem, layout_near, a, err));
   }
+  a->near_start = a->home.near_start;
+  a->near = a->home.near;
+  a->block_at = a->home.block_at;
   a->near_start[0] = 0;
   a->block_at[0] = 0;
   for (int i = 0; i < a->n_group; i++) {
@@ -271,6 +276,7 @@ static base_status link_groups(form_assembly *a, const contact_set *c, base_erro
     a->cap.block = doubles + doubles / 2;
     BASE_TRY(form_memory(&a->block_mem, layout_blocks, a, err));
   }
+  a->block = a->home.block;
   return BASE_OK;
 }
 
@@ -404,8 +410,13 @@ void form_assembly_dense(const form_assembly *a, double *out) {
 
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
+  if (a->n_joint_group > 0) {
+    memcpy(a->lambda, lambda, (size_t)a->n_row * sizeof *lambda);
+    form_assembly_joint_impulses(a, a->lambda);
+    lambda = a->lambda;
+  }
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
-  for (int i = 0; i < a->n_group; i++) {
+  for (int i = 0; i < a->n_group + a->n_joint_group; i++) {
     const int g = a->group[i];
     const int rows = form_rows_of(a, i);
     const int all = c->row_start[g + 1] - c->row_start[g];

@@ -33,6 +33,32 @@ typedef struct form_rule {
   double joint_push; /* share of the joint error removed in one step [1] */
 } form_rule;
 
+/* One connected set of joints. */
+typedef struct form_component {
+  int first, count;   /* in member */
+  int rows, rank;     /* of S */
+  int row;            /* first of its rows in y and pivot */
+  int touch, n_touch; /* in touch: contacts coupled to it */
+  int columns;        /* rows of those contacts */
+  size_t at;          /* S, then Y = L^-1 P' R, in dense */
+} form_component;
+
+/* assembly_joint.c: the joints that were eliminated, and C' in their place. */
+typedef struct form_joints {
+  int n_part;
+  form_component *part;
+  int *component, *member, *mark, *offset; /* n_group */
+  int *touch, *column;                     /* 2 n_group */
+  int *pivot;                              /* joint rows, 1-based inside a component */
+  double *y, *work, *dense;
+  int *near_start, *near;
+  size_t *block_at;
+  double *block;
+  int cap_group, cap_row, cap_near;
+  size_t cap_dense, cap_block;
+  void *mem, *dense_mem, *block_mem; /* owned */
+} form_joints;
+
 typedef struct form_assembly {
   const contact_set *set; /* borrowed until the next begin */
 
@@ -51,6 +77,14 @@ typedef struct form_assembly {
   size_t *block_at; /* n_near+1 */
   double *block;
   int *self; /* n_group: position of the own block in near */
+
+  int n_joint_group; /* joints that were eliminated: their rows follow the n_row of the contacts */
+  form_joints joints;
+  struct { /* as laid out, before an elimination */
+    int *near_start, *near;
+    size_t *block_at;
+    double *block;
+  } home;
 
   /* per contact of the set, and the answer */
   double *bias;        /* n_contact of the set; HUGE_VAL: not active */
@@ -94,7 +128,12 @@ void form_assembly_velocity(const form_assembly *a, const double *lambda, double
 /* C as a dense n_row x n_row matrix, column-major. */
 void form_assembly_dense(const form_assembly *a, double *out);
 
-/* Writes lambda (n_row) into impulse (set rows) and v_next = v_free + W J' lambda. */
+/* Takes the joint rows out: n_group = n_contact, r and C become those of the projected system. */
+base_status form_assembly_eliminate(form_assembly *a, base_error *err);
+void form_assembly_joint_impulses(form_assembly *a, double *lambda);
+void form_joints_close(form_joints *j);
+
+/* Writes lambda (n_row) and the impulses of eliminated joints into impulse (set rows) and v_next = v_free + W J' lambda. */
 void form_assembly_answer(form_assembly *a, const double *lambda);
 
 /* Runs layout on a measuring arena, replaces *mem by a block of that size, runs it again. */

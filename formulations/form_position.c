@@ -14,6 +14,7 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, storage, "auto|dense|csc", 0, "matrix handed to the solver"),
     BASE_FIELD(options, push, BASE_REAL, "1", 1, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
+    BASE_FIELD_CHOICE(options, joints, "eliminated|mixed", 0, "or free rows of a mixed problem"),
     BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
 };
 

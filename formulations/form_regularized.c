@@ -115,6 +115,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
                           .joint_push = s->opt.joint_push};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+  BASE_TRY(form_assembly_eliminate(&s->a, err));
   BASE_TRY(grow(s, err));
   const int p = s->a.n_contact;
   s->answer = (formulation_answer){
@@ -130,9 +131,8 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     s->z0[i] = known ? past[1] * c->h / s->memory.h_old : 0;
   }
   reduce(s);
-  if (p == 0 && !s->done) { /* joints alone are a linear solve */
-    reg_contact_expand(s, s->z0, s->lambda);
-    finish(s, true);
+  if (p == 0 && !s->done) {
+    finish(s, true); /* joints alone are a linear solve, already done */
   }
   return BASE_OK;
 }

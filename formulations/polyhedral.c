@@ -149,6 +149,9 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
   BASE_TRY(contact_memory_begin(&s->memory, PAST_Z + widest, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, rows, &rule, &s->memory, err));
+  if (opt->joints == 0) {
+    BASE_TRY(form_assembly_eliminate(&s->a, err));
+  }
   if (s->joint.n_column == 0) {
     poly_shape_identity(&s->joint, 6);
   }

@@ -29,6 +29,7 @@ typedef struct poly_options {
   int planar;      /* poly_planar: unknowns of a planar contact with friction */
   int storage;     /* poly_storage */
   int level;       /* form_level */
+  int joints;      /* 0 eliminated, 1 kept as free rows: a mixed problem */
   int activation;  /* form_activation */
   double push, push_speed, rest, joint_push;
 } poly_options;

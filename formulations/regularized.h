@@ -55,11 +55,11 @@ typedef struct reg_part {
   unsigned char flips;   /* changes of `sliding` in this step */
 } reg_part;
 
-/* One compliant or rigid row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
+/* One compliant row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
 typedef struct reg_row {
   int group, row, n;
   double c[2];
-  double compliance; /* 1/(r G) [1/kg]; 0 for a joint row */
+  double compliance; /* 1/(r G) [1/kg]; */
   double offset;     /* [m/s] */
 } reg_row;
 
@@ -107,7 +107,7 @@ void reg_commit(regularized *s, double *lambda);
 int reg_stride(void); /* doubles remembered per contact */
 
 /* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
- * matrix is not positive definite (redundant joints or rigid friction). */
+ * matrix is not positive definite (rigid and redundant friction). */
 bool reg_contact_reduce(regularized *s);
 /* lambda over the assembly's rows from the normal impulses. */
 void reg_contact_expand(regularized *s, const double *lambda_n, double *lambda);

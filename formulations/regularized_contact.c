@@ -1,6 +1,6 @@
 /* regularized_contact.c - the reduced LCP in contact space.
  *
- * With Q the compliant directions (sticking and secant parts, joint rows), g their compliances and
+ * With Q the compliant directions (sticking and secant parts), g their compliances and
  * offsets o, B the columns e_n - mu d of the normals with their slip friction:
  *
  *   (Q C Q' + g) lambda_q = -(Q r + o) - Q C B lambda_n
@@ -45,23 +45,16 @@ static void part_rows(regularized *s, const reg_part *p) {
 }
 
 static void collect_rows(regularized *s) {
-  static const double one[2] = {1, 0};
   s->n_rows = 0;
   s->any_slip = false;
-  for (int i = 0; i < s->a.n_group; i++) {
+  for (int i = 0; i < s->a.n_contact; i++) {
     s->row_of[i] = s->n_rows;
-    if (i < s->a.n_contact) {
-      for (int k = s->part_start[i]; k < s->part_start[i + 1]; k++) {
-        part_rows(s, &s->part[k]);
-        s->any_slip = s->any_slip || s->part[k].mode == REG_SLIP;
-      }
-    } else {
-      for (int m = s->a.row[i]; m < s->a.row[i + 1]; m++) {
-        add_row(s, i, m, 1, one, 0, 0);
-      }
+    for (int k = s->part_start[i]; k < s->part_start[i + 1]; k++) {
+      part_rows(s, &s->part[k]);
+      s->any_slip = s->any_slip || s->part[k].mode == REG_SLIP;
     }
   }
-  s->row_of[s->a.n_group] = s->n_rows;
+  s->row_of[s->a.n_contact] = s->n_rows;
 }
 
 static double friction_bound(const reg_part *p) {
@@ -123,20 +116,14 @@ static void fill_pair(regularized *s, int j, int k) {
         column[row] = along(&s->rows[row], a->row[i], v);
       }
     }
-    if (i < p) { /* X = (N C Q')' */
-      s->xyc[(ptrdiff_t)i * s->n_rows + col] = v[0];
-    }
+    s->xyc[(ptrdiff_t)i * s->n_rows + col] = v[0]; /* X = (N C Q')' */
   }
-  if (j < p) {
-    slip_column(s, j, f);
-    through(block, ri, rj, f, v);
-    double *Y = s->xyc + (ptrdiff_t)(p + j) * s->n_rows;
-    for (int row = s->row_of[i]; row < s->row_of[i + 1] && s->any_slip; row++) {
-      Y[row] = along(&s->rows[row], a->row[i], v);
-    }
-    if (i < p) {
-      s->A[(ptrdiff_t)j * p + i] = v[0];
-    }
+  slip_column(s, j, f);
+  through(block, ri, rj, f, v);
+  s->A[(ptrdiff_t)j * p + i] = v[0];
+  double *Y = s->xyc + (ptrdiff_t)(p + j) * s->n_rows;
+  for (int row = s->row_of[i]; row < s->row_of[i + 1] && s->any_slip; row++) {
+    Y[row] = along(&s->rows[row], a->row[i], v);
   }
 }
 

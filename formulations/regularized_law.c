@@ -214,8 +214,9 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
 }
 
 void reg_modes_next(regularized *s) {
-  const bool secant = s->opt.modes == REG_SECANT_ONLY ||
-                      (s->opt.modes == REG_NEWTON && s->iteration % (6 * s->opt.newton_iter) >= s->opt.newton_iter);
+  const bool secant =
+      s->opt.modes == REG_SECANT_ONLY ||
+      (s->opt.modes == REG_NEWTON && s->iteration % (6 * s->opt.newton_iter) >= s->opt.newton_iter);
   for (int k = 0; k < s->n_part; k++) {
     reg_part *p = &s->part[k];
     const unsigned char was = p->mode;

@@ -1,0 +1,378 @@
+/* assembly_joint.c - joints out of the contact space.
+ *
+ * With S = C_bb and R = C_bc of the joint rows b and the contact rows c, joint rows satisfied
+ * exactly, r_b + S lambda_b + R lambda_c = 0, leave
+ *
+ *   C' = C_cc - R' S^-1 R,   r' = r_c - R' S^-1 r_b
+ *
+ * which is the projected inverse mass of MATH 2.1. Joints fall into connected components; each has
+ * its own S, and only contacts that touch the same component become coupled. S is factored with
+ * pivoting (LAPACK dpstrf): redundant joint rows carry no impulse, nothing is added to S. */
+#include "formulations/assembly.h"
+
+#include <cblas.h>
+#include <lapacke.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void layout_lists(void *state, base_arena *m) {
+  form_joints *j = &((form_assembly *)state)->joints;
+  j->component = BASE_ARRAY(m, int, j->cap_group);
+  j->part = BASE_ARRAY(m, form_component, j->cap_group);
+  j->member = BASE_ARRAY(m, int, j->cap_group);
+  j->mark = BASE_ARRAY(m, int, j->cap_group);
+  j->touch = BASE_ARRAY(m, int, 2 * (size_t)j->cap_group);
+  j->column = BASE_ARRAY(m, int, 2 * (size_t)j->cap_group);
+  j->offset = BASE_ARRAY(m, int, j->cap_group);
+  j->near_start = BASE_ARRAY(m, int, j->cap_group + 1);
+  j->pivot = BASE_ARRAY(m, int, j->cap_row);
+  j->y = BASE_ARRAY(m, double, j->cap_row);
+  j->work = BASE_ARRAY(m, double, 2 * (size_t)j->cap_row);
+}
+
+static void layout_dense(void *state, base_arena *m) {
+  form_joints *j = &((form_assembly *)state)->joints;
+  j->dense = BASE_ARRAY(m, double, j->cap_dense);
+  j->near = BASE_ARRAY(m, int, j->cap_near);
+  j->block_at = BASE_ARRAY(m, size_t, j->cap_near + 1);
+}
+
+static void layout_blocks(void *state, base_arena *m) {
+  form_joints *j = &((form_assembly *)state)->joints;
+  j->block = BASE_ARRAY(m, double, j->cap_block);
+}
+
+/* Labels joints that are coupled with the same number; lists them component by component. */
+static void find_components(form_assembly *a) {
+  form_joints *j = &a->joints;
+  const int p = a->n_contact;
+  int listed = 0;
+  j->n_part = 0;
+  for (int g = p; g < a->n_group; g++) {
+    j->component[g] = -1;
+  }
+  for (int seed = p; seed < a->n_group; seed++) {
+    if (j->component[seed] >= 0) {
+      continue;
+    }
+    form_component *c = &j->part[j->n_part];
+    *c = (form_component){.first = listed};
+    j->component[seed] = j->n_part;
+    j->member[listed++] = seed;
+    for (int head = c->first; head < listed; head++) {
+      const int g = j->member[head];
+      j->offset[g] = c->rows;
+      c->rows += form_rows_of(a, g);
+      for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
+        const int other = a->near[k];
+        if (other >= p && j->component[other] < 0) {
+          j->component[other] = j->n_part;
+          j->member[listed++] = other;
+        }
+      }
+    }
+    c->count = listed - c->first;
+    j->n_part++;
+  }
+}
+
+static int ascending(const void *x, const void *y) {
+  const int a = *(const int *)x;
+  const int b = *(const int *)y;
+  return (a > b) - (a < b);
+}
+
+/* Contacts that touch each component, ascending, with their first column in Y. A body belongs to
+ * one component, so a contact touches at most two. */
+static void find_touching(form_assembly *a) {
+  form_joints *j = &a->joints;
+  int listed = 0;
+  for (int i = 0; i < a->n_contact; i++) {
+    j->mark[i] = -1;
+  }
+  for (int c = 0; c < j->n_part; c++) {
+    form_component *part = &j->part[c];
+    part->touch = listed;
+    for (int m = part->first; m < part->first + part->count; m++) {
+      const int g = j->member[m];
+      for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
+        const int i = a->near[k];
+        if (i < a->n_contact && j->mark[i] != c) {
+          j->mark[i] = c;
+          j->touch[listed++] = i;
+        }
+      }
+    }
+    part->n_touch = listed - part->touch;
+    qsort(j->touch + part->touch, (size_t)part->n_touch, sizeof *j->touch, ascending);
+    part->columns = 0;
+    for (int k = part->touch; k < listed; k++) {
+      j->column[k] = part->columns;
+      part->columns += form_rows_of(a, j->touch[k]);
+    }
+  }
+}
+
+/* Ascending union of contact i's contact neighbours and everything in its components. */
+static int widened(const form_assembly *a, int i, int *out) {
+  const form_joints *j = &a->joints;
+  const int *list[3] = {a->near + a->near_start[i], NULL, NULL};
+  int left[3] = {0, 0, 0};
+  while (a->near_start[i] + left[0] < a->near_start[i + 1] && list[0][left[0]] < a->n_contact) {
+    left[0]++;
+  }
+  int n_list = 1;
+  int last = -1;
+  for (int k = a->near_start[i] + left[0]; k < a->near_start[i + 1]; k++) {
+    const int c = j->component[a->near[k]];
+    if (c != last && (n_list < 2 || list[1] != j->touch + j->part[c].touch)) {
+      list[n_list] = j->touch + j->part[c].touch;
+      left[n_list++] = j->part[c].n_touch;
+    }
+    last = c;
+  }
+  int n = 0;
+  for (;;) {
+    int least = a->n_contact;
+    for (int l = 0; l < n_list; l++) {
+      least = (left[l] > 0 && *list[l] < least) ? *list[l] : least;
+    }
+    if (least == a->n_contact) {
+      return n;
+    }
+    for (int l = 0; l < n_list; l++) {
+      if (left[l] > 0 && *list[l] == least) {
+        list[l]++;
+        left[l]--;
+      }
+    }
+    if (out != NULL) {
+      out[n] = least;
+    }
+    n++;
+  }
+}
+
+static base_status reserve(form_assembly *a, base_error *err) {
+  form_joints *j = &a->joints;
+  size_t dense = 0;
+  for (int c = 0; c < j->n_part; c++) {
+    form_component *part = &j->part[c];
+    part->at = dense;
+    dense += (size_t)part->rows * (size_t)(part->rows + part->columns);
+  }
+  size_t near = 0;
+  for (int i = 0; i < a->n_contact; i++) {
+    near += (size_t)widened(a, i, NULL);
+  }
+  if (near > (size_t)INT32_MAX / 2) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "joints couple %zu pairs of contacts", near);
+  }
+  if (j->dense_mem == NULL || dense > j->cap_dense || (int)near > j->cap_near) {
+    j->cap_dense = dense + dense / 2 + 1;
+    j->cap_near = (int)(near + near / 2) + 1;
+    BASE_TRY(form_memory(&j->dense_mem, layout_dense, a, err));
+  }
+  return BASE_OK;
+}
+
+/* Copies C_cc into the widened pattern. */
+static base_status widen(form_assembly *a, base_error *err) {
+  form_joints *j = &a->joints;
+  j->near_start[0] = 0;
+  j->block_at[0] = 0;
+  for (int i = 0; i < a->n_contact; i++) {
+    const int at = j->near_start[i];
+    j->near_start[i + 1] = at + widened(a, i, j->near + at);
+    for (int k = at; k < j->near_start[i + 1]; k++) {
+      j->block_at[k + 1] =
+          j->block_at[k] + (size_t)form_rows_of(a, i) * (size_t)form_rows_of(a, j->near[k]);
+    }
+  }
+  const size_t size = j->block_at[j->near_start[a->n_contact]];
+  if (j->block_mem == NULL || size > j->cap_block) {
+    j->cap_block = size + size / 2 + 1;
+    BASE_TRY(form_memory(&j->block_mem, layout_blocks, a, err));
+  }
+  memset(j->block, 0, size * sizeof *j->block);
+  for (int i = 0; i < a->n_contact; i++) {
+    int old = a->near_start[i];
+    for (int k = j->near_start[i]; k < j->near_start[i + 1]; k++) {
+      if (j->near[k] == i) {
+        a->self[i] = k;
+      }
+      if (old < a->near_start[i + 1] && a->near[old] == j->near[k]) {
+        memcpy(j->block + j->block_at[k], a->block + a->block_at[old],
+               (j->block_at[k + 1] - j->block_at[k]) * sizeof *j->block);
+        old++;
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+static int touch_column(const form_joints *j, const form_component *part, int i) {
+  int low = part->touch;
+  int high = part->touch + part->n_touch - 1;
+  while (low < high) {
+    const int mid = low + (high - low) / 2;
+    if (j->touch[mid] < i) {
+      low = mid + 1;
+    } else {
+      high = mid;
+    }
+  }
+  return j->column[low];
+}
+
+/* S and R of one component from the blocks of its joints. */
+static void gather(form_assembly *a, const form_component *part, double *S, double *R, double *y) {
+  const form_joints *j = &a->joints;
+  const int n = part->rows;
+  memset(S, 0, (size_t)n * (size_t)(n + part->columns) * sizeof *S);
+  for (int m = part->first; m < part->first + part->count; m++) {
+    const int g = j->member[m];
+    const int rg = form_rows_of(a, g);
+    memcpy(y + j->offset[g], a->r + a->row[g], (size_t)rg * sizeof *y);
+    for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
+      const int o = a->near[k];
+      const int ro = form_rows_of(a, o);
+      const double *block = a->block + a->block_at[k];
+      const int column = (o >= a->n_contact) ? j->offset[o] : touch_column(j, part, o);
+      double *to = ((o >= a->n_contact) ? S : R) + (ptrdiff_t)column * n + j->offset[g];
+      for (int p = 0; p < rg; p++) {
+        for (int q = 0; q < ro; q++) {
+          to[(ptrdiff_t)q * n + p] = block[p * ro + q];
+        }
+      }
+    }
+  }
+}
+
+/* Rows of x (n x m) into the order of the pivots. */
+static void permute(double *x, int n, int m, const int *pivot, double *work) {
+  for (int c = 0; c < m; c++) {
+    double *column = x + (ptrdiff_t)c * n;
+    for (int k = 0; k < n; k++) {
+      work[k] = column[pivot[k] - 1];
+    }
+    memcpy(column, work, (size_t)n * sizeof *column);
+  }
+}
+
+static void subtract(form_assembly *a, const form_component *part, const double *Y,
+                     const double *y) {
+  form_joints *j = &a->joints;
+  const int n = part->rows;
+  for (int t = part->touch; t < part->touch + part->n_touch; t++) {
+    const int i = j->touch[t];
+    const int ri = form_rows_of(a, i);
+    const double *Yi = Y + (ptrdiff_t)j->column[t] * n;
+    for (int p = 0; p < ri; p++) {
+      a->r[a->row[i] + p] -= cblas_ddot(part->rank, Yi + (ptrdiff_t)p * n, 1, y, 1);
+    }
+    int k = j->near_start[i];
+    for (int o = part->touch; o < part->touch + part->n_touch; o++) {
+      while (j->near[k] != j->touch[o]) {
+        k++;
+      }
+      const int rj = form_rows_of(a, j->touch[o]);
+      const double *Yj = Y + (ptrdiff_t)j->column[o] * n;
+      double *block = j->block + j->block_at[k];
+      for (int p = 0; p < ri; p++) {
+        for (int q = 0; q < rj; q++) {
+          block[p * rj + q] -=
+              cblas_ddot(part->rank, Yi + (ptrdiff_t)p * n, 1, Yj + (ptrdiff_t)q * n, 1);
+        }
+      }
+    }
+  }
+}
+
+static void eliminate_one(form_assembly *a, form_component *part, int first_row) {
+  form_joints *j = &a->joints;
+  const int n = part->rows;
+  double *S = j->dense + part->at;
+  double *Y = S + (ptrdiff_t)n * n;
+  double *y = j->y + first_row;
+  int *pivot = j->pivot + first_row;
+  part->row = first_row;
+  gather(a, part, S, Y, y);
+  /* a positive return only says that the rank is less than n */
+  (void)LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', n, S, n, pivot, &part->rank, -1.0, j->work);
+  permute(Y, n, part->columns, pivot, j->work);
+  permute(y, n, 1, pivot, j->work);
+  if (part->rank > 0) {
+    cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, part->rank,
+                part->columns, 1, S, n, Y, n);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, part->rank, S, n, y, 1);
+  }
+  subtract(a, part, Y, y);
+}
+
+base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
+  form_joints *j = &a->joints;
+  if (a->n_group == a->n_contact) {
+    return BASE_OK;
+  }
+  if (j->mem == NULL || a->n_group > j->cap_group || a->n_row > j->cap_row) {
+    j->cap_group = a->n_group + a->n_group / 2;
+    j->cap_row = a->n_row + a->n_row / 2;
+    BASE_TRY(form_memory(&j->mem, layout_lists, a, err));
+  }
+  find_components(a);
+  find_touching(a);
+  BASE_TRY(reserve(a, err));
+  BASE_TRY(widen(a, err));
+  int first_row = 0;
+  for (int c = 0; c < j->n_part; c++) {
+    eliminate_one(a, &j->part[c], first_row);
+    first_row += j->part[c].rows;
+  }
+  a->n_joint_group = a->n_group - a->n_contact;
+  a->n_group = a->n_contact;
+  a->n_row = a->row[a->n_contact];
+  a->near_start = j->near_start;
+  a->near = j->near;
+  a->block_at = j->block_at;
+  a->block = j->block;
+  return BASE_OK;
+}
+
+/* lambda_b = -S^-1 (r_b + R lambda_c) into lambda, which holds all rows. */
+void form_assembly_joint_impulses(form_assembly *a, double *lambda) {
+  form_joints *j = &a->joints;
+  for (int c = 0; a->n_joint_group > 0 && c < j->n_part; c++) {
+    const form_component *part = &j->part[c];
+    const int n = part->rows;
+    const double *S = j->dense + part->at;
+    const double *Y = S + (ptrdiff_t)n * n;
+    double *x = j->work;
+    double *all = j->work + j->cap_row;
+    memset(all, 0, (size_t)n * sizeof *all);
+    memcpy(x, j->y + part->row, (size_t)n * sizeof *x);
+    for (int t = part->touch; t < part->touch + part->n_touch; t++) {
+      const int i = j->touch[t];
+      for (int p = 0; p < form_rows_of(a, i); p++) {
+        cblas_daxpy(part->rank, lambda[a->row[i] + p], Y + (ptrdiff_t)(j->column[t] + p) * n, 1, x,
+                    1);
+      }
+    }
+    if (part->rank > 0) {
+      cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, part->rank, S, n, x, 1);
+    }
+    for (int k = 0; k < part->rank; k++) {
+      all[j->pivot[part->row + k] - 1] = -x[k];
+    }
+    for (int m = part->first; m < part->first + part->count; m++) {
+      const int g = j->member[m];
+      memcpy(lambda + a->row[g], all + j->offset[g], (size_t)form_rows_of(a, g) * sizeof *all);
+    }
+  }
+}
+
+void form_joints_close(form_joints *j) {
+  free(j->mem);
+  free(j->dense_mem);
+  free(j->block_mem);
+}
