@@ -163,9 +163,39 @@ static void fill_contact(rig *r, int i, int *row, int *at) {
   r->e[i] = c->e;
 }
 
+void rig_pin(rig *r, int a, int b, const double *ra, const double *rb) {
+  rig_joint *j = &r->joint[r->n_joint++];
+  j->a = a;
+  j->b = b;
+  memcpy(j->ra, ra, sizeof j->ra);
+  memcpy(j->rb, rb, sizeof j->rb);
+}
+
+static void fill_joint(rig *r, int i, int *row, int *at) {
+  const rig_joint *j = &r->joint[i];
+  const int g = r->n_contact + i;
+  r->row_start[g] = *row;
+  r->jac_start[g] = *at;
+  r->body[2 * g] = j->a;
+  r->body[2 * g + 1] = j->b;
+  for (int side = 0; side < 2; side++) {
+    for (int k = 0; k < r->dim && (side == 0 || j->b >= 0); k++) {
+      const double e[3] = {k == 0, k == 1, k == 2};
+      row_of(r, e, (side == 0) ? j->ra : j->rb, (side == 0) ? 1 : -1, r->jac + *at);
+      *at += dofs(r);
+    }
+  }
+  for (int k = 0; k < r->dim; k++) {
+    const double xb = (j->b >= 0) ? r->x[j->b][k] : 0;
+    r->drift[*row] = 0;
+    r->error[*row - r->row_start[r->n_contact]] = r->x[j->a][k] + j->ra[k] - xb - j->rb[k];
+    (*row)++;
+  }
+}
+
 static void velocities(const rig *r, const double *v, double *u) {
   const int n = dofs(r);
-  for (int i = 0; i < r->n_contact; i++) {
+  for (int i = 0; i < r->n_contact + r->n_joint; i++) {
     const double *jac = r->jac + r->jac_start[i];
     const int rows = r->row_start[i + 1] - r->row_start[i];
     for (int k = 0; k < rows; k++) {
@@ -191,7 +221,11 @@ const contact_set *rig_set(rig *r) {
     fill_contact(r, i, &row, &at);
   }
   r->row_start[r->n_contact] = row;
-  r->jac_start[r->n_contact] = at;
+  for (int i = 0; i < r->n_joint; i++) {
+    fill_joint(r, i, &row, &at);
+  }
+  r->row_start[r->n_contact + r->n_joint] = row;
+  r->jac_start[r->n_contact + r->n_joint] = at;
   memcpy(r->v_start, r->v, sizeof r->v);
   velocities(r, r->v, r->before);
   r->set = (contact_set){.dim = r->dim,
@@ -207,7 +241,7 @@ const contact_set *rig_set(rig *r) {
                          .v = r->v_start,
                          .v_free = r->v_free,
                          .n_contact = r->n_contact,
-                         .n_group = r->n_contact,
+                         .n_group = r->n_contact + r->n_joint,
                          .n_row = row,
                          .row_start = r->row_start,
                          .body = r->body,
@@ -224,7 +258,8 @@ const contact_set *rig_set(rig *r) {
                          .mu_rolling = r->rolling,
                          .restitution = r->e,
                          .frame = r->frame,
-                         .spin = r->spin};
+                         .spin = r->spin,
+                         .joint_error = r->error};
   return &r->set;
 }
 

@@ -5,7 +5,8 @@
 #include "formulations/formulation.h"
 #include "problems/contact_set.h"
 
-enum { RIG_BODIES = 32, RIG_CONTACTS = 160 };
+enum { RIG_BODIES = 32, RIG_CONTACTS = 160, RIG_JOINTS = 16 };
+enum { RIG_GROUPS = RIG_CONTACTS + RIG_JOINTS };
 
 typedef struct rig_contact {
   int a, b;                  /* bodies; b = -1: ground */
@@ -15,6 +16,12 @@ typedef struct rig_contact {
   double belt; /* velocity of side b along t1 [m/s] */
 } rig_contact;
 
+/* Points of two bodies that stay together. */
+typedef struct rig_joint {
+  int a, b;
+  double ra[3], rb[3];
+} rig_joint;
+
 typedef struct rig {
   int dim; /* 2: dofs x, y, rz; 3: x, y, z, rx, ry, rz */
   double h, t, gravity[3];
@@ -23,13 +30,16 @@ typedef struct rig {
   double x[RIG_BODIES][3];
   double v[6 * RIG_BODIES], v_start[6 * RIG_BODIES];
   rig_contact contact[RIG_CONTACTS];
+  int n_joint;
+  rig_joint joint[RIG_JOINTS];
 
   /* storage behind `set` */
   contact_set set;
   int dof_start[RIG_BODIES + 1], mass_start[RIG_BODIES + 1];
   double M[36 * RIG_BODIES], W[36 * RIG_BODIES], v_free[6 * RIG_BODIES];
-  int row_start[RIG_CONTACTS + 1], body[2 * RIG_CONTACTS], jac_start[RIG_CONTACTS + 1];
-  double jac[RIG_CONTACTS * 72], drift[RIG_CONTACTS * 6], before[RIG_CONTACTS * 6];
+  int row_start[RIG_GROUPS + 1], body[2 * RIG_GROUPS], jac_start[RIG_GROUPS + 1];
+  double jac[RIG_GROUPS * 72], drift[RIG_GROUPS * 6], before[RIG_GROUPS * 6];
+  double error[RIG_JOINTS * 3];
   uint64_t id[RIG_CONTACTS];
   contact_rows rows[RIG_CONTACTS];
   double gap[RIG_CONTACTS], mu_s[RIG_CONTACTS], mu_k[RIG_CONTACTS], torsion[RIG_CONTACTS],
@@ -44,6 +54,8 @@ int rig_body(rig *r, double mass, double ix, double iy, double iz);
 rig_contact *rig_touch(rig *r, int a, int b, const double *ra, const double *rb, const double *n,
                        double mu);
 const contact_set *rig_set(rig *r);
+
+void rig_pin(rig *r, int a, int b, const double *ra, const double *rb);
 
 /* One step with the formulation and the tableau solver. */
 void rig_step(rig *r, formulation_run *run);

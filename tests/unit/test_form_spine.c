@@ -72,10 +72,71 @@ static void block_on_incline(void **state) {
   }
 }
 
+/* A chain of pinned bodies lying on frictional contacts: joints in the problem or out of it, the
+ * same velocities; and pins listed twice change nothing. */
+static rig *chain(int dim, bool twice) {
+  rig *r = rig_new(dim, 0.01);
+  r->gravity[dim - 1] = -9.81;
+  r->gravity[0] = 3;
+  const double ground[3] = {0, 0, 0};
+  const double n[3] = {0, dim == 2, dim == 3};
+  for (int b = 0; b < 4; b++) {
+    rig_body(r, 1 + b, 0.2, 0.3, 0.4);
+    r->x[b][0] = b;
+    r->v[(dim == 2 ? 3 : 6) * b] = 0.3;
+    const double foot[3] = {0.1, (dim == 2) ? 0 : 0.05 * b, 0};
+    if (b != 2) {
+      rig_touch(r, b, -1, foot, ground, n, 0.3);
+    }
+    const double left[3] = {-0.5, 0, 0};
+    const double right[3] = {0.5, 0, 0};
+    for (int k = 0; k < 1 + twice && b > 0 && b < 3; k++) {
+      rig_pin(r, b, b - 1, left, right);
+    }
+  }
+  return r;
+}
+
+static void joints_in_and_out(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    rig *in = chain(dim, false);
+    rig *out = chain(dim, false);
+    rig *twice = chain(dim, true);
+    rig *soft = chain(dim, false);
+    formulation_run *mixed = rig_open("velocity", "joints=mixed,facets=8");
+    formulation_run *eliminated = rig_open("velocity", "facets=8");
+    formulation_run *redundant = rig_open("velocity", "facets=8");
+    formulation_run *regularized = rig_open("regularized", "ratio=1e6");
+    for (int k = 0; k < 20; k++) {
+      rig_step(in, mixed);
+      rig_step(out, eliminated);
+      rig_step(twice, redundant);
+      rig_step(soft, regularized);
+      assert_true(in->answer.solved && out->answer.solved && twice->answer.solved &&
+                  soft->answer.solved);
+      for (int i = 0; i < in->set.n_dof; i++) {
+        check_close(in->v[i], out->v[i], 1e-12);
+        check_close(twice->v[i], out->v[i], 1e-12);
+        check_close(soft->v[i], out->v[i], dim == 2 ? 1e-4 : 0.05); /* 8 facets in space */
+      }
+    }
+    rig_close(mixed);
+    rig_close(eliminated);
+    rig_close(redundant);
+    rig_close(regularized);
+    free(in);
+    free(out);
+    free(twice);
+    free(soft);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(dimensions_of_four_contacts),
       cmocka_unit_test(block_on_incline),
+      cmocka_unit_test(joints_in_and_out),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
