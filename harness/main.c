@@ -1,9 +1,6 @@
-/* main.c - the lcpbench command line. The only file that prints and decides exit codes. */
-#include "harness/version.h"
+/* main.c - the lcpbench executable. */
+#include "harness/cli.h"
 
-#include <stdio.h>
-
-int main(void) {
-  printf("lcpbench %s\n", harness_version());
-  return 0;
+int main(int argc, char **argv) {
+  return cli_main(argc, argv);
 }

@@ -1,0 +1,204 @@
+/* Equivalences: two scenes (or one scene with something switched off) that must agree. */
+#include "harness/check_run.h"
+#include "harness/simulate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { EQUAL_VARS = 16 };
+
+typedef struct equal_unit {
+  sim_request request[2];
+  double t, tol;
+  int n_var;
+  const char *var[2][EQUAL_VARS];
+  check_outcome blank;
+} equal_unit;
+
+static void emit(isolate_channel *out, const equal_unit *u, const char *check,
+                 check_verdict verdict, const char *reason) {
+  check_outcome o = u->blank;
+  o.verdict = verdict;
+  (void)snprintf(o.check, sizeof o.check, "%s", check);
+  (void)snprintf(o.reason, sizeof o.reason, "%.190s", reason);
+  (void)isolate_emit(out, &o);
+}
+
+/* Values of the mapped quantities of one side at time t; false: reported already. */
+static bool run_side(const equal_unit *u, int side, double *value, isolate_channel *out) {
+  series record;
+  sim_result r;
+  base_error err = {0};
+  const base_status done = simulate(&u->request[side], &record, &r, &err);
+  bool good = false;
+  if (done != BASE_OK) {
+    emit(out, u, "run", done == BASE_EUNSUPPORTED ? CHECK_SKIPPED : CHECK_FAILED, err.text);
+  } else if (r.status != RUN_OK) {
+    const bool skip = r.status == RUN_UNSUPPORTED || !u->request[side].solver->solver->exact;
+    emit(out, u, "status", skip ? CHECK_SKIPPED : CHECK_FAILED, r.note);
+  } else {
+    good = true;
+    for (int i = 0; i < u->n_var; i++) {
+      spec_check c = {.kind = CHECK_STATE};
+      (void)snprintf(c.var, sizeof c.var, "%s", u->var[side][i]);
+      const series_var *v = series_find_var(&record, &c);
+      if (v == NULL || !series_at(&record, v->column, u->t, &value[i])) {
+        emit(out, u, u->var[side][i], CHECK_FAILED, "not recorded at that time");
+        good = false;
+      }
+    }
+  }
+  series_close(&record);
+  return good;
+}
+
+static void run_unit(void *ctx, isolate_channel *out) {
+  const equal_unit *u = ctx;
+  double value[2][EQUAL_VARS];
+  if (!run_side(u, 0, value[0], out) || !run_side(u, 1, value[1], out)) {
+    return;
+  }
+  for (int i = 0; i < u->n_var; i++) {
+    check_outcome o = u->blank;
+    (void)snprintf(o.check, sizeof o.check, "equal %.60s", u->var[0][i]);
+    o.got = value[1][i];
+    o.expected = value[0][i];
+    o.tolerance = u->tol * fmax(1.0, fabs(o.expected));
+    o.verdict = (fabs(o.got - o.expected) <= o.tolerance) ? CHECK_PASSED : CHECK_FAILED;
+    (void)isolate_emit(out, &o);
+  }
+}
+
+static const scene_spec *find(const scene_file *file, const json_t *id) {
+  const char *name = json_string_value(id);
+  for (int i = 0; name != NULL && i < file->n_scene; i++) {
+    if (strcmp(file->scene[i].id, name) == 0) {
+      return &file->scene[i];
+    }
+  }
+  return NULL;
+}
+
+/* A copy that also records the mapped quantities. */
+static base_status watch(const scene_spec *from, const equal_unit *u, int side, scene_spec *to,
+                         base_error *err) {
+  BASE_TRY(spec_copy(from, to, err));
+  for (int i = 0; i < u->n_var; i++) {
+    spec_check *c;
+    BASE_TRY(spec_add_check(to, CHECK_STATE, u->var[side][i], &c, err));
+  }
+  return BASE_OK;
+}
+
+static base_status read_map(const json_t *json, equal_unit *u, base_error *err) {
+  size_t i;
+  const json_t *pair;
+  json_array_foreach(json_object_get(json, "map"), i, pair) {
+    const char *a = json_string_value(json_array_get(pair, 0));
+    const char *b = json_string_value(json_array_get(pair, 1));
+    if (a == NULL || b == NULL || u->n_var == EQUAL_VARS) {
+      return BASE_FAIL(err, BASE_EINVAL, "equivalence %s: map needs at most %d pairs of names",
+                       u->blank.id, EQUAL_VARS);
+    }
+    u->var[0][u->n_var] = a;
+    u->var[1][u->n_var++] = b;
+  }
+  u->t = json_number_value(json_object_get(json, "t"));
+  u->tol = json_number_value(json_object_get(json, "tol"));
+  return BASE_OK;
+}
+
+/* What "override_b" changes: effects, facets, multiplicity. */
+static void apply_override(const json_t *o, scene_spec *spec, unsigned *effects, int *facets) {
+  if (json_is_true(json_object_get(o, "rotation_off"))) {
+    *effects &= ~(unsigned)(EFFECT_ROTATION | EFFECT_GYROSCOPIC);
+  }
+  if (json_is_true(json_object_get(o, "friction_off"))) {
+    *effects &= ~(unsigned)EFFECT_FRICTION;
+  }
+  if (json_is_true(json_object_get(o, "restitution_off"))) {
+    *effects &= ~(unsigned)EFFECT_RESTITUTION;
+  }
+  const json_t *nd = json_object_get(o, "nd");
+  const json_t *multiplicity = json_object_get(o, "multiplicity");
+  *facets = json_is_integer(nd) ? (int)json_integer_value(nd) : *facets;
+  if (json_is_integer(multiplicity)) {
+    spec->contact_multiplicity = (int)json_integer_value(multiplicity);
+  }
+}
+
+static base_status choose_facets(const formulation_choice *given, int facets,
+                                 formulation_choice *out, base_error *err) {
+  char text[CHOICE_CONFIG + 80];
+  (void)snprintf(text, sizeof text, "%s%s%s", given->form->name, given->config[0] ? ":" : "",
+                 given->config);
+  BASE_TRY(formulation_choose(text, out, err));
+  if (facets > 0 && formulation_choice_has(out, "facets")) {
+    char number[16];
+    (void)snprintf(number, sizeof number, "%d", facets);
+    return formulation_choice_set(out, "facets", number, err);
+  }
+  return BASE_OK;
+}
+
+static base_status run_pairs(const check_plan *plan, equal_unit *u, const int facets[2],
+                             base_error *err) {
+  base_status done = BASE_OK;
+  for (int f = 0; done == BASE_OK && f < plan->n_form; f++) {
+    formulation_choice form[2] = {{0}, {0}};
+    done = choose_facets(&plan->form[f], facets[0], &form[0], err);
+    if (done == BASE_OK) {
+      done = choose_facets(&plan->form[f], facets[1], &form[1], err);
+    }
+    for (int s = 0; done == BASE_OK && s < plan->n_solver; s++) {
+      for (int side = 0; side < 2; side++) {
+        u->request[side].form = &form[side];
+        u->request[side].solver = &plan->solver[s];
+      }
+      (void)snprintf(u->blank.formulation, sizeof u->blank.formulation, "%s",
+                     plan->form[f].form->name);
+      (void)snprintf(u->blank.solver, sizeof u->blank.solver, "%s", plan->solver[s].solver->name);
+      done = check_isolated(plan, &u->blank, run_unit, u, err);
+    }
+    formulation_choice_free(&form[0]);
+    formulation_choice_free(&form[1]);
+  }
+  return done;
+}
+
+base_status check_equivalence(const check_plan *plan, const json_t *json, const scene_file *scenes,
+                              base_error *err) {
+  equal_unit u = {.blank = {.check = "equal"}};
+  u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
+  (void)snprintf(u.blank.id, sizeof u.blank.id, "%.60s",
+                 json_string_value(json_object_get(json, "id")));
+  BASE_TRY(read_map(json, &u, err));
+  const scene_spec *a = find(scenes, json_object_get(json, "a"));
+  const scene_spec *b = find(scenes, json_object_get(json, "b"));
+  if (a == NULL || b == NULL) {
+    check_skip(plan, u.blank.id, "one of its scenes could not be read");
+    return BASE_OK;
+  }
+  scene_spec spec[2];
+  spec_init(&spec[0]);
+  spec_init(&spec[1]);
+  base_status done = watch(a, &u, 0, &spec[0], err);
+  if (done == BASE_OK) {
+    done = watch(b, &u, 1, &spec[1], err);
+  }
+  if (done == BASE_OK) {
+    int facets[2] = {a->facets, b->facets};
+    const double h = (plan->step > 0.0) ? plan->step : a->h[0];
+    for (int side = 0; side < 2; side++) {
+      u.request[side] = (sim_request){
+          .spec = &spec[side], .effects = spec[side].effects, .h = h, .duration = u.t};
+    }
+    apply_override(json_object_get(json, "override_b"), &spec[1], &u.request[1].effects,
+                   &facets[1]);
+    u.blank.step = h;
+    done = run_pairs(plan, &u, facets, err);
+  }
+  spec_free(&spec[0]);
+  spec_free(&spec[1]);
+  return done;
+}

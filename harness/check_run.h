@@ -1,0 +1,41 @@
+/* harness/check_run.h - runs the cases of a case file with everything that applies, each in its
+ * own process, and reports one outcome per check. */
+#pragma once
+
+#include "harness/check_report.h"
+#include "harness/isolate.h"
+#include "harness/registry.h"
+#include "problems/scene.h"
+
+enum { CHECK_CHOICES = 48 };
+
+typedef struct check_plan {
+  const char *id_glob; /* "*": all */
+  int n_solver, n_form;
+  solver_choice solver[CHECK_CHOICES];
+  formulation_choice form[CHECK_CHOICES];
+  double step; /* [s]; 0: the steps of the file */
+  isolate_limits limits;
+  check_report *report;
+} check_plan;
+
+/* One LCP case (a member of the file's "lcp" list) with every solver of the plan. */
+base_status check_lcp_case(const check_plan *plan, const json_t *json, base_error *err);
+
+/* One scene with every formulation and solver of the plan, at each of its steps, as declared and
+ * with each effect switched off that the scene makes a statement about. */
+base_status check_scene_case(const check_plan *plan, const scene_spec *spec, base_error *err);
+
+/* Two scenes that must agree ("equivalences" of the file). */
+base_status check_equivalence(const check_plan *plan, const json_t *json, const scene_file *scenes,
+                              base_error *err);
+
+/* A skipped case that could not be run at all. */
+void check_skip(const check_plan *plan, const char *id, const char *reason);
+
+bool check_selected(const check_plan *plan, const char *id);
+
+/* Runs body in a child and adds what it emits to the report; a death is one failed outcome that
+ * starts from `blank`. */
+base_status check_isolated(const check_plan *plan, const check_outcome *blank,
+                           void (*body)(void *ctx, isolate_channel *c), void *ctx, base_error *err);

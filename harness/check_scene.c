@@ -1,0 +1,177 @@
+#include "harness/check_eval.h"
+#include "harness/check_run.h"
+#include "harness/simulate.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* One simulation to judge. */
+typedef struct scene_unit {
+  sim_request request;
+  const spec_off *off; /* judged by this statement alone; NULL: by the scene's checks */
+  const char *forms;   /* which "forms" word the formulation goes by; "" for none */
+  check_outcome blank;
+} scene_unit;
+
+static void emit(isolate_channel *out, const scene_unit *u, const char *check,
+                 check_verdict verdict, const char *reason) {
+  check_outcome o = u->blank;
+  o.verdict = verdict;
+  (void)snprintf(o.check, sizeof o.check, "%s%s", u->off != NULL ? "off: " : "", check);
+  (void)snprintf(o.reason, sizeof o.reason, "%.190s", reason);
+  (void)isolate_emit(out, &o);
+}
+
+static void emit_check(isolate_channel *out, const scene_unit *u, const spec_check *c,
+                       const check_context *ctx) {
+  check_result r;
+  char label[160];
+  check_evaluate(c, ctx, &r);
+  check_label(c, label, sizeof label);
+  check_outcome o = u->blank;
+  (void)snprintf(o.check, sizeof o.check, "%s%.150s", u->off != NULL ? "off: " : "", label);
+  (void)snprintf(o.reason, sizeof o.reason, "%.90s", r.reason);
+  o.verdict = r.ok ? CHECK_PASSED : CHECK_FAILED;
+  if (r.known) {
+    o.got = r.got;
+    o.expected = r.expected;
+    o.tolerance = r.tolerance;
+  }
+  (void)isolate_emit(out, &o);
+}
+
+/* True when the run is good enough for its checks to mean something. */
+static bool judge_status(isolate_channel *out, const scene_unit *u, const sim_result *r) {
+  const bool exact = u->request.solver->solver->exact;
+  char text[300];
+  (void)snprintf(text, sizeof text, "%s: %s", run_status_name(r->status), r->note);
+  if (r->status == RUN_UNSUPPORTED) {
+    emit(out, u, "status", CHECK_SKIPPED, text);
+    return false;
+  }
+  if (u->request.spec->expect_unsolved) {
+    const bool honest = r->status != RUN_OK && r->status != RUN_UNVERIFIED;
+    emit(out, u, "status", honest ? CHECK_PASSED : CHECK_FAILED, text);
+    return honest;
+  }
+  if (r->status == RUN_OK) {
+    emit(out, u, "status", CHECK_PASSED, "");
+    return true;
+  }
+  if (exact || r->status == RUN_UNVERIFIED) {
+    emit(out, u, "status", CHECK_FAILED, text);
+    return true;
+  }
+  (void)snprintf(text, sizeof text, "honest failure: %s: %s", run_status_name(r->status), r->note);
+  emit(out, u, "status", CHECK_SKIPPED, text);
+  return false;
+}
+
+static void judge_checks(isolate_channel *out, const scene_unit *u, const series *record,
+                         const sim_result *r) {
+  const scene_spec *spec = u->request.spec;
+  const check_context ctx = {.record = record,
+                             .h = u->request.h,
+                             .regularised = strcmp(u->forms, "regularized") == 0,
+                             .v_slip = r->v_slip,
+                             .deflection = r->deflection,
+                             .finite = r->finite};
+  const int facets = formulation_choice_facets(u->request.form);
+  if (u->off != NULL) {
+    emit_check(out, u, &u->off->check, &ctx);
+    return;
+  }
+  for (int i = 0; i < spec->n_check; i++) {
+    if (spec_check_applies(&spec->check[i], u->forms, facets)) {
+      emit_check(out, u, &spec->check[i], &ctx);
+    }
+  }
+}
+
+static void run_unit(void *ctx, isolate_channel *out) {
+  const scene_unit *u = ctx;
+  series record;
+  sim_result r;
+  base_error err = {0};
+  const base_status done = simulate(&u->request, &record, &r, &err);
+  if (done == BASE_EUNSUPPORTED) {
+    emit(out, u, "run", CHECK_SKIPPED, err.text);
+  } else if (done != BASE_OK) {
+    emit(out, u, "run", CHECK_FAILED, err.text);
+  } else if (judge_status(out, u, &r)) {
+    judge_checks(out, u, &record, &r);
+  }
+  series_close(&record);
+}
+
+static bool not_applicable(const scene_spec *spec, const char *name, const char *forms) {
+  for (int i = 0; i < spec->n_not_applicable; i++) {
+    if (strcmp(spec->not_applicable[i], name) == 0 || strcmp(spec->not_applicable[i], forms) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* The scene with one formulation and solver: as declared at every step length, then each effect
+ * off. */
+static base_status run_pair(const check_plan *plan, scene_unit *u, base_error *err) {
+  const scene_spec *spec = u->request.spec;
+  const int n_h = (plan->step > 0.0) ? 1 : spec->n_h;
+  for (int i = 0; i < n_h && isolate_stop_requested() == 0; i++) {
+    u->request.h = (plan->step > 0.0) ? plan->step : spec->h[i];
+    u->request.effects = spec->effects;
+    u->request.duration = spec->duration;
+    u->off = NULL;
+    u->blank.step = u->request.h;
+    BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
+    for (int k = 0; k < spec->n_off && isolate_stop_requested() == 0; k++) {
+      u->off = &spec->off[k];
+      if (spec_check_applies(&u->off->check, u->forms, 0)) {
+        u->request.effects = spec->effects & ~u->off->effect;
+        BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status run_formulation(const check_plan *plan, const scene_spec *spec,
+                                   const formulation_choice *given, base_error *err) {
+  formulation_choice form;
+  char text[CHOICE_CONFIG + 80];
+  const char *forms = (given->form->stands_for != NULL) ? given->form->stands_for : "";
+  (void)snprintf(text, sizeof text, "%s%s%s", given->form->name, given->config[0] ? ":" : "",
+                 given->config);
+  BASE_TRY(formulation_choose(text, &form, err));
+  base_status done = BASE_OK;
+  if (spec->facets > 0 && formulation_choice_has(&form, "facets")) {
+    char facets[16];
+    (void)snprintf(facets, sizeof facets, "%d", spec->facets);
+    done = formulation_choice_set(&form, "facets", facets, err);
+  }
+  for (int i = 0; done == BASE_OK && i < plan->n_solver; i++) {
+    scene_unit u = {.forms = forms, .blank = {.check = "run"}};
+    u.request = (sim_request){.spec = spec, .form = &form, .solver = &plan->solver[i]};
+    u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
+    (void)snprintf(u.blank.id, sizeof u.blank.id, "%.63s", spec->id);
+    (void)snprintf(u.blank.formulation, sizeof u.blank.formulation, "%s", form.form->name);
+    (void)snprintf(u.blank.solver, sizeof u.blank.solver, "%s", plan->solver[i].solver->name);
+    if (not_applicable(spec, form.form->name, forms)) {
+      u.blank.verdict = CHECK_SKIPPED;
+      (void)snprintf(u.blank.reason, sizeof u.blank.reason, "not applicable, says the file");
+      check_report_add(plan->report, &u.blank);
+    } else {
+      done = run_pair(plan, &u, err);
+    }
+  }
+  formulation_choice_free(&form);
+  return done;
+}
+
+base_status check_scene_case(const check_plan *plan, const scene_spec *spec, base_error *err) {
+  for (int i = 0; i < plan->n_form; i++) {
+    BASE_TRY(run_formulation(plan, spec, &plan->form[i], err));
+  }
+  return BASE_OK;
+}

@@ -1,0 +1,334 @@
+#include "harness/simulate.h"
+
+#include "harness/sim_watch.h"
+#include "harness/solve_once.h"
+#include "harness/trajectory.h"
+#include "lcp/base/clock.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Everything one run owns. */
+typedef struct sim {
+  const sim_request *q;
+  sim_result *out;
+  world *w;
+  formulation_run *form;
+  lcp_instance *instance;
+  double *z;
+  int z_cap;
+} sim;
+
+double sim_total_seconds(const sim_result *r) {
+  const sim_times *t = &r->time;
+  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->advance;
+}
+
+/* Records the first trouble in words. */
+static void trouble(sim *s, run_status word, const char *text) {
+  if (s->out->note[0] == '\0') {
+    (void)snprintf(s->out->note, sizeof s->out->note, "step %ld: %.200s", s->out->steps + 1, text);
+  }
+  s->out->status = run_status_worse(s->out->status, word);
+}
+
+static void add_work(lcp_work *sum, const lcp_work *w) {
+  sum->iterations += w->iterations;
+  sum->pivots += w->pivots;
+  sum->sweeps += w->sweeps;
+  sum->matvecs += w->matvecs;
+  sum->factorizations += w->factorizations;
+  sum->backsolves += w->backsolves;
+  sum->refinements += w->refinements;
+  sum->linesearches += w->linesearches;
+  sum->fallbacks += w->fallbacks;
+}
+
+static void add_verdict(sim_result *r, const lcp_verdict *v) {
+  r->rho_max = fmax(r->rho_max, v->rho);
+  r->natural_max = fmax(r->natural_max, v->natural);
+  r->natural_rel_max = fmax(r->natural_rel_max, v->natural_rel);
+  r->feas_z_max = fmax(r->feas_z_max, v->infeasible_z);
+  r->feas_w_max = fmax(r->feas_w_max, v->infeasible_w);
+  r->comp_max = fmax(r->comp_max, v->comp);
+}
+
+/* ---- one complementarity problem --------------------------------------------------------------*/
+
+static base_status start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err) {
+  const int n = p->M.n;
+  if (n > s->z_cap) {
+    free(s->z);
+    s->z_cap = 2 * n;
+    s->z = malloc((size_t)s->z_cap * sizeof *s->z);
+    if (s->z == NULL) {
+      s->z_cap = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d unknowns", n);
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    s->z[i] = (z0 != NULL) ? z0[i] : 0.0;
+  }
+  return BASE_OK;
+}
+
+static base_status open_instance(sim *s, const lcp_problem *p, base_error *err) {
+  BASE_TRY(lcp_solver_admits(s->q->solver->solver, p, err));
+  if (s->instance == NULL) {
+    const lcp_capacity cap = lcp_problem_capacity(p);
+    BASE_TRY(lcp_instance_open(&s->instance, s->q->solver->solver, &cap, s->q->solver->opt, err));
+  }
+  return lcp_instance_prepare(s->instance, p, err);
+}
+
+/* Verdict of the answer in s->z; nothing here is timed. */
+static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, base_error *err) {
+  sim_result *r = s->out;
+  lcp_verdict v;
+  bool verified;
+  BASE_TRY(lcp_judge(p, s->z, &v, err));
+  const run_status word = verdict_of(s->q->solver->solver, p, claim, &v, &verified);
+  const lcp_times t = lcp_instance_times(s->instance);
+  r->time.setup += t.setup;
+  r->time.factor += t.factor;
+  r->time.solve += t.solve;
+  r->n_solves++;
+  r->verified = r->verified && verified;
+  r->lcp_dim_max = (p->M.n > r->lcp_dim_max) ? p->M.n : r->lcp_dim_max;
+  const long nnz = lcp_matrix_entries(&p->M);
+  r->nnz_max = (nnz > r->nnz_max) ? nnz : r->nnz_max;
+  r->storage = p->M.storage;
+  r->workspace = lcp_instance_bytes(s->instance);
+  r->variant = claim->variant;
+  r->hash = sim_hash(r->hash, s->z, p->M.n);
+  add_work(&r->work, &claim->work);
+  add_verdict(r, &v);
+  if (claim->outcome != LCP_SOLVED) {
+    run_status claimed = RUN_NUMERICAL;
+    (void)run_status_find(lcp_outcome_name(claim->outcome), &claimed);
+    r->claimed = run_status_worse(r->claimed, claimed);
+  }
+  if (word != RUN_OK) {
+    char text[160];
+    (void)snprintf(text, sizeof text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g", r->n_solves,
+                   p->M.n, run_status_name(word), lcp_outcome_name(claim->outcome), v.rho);
+    r->n_unsolved++;
+    trouble(s, word, text);
+  }
+  return BASE_OK;
+}
+
+static base_status solve_problem(sim *s, const lcp_problem *p, lcp_outcome *claimed,
+                                 base_error *err) {
+  lcp_result claim = {.outcome = LCP_NUMERICAL};
+  BASE_TRY(open_instance(s, p, err));
+  BASE_TRY(lcp_instance_solve(s->instance, NULL, s->z, &claim, err));
+  BASE_TRY(judge(s, p, &claim, err));
+  *claimed = claim.outcome;
+  return BASE_OK;
+}
+
+/* The same behind formulation_solver, for formulations that step by themselves. */
+static base_status solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
+                                         lcp_outcome *claimed, base_error *err) {
+  sim *s = ctx;
+  BASE_TRY(start_point(s, p, z, err));
+  BASE_TRY(solve_problem(s, p, claimed, err));
+  memcpy(z, s->z, (size_t)p->M.n * sizeof *z);
+  return BASE_OK;
+}
+
+/* ---- one step ---------------------------------------------------------------------------------*/
+
+/* assemble -> solve -> recover until the formulation has enough. */
+static base_status solve_step(sim *s, base_error *err) {
+  for (;;) {
+    lcp_problem p;
+    const double *z0 = NULL;
+    bool pending = false;
+    lcp_outcome claimed;
+    double from = base_seconds();
+    BASE_TRY(formulation_assemble(s->form, &p, &z0, &pending, err));
+    s->out->time.assemble += base_seconds() - from;
+    if (!pending) {
+      return BASE_OK;
+    }
+    BASE_TRY(start_point(s, &p, z0, err));
+    BASE_TRY(solve_problem(s, &p, &claimed, err));
+    from = base_seconds();
+    BASE_TRY(formulation_recover(s->form, s->z, claimed, err));
+    s->out->time.assemble += base_seconds() - from;
+  }
+}
+
+static void note_answer(sim *s, const contact_set *set, const formulation_answer *a) {
+  sim_result *r = s->out;
+  r->n_modes += a->work.mode_changes;
+  r->n_fallbacks += a->work.fallbacks;
+  r->v_slip = fmax(r->v_slip, a->v_slip);
+  r->deflection = fmax(r->deflection, a->deflection);
+  r->own_residual_max = fmax(r->own_residual_max, a->residual);
+  r->n_active_max = (a->n_active > r->n_active_max) ? a->n_active : r->n_active_max;
+  r->lcp_dim_max = (a->lcp_dim > r->lcp_dim_max) ? a->lcp_dim : r->lcp_dim_max;
+  if (set != NULL && set->n_contact > r->n_contact_max) {
+    r->n_contact_max = set->n_contact;
+  }
+  if (!a->solved) {
+    char text[96];
+    (void)snprintf(text, sizeof text, "the formulation's own loop ended at residual %.3g",
+                   a->residual);
+    trouble(s, RUN_STALLED, text);
+  }
+}
+
+static base_status merit_of(sim *s, const contact_set *set, const formulation_answer *a,
+                            base_error *err) {
+  contact_merit m;
+  BASE_TRY(contact_merit_at(set, a->impulse, a->v_next, a->bias, &m, err));
+  sim_result *r = s->out;
+  r->ncp_max = fmax(r->ncp_max, m.ncp);
+  r->ncp_rel_max = fmax(r->ncp_rel_max, m.ncp_rel);
+  r->cone_rel_max = fmax(r->cone_rel_max, m.cone_rel);
+  r->dissipation_max = fmax(r->dissipation_max, m.dissipation);
+  return BASE_OK;
+}
+
+/* Steps that a formulation with complementarity problems takes. */
+static base_status step_lcp(sim *s, series *record, base_error *err) {
+  contact_set set;
+  formulation_answer a = {0};
+  sim_times *t = &s->out->time;
+  double from = base_seconds();
+  BASE_TRY(world_contacts(s->w, s->q->h, -1.0, &set, err));
+  t->contacts += base_seconds() - from;
+  series_penetration(record, &set);
+
+  from = base_seconds();
+  BASE_TRY(formulation_begin(s->form, &set, s->q->start, err));
+  t->assemble += base_seconds() - from;
+  BASE_TRY(solve_step(s, err));
+  from = base_seconds();
+  formulation_answer_of(s->form, &a);
+  t->assemble += base_seconds() - from;
+  note_answer(s, &set, &a);
+  BASE_TRY(merit_of(s, &set, &a, err));
+  s->out->effects_seen |= sim_effects_seen(s->q->spec, &set, &a);
+  s->out->hash = sim_hash(s->out->hash, a.v_next, set.n_dof);
+
+  from = base_seconds();
+  BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));
+  t->advance += base_seconds() - from;
+  return series_record(record, s->w, &set, a.impulse, err);
+}
+
+/* Steps of penalty and event-driven formulations, which advance the world themselves. */
+static base_status step_own(sim *s, series *record, base_error *err) {
+  formulation_answer a = {0};
+  const formulation_solver solver = {solve_for_formulation, s};
+  const sim_times before = s->out->time;
+  const double from = base_seconds();
+  BASE_TRY(formulation_step(s->form, s->w, s->q->h, &solver, &a, err));
+  const sim_times *now = &s->out->time;
+  const double inside =
+      (now->setup - before.setup) + (now->factor - before.factor) + (now->solve - before.solve);
+  s->out->time.assemble += base_seconds() - from - inside;
+  note_answer(s, a.set, &a);
+  if (a.set != NULL) {
+    s->out->effects_seen |= sim_effects_seen(s->q->spec, a.set, &a);
+  }
+  if (a.v_next != NULL) {
+    s->out->hash = sim_hash(s->out->hash, a.v_next, world_n_dof(s->w));
+  }
+  BASE_TRY(series_record(record, s->w, a.set, a.impulse, err));
+  if (a.set != NULL) {
+    series_penetration(record, a.set);
+  }
+  return BASE_OK;
+}
+
+/* After these nothing further is physics. */
+static bool hopeless(run_status s) {
+  return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE || s == RUN_UNSUPPORTED;
+}
+
+static base_status run_steps(sim *s, series *record, base_error *err) {
+  const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
+  sim_result *r = s->out;
+  while (r->steps < r->steps_planned && !hopeless(r->status)) {
+    const double from = sim_total_seconds(r);
+    base_error why = {0};
+    const base_status done = own ? step_own(s, record, &why) : step_lcp(s, record, &why);
+    if (done == BASE_EUNSUPPORTED) {
+      trouble(s, RUN_UNSUPPORTED, why.text);
+      return BASE_OK;
+    }
+    if (done != BASE_OK) {
+      *err = why;
+      return done;
+    }
+    r->steps++;
+    r->step_longest = fmax(r->step_longest, sim_total_seconds(r) - from);
+    if (!world_finite(s->w)) {
+      r->finite = false;
+      trouble(s, RUN_NUMERICAL, "the state is not finite");
+    }
+    BASE_TRY(trajectory_row(s->q->trajectory, s->q->spec, s->w, err));
+  }
+  return BASE_OK;
+}
+
+/* ---- the whole --------------------------------------------------------------------------------*/
+
+static void summarise(sim *s, const series *record) {
+  sim_result *r = s->out;
+  const double *energy = record->column[SERIES_ENERGY];
+  const int last = record->n_row - 1;
+  for (int k = 1; k < record->n_row; k++) {
+    r->energy_defect = fmax(r->energy_defect, energy[k] - energy[k - 1]);
+  }
+  for (int k = 0; k < record->n_row; k++) {
+    r->penetration_max = fmax(r->penetration_max, record->column[SERIES_PENETRATION][k]);
+  }
+  r->energy_drift_rel = (energy[0] != 0.0) ? (energy[last] - energy[0]) / fabs(energy[0]) : 0.0;
+}
+
+static base_status run_opened(sim *s, series *record, base_error *err) {
+  const sim_request *q = s->q;
+  sim_result *r = s->out;
+  BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
+  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
+  r->steps_planned = lround(ceil(q->duration / q->h - 1e-9));
+  BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
+  BASE_TRY(series_record(record, s->w, NULL, NULL, err));
+  BASE_TRY(trajectory_header(q->trajectory, err));
+  BASE_TRY(trajectory_row(q->trajectory, q->spec, s->w, err));
+  r->n_dof = world_n_dof(s->w);
+  r->n_body = world_n_body(s->w);
+  const base_status done = run_steps(s, record, err);
+  if (done == BASE_OK) {
+    const double gap = world_min_gap(s->w);
+    double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];
+    *deepest = fmax(*deepest, -gap);
+    summarise(s, record);
+  }
+  return done;
+}
+
+base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {
+  *record = (series){0};
+  *out = (sim_result){.status = RUN_OK, .claimed = RUN_OK, .verified = true, .finite = true};
+  out->hash = SIM_HASH_START;
+  if (!(q->h > 0.0) || !(q->duration > 0.0) || q->duration / q->h > 2e9) {
+    return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need 0 < step, duration", q->h,
+                     q->duration);
+  }
+  sim s = {.q = q, .out = out};
+  const base_status done = run_opened(&s, record, err);
+  lcp_instance_close(s.instance);
+  formulation_close(s.form);
+  if (s.w != NULL) {
+    world_close(s.w);
+  }
+  free(s.z);
+  return done;
+}

@@ -1,0 +1,88 @@
+#include "harness/solve_once.h"
+
+#include <stdio.h>
+
+const char *storage_name(lcp_storage s) {
+  switch (s) {
+  case LCP_DENSE:
+    return "dense";
+  case LCP_CSC:
+    return "csc";
+  case LCP_FACTORED:
+    break;
+  }
+  return "factored";
+}
+
+const char *certificate_name(lcp_certificate_kind k) {
+  switch (k) {
+  case LCP_CERT_BASIS:
+    return "basis";
+  case LCP_CERT_FARKAS:
+    return "farkas";
+  case LCP_CERT_RAY:
+    return "ray";
+  case LCP_CERT_NONE:
+    break;
+  }
+  return NULL;
+}
+
+long lcp_matrix_entries(const lcp_matrix *m) {
+  switch (m->storage) {
+  case LCP_DENSE:
+    return (long)m->n * m->n;
+  case LCP_CSC:
+    return m->csc.colptr[m->n];
+  case LCP_FACTORED:
+    break;
+  }
+  const lcp_factored *f = m->factored;
+  return f->jac_start[f->n_group] + ((f->shift != NULL) ? f->shift->colptr[m->n] : 0);
+}
+
+static base_status unsupported(const base_error *why, solve_record *out) {
+  out->status = RUN_UNSUPPORTED;
+  (void)snprintf(out->note, sizeof out->note, "%.230s", why->text);
+  return BASE_OK;
+}
+
+static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choice *s, double *z,
+                       solve_record *out, base_error *err) {
+  base_error why = {0};
+  const base_status ready = lcp_instance_prepare(k, p, &why);
+  if (ready == BASE_EUNSUPPORTED) {
+    return unsupported(&why, out);
+  }
+  if (ready != BASE_OK) {
+    *err = why;
+    return ready;
+  }
+  BASE_TRY(lcp_instance_solve(k, NULL, z, &out->claim, err));
+  out->has_claim = true;
+  out->time = lcp_instance_times(k);
+  out->storage = lcp_instance_storage(k);
+  out->bytes = lcp_instance_bytes(k);
+  BASE_TRY(lcp_judge(p, z, &out->verdict, err));
+  out->status = verdict_of(s->solver, p, &out->claim, &out->verdict, &out->verified);
+  out->certificate_holds = out->claim.certificate.kind == LCP_CERT_FARKAS &&
+                           verdict_farkas_holds(p, out->claim.certificate.vector);
+  return BASE_OK;
+}
+
+base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
+                       base_error *err) {
+  *out = (solve_record){.status = RUN_ERROR, .verdict.rho = HUGE_VAL};
+  base_error why = {0};
+  if (lcp_solver_admits(s->solver, p, &why) != BASE_OK) {
+    return unsupported(&why, out);
+  }
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  lcp_instance *k;
+  BASE_TRY(lcp_instance_open(&k, s->solver, &cap, s->opt, err));
+  const base_status done = run(k, p, s, z, out, err);
+  lcp_instance_close(k);
+  out->claim.certificate.basis = NULL;
+  out->claim.certificate.vector = NULL;
+  return done;
+}

@@ -1,0 +1,28 @@
+/* harness/solve_once.h - one problem, one solver, one verdict. */
+#pragma once
+
+#include "harness/registry.h"
+#include "harness/verdict.h"
+#include "lcp/lcp_instance.h"
+
+typedef struct solve_record {
+  run_status status;
+  bool verified;    /* rho <= tolerance of the solver's kind */
+  bool has_claim;   /* the solver ran and returned an outcome */
+  lcp_result claim; /* certificate views are gone once the instance is closed: kind only */
+  bool certificate_holds;
+  lcp_verdict verdict;
+  lcp_times time; /* [s] */
+  lcp_storage storage;
+  size_t bytes;   /* workspace [B] */
+  char note[240]; /* why it is unsupported, or what a library said */
+} solve_record;
+
+/* Solves p from z[n] (the start point; replaced by the answer). An unsupported combination is a
+ * status, an error return is misuse or machine trouble. */
+base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
+                       base_error *err);
+
+const char *storage_name(lcp_storage s);
+const char *certificate_name(lcp_certificate_kind k);
+long lcp_matrix_entries(const lcp_matrix *m); /* stored entries; n*n dense; jac + S factored */

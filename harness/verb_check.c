@@ -1,0 +1,183 @@
+/* lcpbench check: every case of a file with everything that applies, judged by its own rules. */
+#include "harness/args.h"
+#include "harness/check_run.h"
+#include "harness/cli.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct check_options {
+  const char *step;
+  arg_list filter, solver, formulation;
+  bool json, verbose;
+  double time_limit;
+} check_options;
+
+static base_status choose_solvers(const check_options *o, check_plan *plan, base_error *err) {
+  for (int i = 0; i < o->solver.count; i++) {
+    BASE_TRY(solver_choose(o->solver.item[i], &plan->solver[plan->n_solver], err));
+    plan->n_solver++;
+  }
+  const lcp_solver *s;
+  for (int i = 0; o->solver.count == 0 && (s = registry_solver(i)) != NULL; i++) {
+    if (plan->n_solver == CHECK_CHOICES) {
+      return BASE_FAIL(err, BASE_EINVAL, "check: more than %d solvers", CHECK_CHOICES);
+    }
+    BASE_TRY(solver_choose(s->name, &plan->solver[plan->n_solver], err));
+    plan->n_solver++;
+  }
+  return BASE_OK;
+}
+
+static base_status choose_formulations(const check_options *o, check_plan *plan, base_error *err) {
+  for (int i = 0; i < o->formulation.count; i++) {
+    BASE_TRY(formulation_choose(o->formulation.item[i], &plan->form[plan->n_form], err));
+    plan->n_form++;
+  }
+  int count;
+  const formulation *const *all = formulations(&count);
+  for (int i = 0; o->formulation.count == 0 && i < count && i < CHECK_CHOICES; i++) {
+    BASE_TRY(formulation_choose(all[i]->name, &plan->form[plan->n_form], err));
+    plan->n_form++;
+  }
+  return BASE_OK;
+}
+
+static base_status make_plan(const check_options *o, check_plan *plan, base_error *err) {
+  plan->id_glob = "*";
+  for (int i = 0; i < o->filter.count; i++) {
+    if (strncmp(o->filter.item[i], "id=", 3) != 0 || i > 0) {
+      return BASE_FAIL(err, BASE_EINVAL, "--filter %s: need one id=GLOB", o->filter.item[i]);
+    }
+    plan->id_glob = o->filter.item[i] + 3;
+  }
+  if (o->step != NULL && (!base_parse_real(o->step, &plan->step) || !(plan->step > 0.0))) {
+    return BASE_FAIL(err, BASE_EINVAL, "--step %s: need a number above 0", o->step);
+  }
+  plan->limits =
+      (isolate_limits){.wall = o->time_limit, .grace = 2.0, .output = 1048576.0, .cpu = -1};
+  BASE_TRY(choose_solvers(o, plan, err));
+  return choose_formulations(o, plan, err);
+}
+
+static void free_plan(check_plan *plan) {
+  for (int i = 0; i < plan->n_solver; i++) {
+    solver_choice_free(&plan->solver[i]);
+  }
+  for (int i = 0; i < plan->n_form; i++) {
+    formulation_choice_free(&plan->form[i]);
+  }
+}
+
+static base_status run_lcps(const check_plan *plan, const json_t *file, base_error *err) {
+  size_t i;
+  const json_t *one;
+  json_array_foreach(json_object_get(file, "lcp"), i, one) {
+    const char *id = json_string_value(json_object_get(one, "id"));
+    if (id != NULL && check_selected(plan, id)) {
+      BASE_TRY(check_lcp_case(plan, one, err));
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status run_scenes(const check_plan *plan, const json_t *file, const scene_file *scenes,
+                              base_error *err) {
+  for (int i = 0; i < scenes->n_scene; i++) {
+    if (check_selected(plan, scenes->scene[i].id)) {
+      BASE_TRY(check_scene_case(plan, &scenes->scene[i], err));
+    }
+  }
+  for (int i = 0; i < scenes->n_failed; i++) {
+    if (check_selected(plan, scenes->failed[i].id)) {
+      check_skip(plan, scenes->failed[i].id, scenes->failed[i].err.text);
+    }
+  }
+  size_t i;
+  const json_t *one;
+  json_array_foreach(json_object_get(file, "equivalences"), i, one) {
+    const char *id = json_string_value(json_object_get(one, "id"));
+    if (id != NULL && check_selected(plan, id)) {
+      BASE_TRY(check_equivalence(plan, one, scenes, err));
+    }
+  }
+  return BASE_OK;
+}
+
+/* The members this file reads itself; a YAML file or a bare scene has none of them. */
+static json_t *load_json(const char *path) {
+  json_error_t why;
+  json_t *file = json_load_file(path, 0, &why);
+  return json_is_object(file) ? file : NULL;
+}
+
+static base_status run_file(const check_plan *plan, const char *path, base_error *err) {
+  json_t *file = load_json(path);
+  scene_file scenes = {0};
+  base_status done = scene_file_read(path, &scenes, err);
+  if (done == BASE_OK) {
+    done = run_lcps(plan, file, err);
+  }
+  if (done == BASE_OK) {
+    done = run_scenes(plan, file, &scenes, err);
+  }
+  scene_file_free(&scenes);
+  json_decref(file);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  check_options o = {.time_limit = 60.0};
+  const arg_option options[] = {{"--filter", ARG_LIST, &o.filter},
+                                {"--solver", ARG_LIST, &o.solver},
+                                {"--formulation", ARG_LIST, &o.formulation},
+                                {"--step", ARG_TEXT, &o.step},
+                                {"--time-limit", ARG_SECONDS, &o.time_limit},
+                                {"--json", ARG_FLAG, &o.json},
+                                {"--verbose", ARG_FLAG, &o.verbose}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "FILE"};
+  const char *path;
+  int n_positional;
+  base_error err = {0};
+  if (args_parse(&table, argc, argv, &path, &n_positional, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
+  isolate_catch_signals();
+  check_report report;
+  check_plan *plan = calloc(1, sizeof *plan);
+  if (plan == NULL) {
+    (void)BASE_FAIL(&err, BASE_ENOMEM, "check: no memory");
+    return cli_report(&err);
+  }
+  plan->report = &report;
+  check_report_open(&report, o.json, o.verbose);
+  base_status done = make_plan(&o, plan, &err);
+  if (done == BASE_OK) {
+    done = run_file(plan, path, &err);
+  }
+  free_plan(plan);
+  free(plan);
+  if (done != BASE_OK) {
+    json_decref(report.all);
+    return cli_report(&err);
+  }
+  const int total = report.count[0] + report.count[1] + report.count[2];
+  const bool printed = check_report_close(&report);
+  if (total == 0) {
+    (void)BASE_FAIL(&err, BASE_EINVAL, "%s: no case matches the filter", path);
+    return cli_report(&err);
+  }
+  if (isolate_stop_requested() != 0) {
+    return CLI_SIGINT_EXIT;
+  }
+  return !printed ? CLI_INTERNAL : (report.count[CHECK_FAILED] == 0) ? CLI_OK : CLI_HONEST;
+}
+
+extern const cli_verb verb_check;
+const cli_verb verb_check = {
+    .name = "check",
+    .usage = "check FILE.json [--filter id=GLOB] [--solver S]... [--formulation F]... [--step H]"
+             " [--time-limit T] [--json] [--verbose]",
+    .help = "runs every LCP and scene of a case file and judges it by the file's own tolerances",
+    .run = run,
+};

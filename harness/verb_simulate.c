@@ -1,0 +1,279 @@
+/* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
+#include "harness/args.h"
+#include "harness/check_eval.h"
+#include "harness/cli.h"
+#include "harness/json_out.h"
+#include "harness/simulate.h"
+#include "problems/scene.h"
+
+#include <string.h>
+
+typedef struct simulate_options {
+  const char *formulation, *solver, *step, *duration, *tol, *effects, *start, *trajectory;
+} simulate_options;
+
+/* What the options choose; owns everything. */
+typedef struct simulation {
+  scene_spec spec;
+  formulation_choice form;
+  solver_choice solver;
+  sim_request request;
+  const char *text; /* the scene as given */
+} simulation;
+
+static base_status positive(const char *name, const char *text, double dflt, double *out,
+                            base_error *err) {
+  *out = dflt;
+  if (text != NULL && (!base_parse_real(text, out) || !(*out > 0.0))) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s %s: need a number above 0", name, text);
+  }
+  return BASE_OK;
+}
+
+static base_status choose(const simulate_options *o, const char *scene_text, simulation *s,
+                          base_error *err) {
+  s->text = scene_text;
+  if (o->formulation == NULL || o->solver == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s is missing; see lcpbench list %s",
+                     o->formulation == NULL ? "--formulation" : "--solver",
+                     o->formulation == NULL ? "formulations" : "solvers");
+  }
+  BASE_TRY(formulation_choose(o->formulation, &s->form, err));
+  BASE_TRY(solver_choose(o->solver, &s->solver, err));
+  if (o->tol != NULL) {
+    BASE_TRY(solver_choice_set(&s->solver, "tol", o->tol, err));
+  }
+  BASE_TRY(scene_load(scene_text, &s->spec, err));
+  sim_request *q = &s->request;
+  *q = (sim_request){.spec = &s->spec, .form = &s->form, .solver = &s->solver};
+  BASE_TRY(effects_override(s->spec.effects, o->effects != NULL ? o->effects : "declared",
+                            &q->effects, err));
+  BASE_TRY(positive("--step", o->step, s->spec.n_h > 0 ? s->spec.h[0] : 0.01, &q->h, err));
+  BASE_TRY(positive("--duration", o->duration, s->spec.duration, &q->duration, err));
+  q->start = FORM_COLD;
+  if (o->start != NULL && strcmp(o->start, "previous") == 0) {
+    q->start = FORM_PREVIOUS;
+  } else if (o->start != NULL && strcmp(o->start, "cold") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--start %s: need cold or previous", o->start);
+  }
+  return BASE_OK;
+}
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *observables(const series *record) {
+  json_t *all = json_object();
+  for (int i = 0; i < record->n_var; i++) {
+    const series_var *v = &record->var[i];
+    spec_check c = {.has_dir = v->has_dir};
+    memcpy(c.dir, v->dir, sizeof c.dir);
+    char name[128];
+    (void)snprintf(name, sizeof name, "%s", v->var);
+    if (v->has_dir) {
+      (void)snprintf(name, sizeof name, "%s[%.4g,%.4g,%.4g]", v->var, v->dir[0], v->dir[1],
+                     v->dir[2]);
+    }
+    json_t *one = json_object();
+    json_out_real(one, "value", record->column[v->column][record->n_row - 1]);
+    json_out_text(one, "unit", world_observe_unit(v->var));
+    (void)json_object_set_new(all, name, one);
+  }
+  json_t *energy = json_object();
+  json_out_real(energy, "value", record->column[SERIES_ENERGY][record->n_row - 1]);
+  json_out_text(energy, "unit", "J");
+  (void)json_object_set_new(all, "energy", energy);
+  return all;
+}
+
+static json_t *prediction(const spec_check *c, const check_context *ctx, bool *ok) {
+  check_result r;
+  check_evaluate(c, ctx, &r);
+  *ok = r.ok;
+  char label[200];
+  check_label(c, label, sizeof label);
+  json_t *o = json_object();
+  json_out_text(o, "quantity", label);
+  json_out_real(o, "time_s", r.time);
+  json_out_real(o, "value", r.known ? r.got : HUGE_VAL);
+  json_out_real(o, "predicted", r.expected);
+  json_out_real(o, "error", r.known ? r.error : HUGE_VAL);
+  json_out_real(o, "tolerance", r.tolerance);
+  json_out_bool(o, "ok", r.ok);
+  json_out_text(o, "source", c->source);
+  if (r.reason[0] != '\0') {
+    json_out_text(o, "reason", r.reason);
+  }
+  return o;
+}
+
+/* Checks belong to the scene as declared; with other effects they are not predictions. */
+static json_t *predictions(const simulation *s, const series *record, const sim_result *r,
+                           bool *all_ok) {
+  const formulation *f = s->form.form;
+  const char *as = (f->stands_for != NULL) ? f->stands_for : "";
+  const check_context ctx = {.record = record,
+                             .h = s->request.h,
+                             .regularised = strcmp(as, "regularized") == 0,
+                             .v_slip = r->v_slip,
+                             .deflection = r->deflection,
+                             .finite = r->finite};
+  json_t *all = json_array();
+  *all_ok = true;
+  const bool declared = s->request.effects == s->spec.effects;
+  const double end = s->request.duration * (1.0 + 1e-9);
+  for (int i = 0; declared && i < s->spec.n_check; i++) {
+    const spec_check *c = &s->spec.check[i];
+    bool ok;
+    if (c->t > end || !spec_check_applies(c, as, formulation_choice_facets(&s->form))) {
+      continue;
+    }
+    (void)json_array_append_new(all, prediction(c, &ctx, &ok));
+    *all_ok = *all_ok && ok;
+  }
+  return all;
+}
+
+static void put_effects(json_t *o, const char *key, unsigned mask) {
+  char text[256];
+  effects_print(mask, text, sizeof text);
+  json_out_text(o, key, text);
+}
+
+static void put_counts(json_t *o, const sim_result *r) {
+  json_out_int(o, "lcp_dim_max", r->lcp_dim_max);
+  json_out_int(o, "n_contact_max", r->n_contact_max);
+  json_out_int(o, "n_active_max", r->n_active_max);
+  json_out_int(o, "n_body", r->n_body);
+  json_out_int(o, "n_dof", r->n_dof);
+  json_out_int(o, "n_solves", r->n_solves);
+  json_out_int(o, "n_unsolved", r->n_unsolved);
+  json_out_int(o, "n_pivot", r->work.pivots);
+  json_out_int(o, "n_iter", r->work.iterations);
+  json_out_int(o, "n_factor", r->work.factorizations);
+  json_out_int(o, "n_matvec", r->work.matvecs);
+  json_out_int(o, "n_mode_changes", r->n_modes);
+  json_out_int(o, "n_fallback", r->n_fallbacks + r->work.fallbacks);
+}
+
+static void put_errors(json_t *o, const sim_result *r) {
+  json_out_bool(o, "verified", r->verified);
+  json_out_real(o, "rho_max", r->rho_max);
+  json_out_real(o, "res_natural_max", r->natural_max);
+  json_out_real(o, "res_ncp_max", r->ncp_max);
+  json_out_real(o, "res_ncp_rel_max", r->ncp_rel_max);
+  json_out_real(o, "res_cone_rel_max", r->cone_rel_max);
+  json_out_real(o, "dissipation_gap_max_J", r->dissipation_max);
+  json_out_real(o, "penetration_max_m", r->penetration_max);
+  json_out_real(o, "energy_defect_J", r->energy_defect);
+  json_out_real(o, "energy_drift_rel", r->energy_drift_rel);
+}
+
+static void put_times(json_t *o, const sim_result *r) {
+  json_out_real(o, "t_contacts_s", r->time.contacts);
+  json_out_real(o, "t_assemble_s", r->time.assemble);
+  json_out_real(o, "t_setup_s", r->time.setup);
+  json_out_real(o, "t_factor_s", r->time.factor);
+  json_out_real(o, "t_solve_s", r->time.solve);
+  json_out_real(o, "t_advance_s", r->time.advance);
+  json_out_real(o, "t_total_s", sim_total_seconds(r));
+}
+
+static json_t *to_json(const simulation *s, const series *record, const sim_result *r,
+                       bool *all_ok) {
+  json_t *o = json_object();
+  char hash[24];
+  (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
+  const char *colon = strchr(s->text, ':');
+  json_out_text(o, "scene", s->spec.id);
+  json_out_text(o, "parameters", colon != NULL ? colon + 1 : "");
+  json_out_text(o, "formulation", s->form.form->name);
+  json_out_text(o, "formulation_options", s->form.config);
+  json_out_text(o, "solver", s->solver.solver->name);
+  json_out_text(o, "solver_options", s->solver.config);
+  json_out_text(o, "variant", r->variant);
+  json_out_real(o, "step_s", s->request.h);
+  json_out_int(o, "steps", r->steps);
+  json_out_text(o, "status", run_status_name(r->status));
+  json_out_text(o, "claimed", run_status_name(r->claimed));
+  json_out_text(o, "note", r->note);
+  (void)json_object_set_new(o, "observables", observables(record));
+  (void)json_object_set_new(o, "predictions", predictions(s, record, r, all_ok));
+  put_counts(o, r);
+  put_errors(o, r);
+  put_effects(o, "effects_declared", s->spec.effects);
+  put_effects(o, "effects_simulated", s->request.effects);
+  put_effects(o, "effects_seen", r->effects_seen);
+  json_out_text(o, "solution_hash", hash);
+  put_times(o, r);
+  return o;
+}
+
+/* ---- verb ------------------------------------------------------------------------------------ */
+
+static base_status open_trajectory(const char *path, FILE **out, base_error *err) {
+  *out = (path != NULL) ? fopen(path, "w") : NULL;
+  if (path != NULL && *out == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be opened for writing", path);
+  }
+  return BASE_OK;
+}
+
+static base_status simulate_and_print(simulation *s, int *code, base_error *err) {
+  series record;
+  sim_result r;
+  const base_status done = simulate(&s->request, &record, &r, err);
+  if (done == BASE_OK) {
+    bool all_ok;
+    json_t *o = to_json(s, &record, &r, &all_ok);
+    const bool printed = json_out_print(o, stdout);
+    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && all_ok) ? CLI_OK : CLI_HONEST;
+  }
+  series_close(&record);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  simulate_options o = {0};
+  const arg_option options[] = {{"--formulation", ARG_TEXT, &o.formulation},
+                                {"--solver", ARG_TEXT, &o.solver},
+                                {"--step", ARG_TEXT, &o.step},
+                                {"--duration", ARG_TEXT, &o.duration},
+                                {"--tol", ARG_TEXT, &o.tol},
+                                {"--effects", ARG_TEXT, &o.effects},
+                                {"--start", ARG_TEXT, &o.start},
+                                {"--trajectory", ARG_TEXT, &o.trajectory}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
+  const char *scene_text;
+  int n_positional;
+  base_error err = {0};
+  if (args_parse(&table, argc, argv, &scene_text, &n_positional, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
+  simulation s = {0};
+  spec_init(&s.spec);
+  int code = CLI_INTERNAL;
+  base_status done = choose(&o, scene_text, &s, &err);
+  if (done == BASE_OK) {
+    done = open_trajectory(o.trajectory, &s.request.trajectory, &err);
+  }
+  if (done == BASE_OK) {
+    done = simulate_and_print(&s, &code, &err);
+  }
+  if (s.request.trajectory != NULL && fclose(s.request.trajectory) != 0 && done == BASE_OK) {
+    done = BASE_FAIL(&err, BASE_EIO, "%s: could not be written", o.trajectory);
+  }
+  spec_free(&s.spec);
+  formulation_choice_free(&s.form);
+  solver_choice_free(&s.solver);
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_simulate;
+const cli_verb verb_simulate = {
+    .name = "simulate",
+    .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
+             " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
+             " [--trajectory FILE.csv]",
+    .help = "runs one scene and prints one JSON object with its predictions judged",
+    .run = run,
+};

@@ -1,0 +1,121 @@
+/* lcpbench solve: one complementarity problem, one solver, one JSON object. */
+#include "harness/args.h"
+#include "harness/cli.h"
+#include "harness/json_out.h"
+#include "harness/problem_source.h"
+#include "harness/solve_once.h"
+
+#include <stdlib.h>
+
+typedef struct solve_options {
+  const char *solver, *q, *tol, *max_iter, *z;
+} solve_options;
+
+static base_status choose(const solve_options *o, solver_choice *s, base_error *err) {
+  if (o->solver == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "--solver is missing; see lcpbench list solvers");
+  }
+  BASE_TRY(solver_choose(o->solver, s, err));
+  if (o->tol != NULL) {
+    BASE_TRY(solver_choice_set(s, "tol", o->tol, err));
+  }
+  if (o->max_iter != NULL) {
+    BASE_TRY(solver_choice_set(s, "max_iter", o->max_iter, err));
+  }
+  return BASE_OK;
+}
+
+static void put_verdict(json_t *o, const solve_record *r) {
+  const lcp_verdict *v = &r->verdict;
+  const bool judged = r->has_claim;
+  json_out_text(o, "status", run_status_name(r->status));
+  json_out_text(o, "claimed", judged ? lcp_outcome_name(r->claim.outcome) : NULL);
+  json_out_bool(o, "verified", r->verified);
+  json_out_real(o, "rho", judged ? v->rho : HUGE_VAL);
+  json_out_real(o, "res_natural", judged ? v->natural : HUGE_VAL);
+  json_out_real(o, "res_natural_rel", judged ? v->natural_rel : HUGE_VAL);
+  json_out_real(o, "res_comp", judged ? v->comp : HUGE_VAL);
+}
+
+static json_t *to_json(const problem_source *src, const solver_choice *s, const solve_record *r) {
+  json_t *o = json_object();
+  const lcp_work *w = &r->claim.work;
+  json_out_text(o, "problem", src->name);
+  json_out_int(o, "n", src->file.p.M.n);
+  json_out_int(o, "nnz", lcp_matrix_entries(&src->file.p.M));
+  json_out_text(o, "storage", storage_name(src->file.p.M.storage));
+  json_out_text(o, "solver", s->solver->name);
+  json_out_text(o, "options", s->config);
+  json_out_text(o, "variant", r->claim.variant);
+  put_verdict(o, r);
+  json_out_int(o, "n_iter", w->iterations);
+  json_out_int(o, "n_pivot", w->pivots);
+  json_out_int(o, "n_factor", w->factorizations);
+  json_out_int(o, "n_matvec", w->matvecs);
+  json_out_int(o, "n_fallback", w->fallbacks);
+  json_out_real(o, "t_setup_s", r->time.setup);
+  json_out_real(o, "t_factor_s", r->time.factor);
+  json_out_real(o, "t_solve_s", r->time.solve);
+  json_out_text(o, "certificate", certificate_name(r->claim.certificate.kind));
+  json_out_bool(o, "certificate_holds", r->certificate_holds);
+  json_out_text(o, "note", r->note);
+  return o;
+}
+
+static base_status solve_and_print(const problem_source *src, const solver_choice *s,
+                                   const char *z_path, int *code, base_error *err) {
+  const int n = src->file.p.M.n;
+  double *z = calloc((size_t)n + 1, sizeof *z);
+  if (z == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for the answer", src->name);
+  }
+  solve_record r;
+  base_status done = solve_once(&src->file.p, s, z, &r, err);
+  if (done == BASE_OK && z_path != NULL && r.has_claim) {
+    done = lcp_write_mtx_vector(z_path, n, z, err);
+  }
+  free(z);
+  if (done == BASE_OK) {
+    const bool printed = json_out_print(to_json(src, s, &r), stdout);
+    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK) ? CLI_OK : CLI_HONEST;
+  }
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  solve_options o = {0};
+  const arg_option options[] = {{"--solver", ARG_TEXT, &o.solver},
+                                {"--q", ARG_TEXT, &o.q},
+                                {"--tol", ARG_TEXT, &o.tol},
+                                {"--max-iter", ARG_TEXT, &o.max_iter},
+                                {"--z", ARG_TEXT, &o.z}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
+  const char *problem;
+  int n_positional;
+  base_error err = {0};
+  if (args_parse(&table, argc, argv, &problem, &n_positional, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
+  solver_choice s = {0};
+  problem_source src = {0};
+  int code = CLI_INTERNAL;
+  base_status done = choose(&o, &s, &err);
+  if (done == BASE_OK) {
+    done = problem_source_open(problem, o.q, &src, &err);
+  }
+  if (done == BASE_OK) {
+    done = solve_and_print(&src, &s, o.z, &code, &err);
+  }
+  problem_source_close(&src);
+  solver_choice_free(&s);
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_solve;
+const cli_verb verb_solve = {
+    .name = "solve",
+    .usage = "solve PROBLEM --solver S[:opt=val,...] [--q FILE] [--tol T] [--max-iter N]"
+             " [--z FILE]",
+    .help = "solves one problem file and prints one JSON object",
+    .run = run,
+};
