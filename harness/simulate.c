@@ -87,7 +87,8 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
   lcp_verdict v;
   bool verified;
   BASE_TRY(lcp_judge(p, s->z, &v, err));
-  const run_status word = verdict_of(s->q->solver->solver, p, claim, &v, &verified);
+  const run_status word =
+      verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &v, &verified);
   const lcp_times t = lcp_instance_times(s->instance);
   r->time.setup += t.setup;
   r->time.factor += t.factor;

@@ -1,5 +1,7 @@
 #include "harness/solve_once.h"
 
+#include "harness/sim_watch.h"
+
 #include <stdio.h>
 
 const char *storage_name(lcp_storage s) {
@@ -64,7 +66,8 @@ static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choic
   out->storage = lcp_instance_storage(k);
   out->bytes = lcp_instance_bytes(k);
   BASE_TRY(lcp_judge(p, z, &out->verdict, err));
-  out->status = verdict_of(s->solver, p, &out->claim, &out->verdict, &out->verified);
+  out->status = verdict_of(s->solver, s->opt, p, &out->claim, &out->verdict, &out->verified);
+  out->hash = sim_hash(SIM_HASH_START, z, p->M.n);
   out->certificate_holds = out->claim.certificate.kind == LCP_CERT_FARKAS &&
                            verdict_farkas_holds(p, out->claim.certificate.vector);
   return BASE_OK;

@@ -15,6 +15,7 @@ typedef struct solve_record {
   lcp_times time; /* [s] */
   lcp_storage storage;
   size_t bytes;   /* workspace [B] */
+  uint64_t hash;  /* FNV-1a of z */
   char note[240]; /* why it is unsupported, or what a library said */
 } solve_record;
 

@@ -1,8 +1,8 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/args.h"
-#include "harness/check_eval.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
+#include "harness/predictions.h"
 #include "harness/simulate.h"
 #include "problems/scene.h"
 
@@ -109,26 +109,15 @@ static json_t *prediction(const spec_check *c, const check_context *ctx, bool *o
 /* Checks belong to the scene as declared; with other effects they are not predictions. */
 static json_t *predictions(const simulation *s, const series *record, const sim_result *r,
                            bool *all_ok) {
-  const formulation *f = s->form.form;
-  const char *as = (f->stands_for != NULL) ? f->stands_for : "";
-  const check_context ctx = {.record = record,
-                             .h = s->request.h,
-                             .regularised = strcmp(as, "regularized") == 0,
-                             .v_slip = r->v_slip,
-                             .deflection = r->deflection,
-                             .finite = r->finite};
+  const check_context ctx = prediction_context(&s->request, record, r);
   json_t *all = json_array();
   *all_ok = true;
-  const bool declared = s->request.effects == s->spec.effects;
-  const double end = s->request.duration * (1.0 + 1e-9);
-  for (int i = 0; declared && i < s->spec.n_check; i++) {
-    const spec_check *c = &s->spec.check[i];
+  for (int i = 0; i < s->spec.n_check; i++) {
     bool ok;
-    if (c->t > end || !spec_check_applies(c, as, formulation_choice_facets(&s->form))) {
-      continue;
+    if (prediction_applies(&s->request, i)) {
+      (void)json_array_append_new(all, prediction(&s->spec.check[i], &ctx, &ok));
+      *all_ok = *all_ok && ok;
     }
-    (void)json_array_append_new(all, prediction(c, &ctx, &ok));
-    *all_ok = *all_ok && ok;
   }
   return all;
 }
@@ -226,7 +215,9 @@ static base_status simulate_and_print(simulation *s, int *code, base_error *err)
     bool all_ok;
     json_t *o = to_json(s, &record, &r, &all_ok);
     const bool printed = json_out_print(o, stdout);
-    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && all_ok) ? CLI_OK : CLI_HONEST;
+    *code = !printed                                       ? CLI_INTERNAL
+            : (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK
+                                                           : CLI_HONEST;
   }
   series_close(&record);
   return done;

@@ -58,6 +58,9 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
   json_out_real(o, "t_solve_s", r->time.solve);
   json_out_text(o, "certificate", certificate_name(r->claim.certificate.kind));
   json_out_bool(o, "certificate_holds", r->certificate_holds);
+  char hash[24];
+  (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
+  json_out_text(o, "solution_hash", r->has_claim ? hash : NULL);
   json_out_text(o, "note", r->note);
   return o;
 }
@@ -77,7 +80,7 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
   free(z);
   if (done == BASE_OK) {
     const bool printed = json_out_print(to_json(src, s, &r), stdout);
-    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK) ? CLI_OK : CLI_HONEST;
+    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && r.verified) ? CLI_OK : CLI_HONEST;
   }
   return done;
 }

@@ -91,10 +91,22 @@ static run_status word_of_claim(lcp_outcome o) {
   return RUN_NUMERICAL;
 }
 
-run_status verdict_of(const lcp_solver *s, const lcp_problem *p, const lcp_result *claim,
-                      const lcp_verdict *v, bool *verified) {
-  const double tol = verdict_tolerance(s);
-  *verified = v->finite && v->rho <= tol;
+double verdict_asked(const lcp_solver *s, const void *opt) {
+  for (int i = 0; i < s->n_fields; i++) {
+    const base_field *f = &s->fields[i];
+    if (strcmp(f->name, "tol") == 0 && f->kind == BASE_REAL) {
+      double tol;
+      memcpy(&tol, (const unsigned char *)opt + f->offset, sizeof tol);
+      return tol;
+    }
+  }
+  return 0.0;
+}
+
+run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
+                      const lcp_result *claim, const lcp_verdict *v, bool *verified) {
+  const double tol = fmax(verdict_tolerance(s), verdict_asked(s, opt));
+  *verified = v->finite && v->rho <= verdict_tolerance(s);
   const run_status word = word_of_claim(claim->outcome);
   if (word == RUN_INFEASIBLE) {
     const lcp_certificate *c = &claim->certificate;
@@ -107,10 +119,10 @@ run_status verdict_of(const lcp_solver *s, const lcp_problem *p, const lcp_resul
   if (!v->finite) {
     return RUN_NUMERICAL;
   }
-  if (word == RUN_OK && *verified) {
+  if (word == RUN_OK && v->rho <= tol) {
     return RUN_OK;
   }
-  if (!*verified && v->rho < 10 * tol) {
+  if (v->rho > tol && v->rho < 10 * tol) {
     return RUN_NEAR;
   }
   return (word == RUN_OK) ? RUN_UNVERIFIED : word;

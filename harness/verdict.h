@@ -41,6 +41,10 @@ double verdict_tolerance(const lcp_solver *s);
  * then no z >= 0 has M z + q >= 0. Orthant problems only. */
 bool verdict_farkas_holds(const lcp_problem *p, const double *y);
 
-/* The word for one solve. `verified` is rho <= tolerance, whatever was claimed. */
-run_status verdict_of(const lcp_solver *s, const lcp_problem *p, const lcp_result *claim,
-                      const lcp_verdict *v, bool *verified);
+/* Tolerance that the options ask for: member stop.tol, which every options struct begins with. */
+double verdict_asked(const lcp_solver *s, const void *opt);
+
+/* The word for one solve. `ok` means claimed, and rho within the larger of the asked tolerance and
+ * verdict_tolerance; `verified` is rho <= verdict_tolerance, whatever was claimed or asked. */
+run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
+                      const lcp_result *claim, const lcp_verdict *v, bool *verified);

@@ -1,0 +1,58 @@
+#include "harness/predictions.h"
+
+#include <string.h>
+
+static const char *stands_for(const sim_request *q) {
+  const char *as = q->form->form->stands_for;
+  return (as != NULL) ? as : "";
+}
+
+bool prediction_applies(const sim_request *q, int i) {
+  const spec_check *c = &q->spec->check[i];
+  const double end = q->duration * (1.0 + 1e-9);
+  const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
+  const bool in_time = last <= end && (c->kind != CHECK_EVENT_TIME || c->value <= end);
+  return q->effects == q->spec->effects && in_time &&
+         spec_check_applies(c, stands_for(q), formulation_choice_facets(q->form));
+}
+
+check_context prediction_context(const sim_request *q, const series *record, const sim_result *r) {
+  return (check_context){.record = record,
+                         .h = q->h,
+                         .regularised = strcmp(stands_for(q), "regularized") == 0,
+                         .v_slip = r->v_slip,
+                         .deflection = r->deflection,
+                         .finite = r->finite};
+}
+
+static bool kinematic(spec_check_kind k) {
+  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_WINDOW_MAX ||
+         k == CHECK_WINDOW_MIN || k == CHECK_MAX_DRIFT;
+}
+
+void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,
+                           prediction_summary *out) {
+  *out = (prediction_summary){0};
+  const check_context ctx = prediction_context(q, record, r);
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    check_result one;
+    if (!prediction_applies(q, i)) {
+      continue;
+    }
+    check_evaluate(c, &ctx, &one);
+    out->n++;
+    out->n_missed += one.ok ? 0 : 1;
+    if (one.known && one.tolerance > 0.0) {
+      out->worst = fmax(out->worst, one.error / one.tolerance);
+    }
+    if (!out->has_ref && one.known && kinematic(c->kind)) {
+      out->has_ref = true;
+      out->error = one.error;
+      out->predicted = one.expected;
+      out->tolerance = one.tolerance;
+      out->source = c->source;
+      check_label(c, out->quantity, sizeof out->quantity);
+    }
+  }
+}

@@ -1,0 +1,27 @@
+/* harness/predictions.h - what theory says of a scene against what a run gave. */
+#pragma once
+
+#include "harness/check_eval.h"
+#include "harness/simulate.h"
+
+/* The trajectory yardstick of one run. The reference quantity is the scene's first kinematic check
+ * that applies (a state, a window, a drift), so that it is the same for every solver. */
+typedef struct prediction_summary {
+  int n, n_missed;
+  double worst;     /* largest error over its tolerance; <= 1: all hold */
+  bool has_ref;     /* a kinematic prediction applied and could be evaluated */
+  double error;     /* |value - predicted| of the reference quantity, in its unit */
+  double predicted; /* its predicted value */
+  double tolerance; /* its tolerance */
+  char quantity[80];
+  const char *source; /* view into the spec */
+} prediction_summary;
+
+/* Does the i-th check of the scene apply to this run? False for all when the effects differ from
+ * the declared ones, and for checks at times beyond the duration. */
+bool prediction_applies(const sim_request *q, int i);
+
+check_context prediction_context(const sim_request *q, const series *record, const sim_result *r);
+
+void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,
+                           prediction_summary *out);
