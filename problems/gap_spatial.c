@@ -123,7 +123,7 @@ static int cores(const piece *a, const pose *pa, const piece *b, const pose *pb,
 
 /* Swept point at `c` against box b; the normal points from the box to the point. */
 static int point_box(const double *c, double r, const piece *b, const pose *pb, double margin,
-                     uint32_t feature, gap_point *out) {
+                     gap_point *out) {
   double R[9], centre[3], d[3], local[3], near[3], n[3];
   m3_mul(pb->R, b->rot, R);
   world_point(pb, b->pos, centre);
@@ -138,7 +138,7 @@ static int point_box(const double *c, double r, const piece *b, const pose *pb, 
     double on_box[3], fallback[3] = {0, 0, 1};
     m3_mul_vec(R, near, on_box);
     v3_add_scaled(on_box, 1.0, centre, on_box);
-    return core_pair(c, r, on_box, 0.0, fallback, margin, feature, out);
+    return core_pair(c, r, on_box, 0.0, fallback, margin, 0, out);
   }
   int k = 0; /* inside: out through the nearest face */
   for (int i = 1; i < 3; i++) {
@@ -152,14 +152,40 @@ static int point_box(const double *c, double r, const piece *b, const pose *pb, 
     out->n[i] = n[i];
   }
   out->gap = -depth - r;
-  out->feature = feature;
+  out->feature = 0;
   return (out->gap < margin) ? 1 : 0;
 }
 
-static void flip(gap_point *g, int n) {
-  for (int i = 0; i < n; i++) {
-    v3_scale(-1.0, g[i].n, g[i].n);
+/* Swept point at `c` against a disc or cylinder b; the normal points from b to the point. */
+static int point_disc(const double *c, double r, const piece *b, const pose *pb, double margin,
+                      gap_point *out) {
+  double R[9], centre[3], d[3], local[3], on[3];
+  m3_mul(pb->R, b->rot, R);
+  world_point(pb, b->pos, centre);
+  v3_sub(c, centre, d);
+  m3_tmul_vec(R, d, local);
+  const double rho = hypot(local[0], local[1]), half = b->half[2];
+  const double z = fmin(fmax(local[2], -half), half);
+  if (rho >= b->r || fabs(local[2]) >= half) { /* outside, or on a thin disc */
+    const double s = (rho > b->r) ? b->r / rho : 1.0;
+    const double near[3] = {s * local[0], s * local[1], z};
+    const double axis[3] = {R[2], R[5], R[8]};
+    m3_mul_vec(R, near, on);
+    v3_add_scaled(on, 1.0, centre, on);
+    return core_pair(c, r, on, 0.0, axis, margin, 0, out);
   }
+  /* inside a cylinder: out through the mantle or the nearer cap */
+  const double to_cap = half - fabs(local[2]), to_side = b->r - rho;
+  double n[3] = {0, 0, (local[2] >= 0.0) ? 1.0 : -1.0};
+  if (to_side < to_cap && rho > 0.0) {
+    n[0] = local[0] / rho, n[1] = local[1] / rho, n[2] = 0.0;
+  }
+  const double depth = fmin(to_side, to_cap);
+  m3_mul_vec(R, n, out->n);
+  v3_add_scaled(c, 0.5 * (depth - r), out->n, out->x);
+  out->gap = -depth - r;
+  out->feature = 0;
+  return (out->gap < margin) ? 1 : 0;
 }
 
 bool gap_known(int dim, piece_kind a, piece_kind b) {
@@ -167,27 +193,35 @@ bool gap_known(int dim, piece_kind a, piece_kind b) {
     return a <= PIECE_POLYGON && b <= PIECE_POLYGON;
   }
   const piece_kind lo = (a < b) ? a : b, hi = (a < b) ? b : a;
-  if (hi <= PIECE_SEGMENT) {
-    return true;
+  if (lo == PIECE_POLYGON || hi == PIECE_POLYGON) {
+    return false;
   }
-  return hi == PIECE_BOX && lo == PIECE_POINT;
+  return hi != PIECE_DISC || lo == PIECE_POINT;
+}
+
+/* First piece the simpler one: point < segment < box < disc. */
+static int ordered(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
+                   gap_point *out) {
+  double c[3];
+  if (b->kind <= PIECE_SEGMENT) {
+    return cores(a, pa, b, pb, margin, out);
+  }
+  if (a->kind != PIECE_POINT) {
+    return gap_boxes(a, pa, b, pb, margin, out);
+  }
+  world_point(pa, a->vertex, c);
+  return (b->kind == PIECE_BOX) ? point_box(c, a->r, b, pb, margin, out)
+                                : point_disc(c, a->r, b, pb, margin, out);
 }
 
 int gap_spatial(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                 gap_point *out) {
-  double c[3];
-  if (a->kind <= PIECE_SEGMENT && b->kind <= PIECE_SEGMENT) {
-    return cores(a, pa, b, pb, margin, out);
+  if (a->kind <= b->kind) {
+    return ordered(a, pa, b, pb, margin, out);
   }
-  if (a->kind == PIECE_POINT && b->kind == PIECE_BOX) {
-    world_point(pa, a->vertex, c);
-    return point_box(c, a->r, b, pb, margin, 0, out);
+  const int n = ordered(b, pb, a, pa, margin, out);
+  for (int i = 0; i < n; i++) {
+    v3_scale(-1.0, out[i].n, out[i].n);
   }
-  if (b->kind == PIECE_POINT && a->kind == PIECE_BOX) {
-    world_point(pb, b->vertex, c);
-    const int n = point_box(c, b->r, a, pa, margin, 0, out);
-    flip(out, n);
-    return n;
-  }
-  return 0; /* gap_known said so */
+  return n;
 }

@@ -42,6 +42,21 @@ static const gap_point *find(const gap_point *g, int n, uint32_t feature) {
   return NULL;
 }
 
+/* A crossing of two outlines inside a face manifold: its gap is measured along the face normal, so
+ * the rate holds only for small tilts (shapes.h). */
+static int outline_crossing(const any_piece *a, const pose *pa, const any_piece *b, const pose *pb,
+                            const gap_point *g) {
+  for (int k = 0; k < 6; k++) {
+    const double *R = (k < 3) ? pa->R : pb->R;
+    const double axis[3] = {R[k % 3], R[3 + k % 3], R[6 + k % 3]};
+    const bool outlines = a->p.kind >= PIECE_SEGMENT && b->p.kind >= PIECE_SEGMENT;
+    if (outlines && g->feature >= 16 && fabs(v3_dot(axis, g->n)) > 1.0 - 1e-12) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
 /* Central difference of the gap of each point against n . relative velocity at the point. */
 static int check_rates(int dim, const any_piece *a, const any_piece *b, base_rng *r) {
   const double dt = 1e-6;
@@ -57,7 +72,8 @@ static int check_rates(int dim, const any_piece *a, const any_piece *b, base_rng
   for (int i = 0; i < n; i++) {
     const gap_point *g0 = find(before, n0, now[i].feature), *g1 = find(after, n1, now[i].feature);
     check_close(v3_norm(now[i].n), 1.0, 1e-12);
-    if (g0 == NULL || g1 == NULL || v3_dot(g0->n, g1->n) < 0.999 || fabs(now[i].gap) < 1e-3) {
+    if (g0 == NULL || g1 == NULL || v3_dot(g0->n, g1->n) < 0.999 || fabs(now[i].gap) < 1e-3 ||
+        (dim == 3 && outline_crossing(a, &pa, b, &pb, &now[i]))) {
       continue; /* the feature changed within the difference */
     }
     const double rate = mover_rate(&ma, &mb, now[i].x, now[i].n);
@@ -238,11 +254,129 @@ static void equal_boxes_keep_two_points_at_every_rounding(void **state) {
   }
 }
 
+/* Distance of two separated convex sets by alternating projections (von Neumann; Cheney &
+ * Goldstein 1959): knows nothing of features. Projection on a box or segment by clamping. */
+static void project(const any_piece *a, const pose *at, const double *x, double *y) {
+  double d[3], s[3], h[3] = {a->p.half[0], a->p.half[1], a->p.half[2]};
+  if (a->p.kind == PIECE_SEGMENT) {
+    h[1] = h[2] = 0.0;
+  } else if (a->p.kind == PIECE_POINT) {
+    h[0] = h[1] = h[2] = 0.0;
+  }
+  v3_sub(x, at->x, d);
+  m3_tmul_vec(at->R, d, s);
+  const double rho = hypot(s[0], s[1]);
+  for (int k = 0; k < 3; k++) {
+    s[k] = (a->p.kind == PIECE_DISC && k < 2) ? s[k] * fmin(1.0, a->p.r / rho)
+                                              : fmin(fmax(s[k], -h[k]), h[k]);
+  }
+  m3_mul_vec(at->R, s, y);
+  v3_add_scaled(at->x, 1.0, y, y);
+}
+
+static double projected_distance(const any_piece *a, const pose *pa, const any_piece *b,
+                                 const pose *pb) {
+  double p[3], q[3], d[3];
+  v3_copy(pb->x, q);
+  for (int i = 0; i < 3000; i++) {
+    project(a, pa, q, p);
+    project(b, pb, p, q);
+  }
+  v3_sub(p, q, d);
+  return v3_norm(d);
+}
+
+static double core_radius(const any_piece *a) {
+  return (a->p.kind == PIECE_DISC) ? 0.0 : a->p.r;
+}
+
+static void separated_spatial_shapes_report_their_distance(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(14);
+  int seen = 0;
+  for (int i = 0; i < 3600; i++) {
+    any_piece a, b;
+    gap_point g[GAP_MAX];
+    any_shape(&a, &spatial[(i / N_SPATIAL) % N_SPATIAL], 3);
+    any_shape(&b, &spatial[i % N_SPATIAL], 3);
+    if (!gap_known(3, a.p.kind, b.p.kind)) {
+      continue;
+    }
+    const mover ma = any_mover(&r, 3, 0.8), mb = any_mover(&r, 3, 0.8);
+    const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
+    const int n = gap_spatial(&a.p, &pa, &b.p, &pb, HUGE_VAL, g);
+    double least = HUGE_VAL;
+    assert_true(n >= 1);
+    for (int k = 0; k < n; k++) {
+      least = fmin(least, g[k].gap);
+    }
+    const double radii = core_radius(&a) + core_radius(&b);
+    if (least + radii > 0.01) { /* alternating projections are slow near touching */
+      check_close(least + radii, projected_distance(&a, &pa, &b, &pb), 2e-5);
+      seen++;
+    }
+  }
+  assert_true(seen > 1000);
+}
+
+/* Four corners of a face are four points, also with equal outlines; ids do not depend on rounding. */
+static void stacked_boxes_rest_on_four_points(void **state) {
+  (void)state;
+  any_piece box, wide;
+  const spec_shape plate = {.kind = SPEC_BOX, .half = {2, 2, 0.1}};
+  base_rng r = base_rng_seeded(15);
+  any_shape(&box, &spatial[3], 3);
+  any_shape(&wide, &plate, 3);
+  for (int i = 0; i < 500; i++) {
+    const double e = 1e-12;
+    const double q0[4] = {1, 0, 0, 0};
+    const double q1[4] = {1, e * base_rng_normal(&r), e * base_rng_normal(&r),
+                          e * base_rng_normal(&r)};
+    const double low[3] = {0, 0, 0}, mid[3] = {e, e, 0.4 + e * base_rng_normal(&r)};
+    const double on_plate[3] = {0.3 + 0.001 * i, -0.2, 0.3 + e * base_rng_normal(&r)};
+    const pose p0 = any_pose(low, q0), p1 = any_pose(mid, q1), p2 = any_pose(on_plate, q1);
+    gap_point g[GAP_MAX];
+    assert_int_equal(gap_spatial(&box.p, &p0, &box.p, &p1, 1e-3, g), 4);
+    for (uint32_t k = 0; k < 4; k++) {
+      assert_true(g[k].feature >= 8 && g[k].feature < 12); /* lower corners of the upper box */
+      check_close(g[k].n[2], -1.0, 1e-11);
+    }
+    assert_int_equal(gap_spatial(&box.p, &p2, &wide.p, &p0, 1e-3, g), 4);
+    for (uint32_t k = 0; k < 4; k++) {
+      assert_true(g[k].feature < 4);
+    }
+  }
+}
+
+/* A square turned by 45 degrees on an equal square: an octagon of crossings. */
+static void turned_square_rests_on_eight_crossings(void **state) {
+  (void)state;
+  any_piece cube;
+  const spec_shape unit = {.kind = SPEC_BOX, .half = {0.5, 0.5, 0.5}};
+  const double low[3] = {0, 0, 0}, high[3] = {0, 0, 1.0}, q0[4] = {1, 0, 0, 0};
+  const double q1[4] = {cos(0.125 * 3.14159265358979), 0, 0, sin(0.125 * 3.14159265358979)};
+  gap_point g[GAP_MAX];
+  any_shape(&cube, &unit, 3);
+  const pose p0 = any_pose(low, q0), p1 = any_pose(high, q1);
+  assert_int_equal(gap_spatial(&cube.p, &p0, &cube.p, &p1, 1e-3, g), 8);
+  for (int i = 0; i < 8; i++) {
+    assert_true(g[i].feature >= 16);
+    check_close(g[i].gap, 0.0, 1e-12);
+    check_close(hypot(g[i].x[0], g[i].x[1]), 0.5 / cos(0.125 * 3.14159265358979), 1e-9);
+    for (int k = 0; k < i; k++) {
+      assert_true(g[i].feature != g[k].feature);
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_gap_changes_at_the_rate_of_its_jacobian),
       cmocka_unit_test(swapping_the_sides_flips_the_normals),
       cmocka_unit_test(separated_planar_shapes_report_their_distance),
+      cmocka_unit_test(separated_spatial_shapes_report_their_distance),
+      cmocka_unit_test(stacked_boxes_rest_on_four_points),
+      cmocka_unit_test(turned_square_rests_on_eight_crossings),
       cmocka_unit_test(half_space_lists_every_corner),
       cmocka_unit_test(tilted_disc_touches_at_its_lowest_rim_point),
       cmocka_unit_test(ids_last_while_features_do),
