@@ -21,8 +21,7 @@ void world_close(world *w);
 base_status world_reset(world *w, base_error *err); /* back to t = 0 */
 
 /* Detects contacts with gap below margin at the current configuration and fills *out with views
- * valid until the next call. margin < 0: chosen from h and the speeds; h = 0: geometry and
- * u_before only (v_free = v). Grows its arrays when the
+ * valid until the next call. margin < 0: chosen from h and the speeds. Grows its arrays when the
  * number of contacts does (outside the hot loop after the first steps). */
 base_status world_contacts(world *w, double h, double margin, contact_set *out, base_error *err);
 

@@ -116,6 +116,7 @@ int joint_rows(const world *w, const joint_data *j, joint_row *row); /* count */
 /* world_model.c */
 base_status model_open(world *w, base_error *err);
 void model_start(world *w);
+base_status model_acceleration(world *w, double *a, base_error *err);
 base_status model_contacts(world *w, double h, double margin, base_error *err);
 double model_min_gap(const world *w);
 double model_energy(const world *w, bool kinetic_only);

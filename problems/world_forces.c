@@ -198,3 +198,39 @@ base_status world_free_motion(world *w, double h, base_error *err) {
   }
   return BASE_OK;
 }
+
+/* Gyroscopic torque is taken at the current state here: an integrator with error control asks for
+ * the derivative, not for a step. */
+static void subtract_gyroscopic(const world *w, const body *b, double f[6]) {
+  if (w->dim == 3 && world_has(w, EFFECT_GYROSCOPIC)) {
+    double I[9], L[3], c[3];
+    body_inertia(b, w->dim, I);
+    m3_mul_vec(I, b->v + 3, L);
+    v3_cross(b->v + 3, L, c);
+    v3_sub(f + 3, c, f + 3);
+  }
+}
+
+base_status world_acceleration(world *w, double *a, base_error *err) {
+  set_store *s = &w->store;
+  if (w->model != NULL) {
+    return model_acceleration(w, a, err);
+  }
+  double *f = s->v_free;
+  world_wrench(w, f);
+  for (int i = 0; i < w->n_free; i++) {
+    const body *b = &w->body[w->free_body[i]];
+    double *wrench = f + 6 * (ptrdiff_t)w->free_body[i];
+    double *inverse = s->inv_mass + s->mass_start[i];
+    BASE_TRY(body_mass_block(b, w->dim, s->mass + s->mass_start[i], inverse, err));
+    subtract_gyroscopic(w, b, wrench);
+    for (int k = 0; k < b->n_dof; k++) {
+      double sum = 0.0;
+      for (int l = 0; l < b->n_dof; l++) {
+        sum += inverse[l * b->n_dof + k] * wrench[b->axis[l]];
+      }
+      a[b->dof + k] = sum;
+    }
+  }
+  return BASE_OK;
+}

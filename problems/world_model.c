@@ -73,7 +73,7 @@ static bool invert_spd(const double *A, int n, double *inv) {
   return true;
 }
 
-static base_status free_motion(world *w, double h, base_error *err) {
+base_status model_acceleration(world *w, double *a, base_error *err) {
   const mech_model *m = w->model;
   set_store *s = &w->store;
   const int n = m->n_dof;
@@ -85,12 +85,21 @@ static base_status free_motion(world *w, double h, base_error *err) {
   }
   m->force(w->spec.model_param, w->t, w->q, w->qv, f);
   for (int i = 0; i < n; i++) {
-    double a = 0.0;
+    a[i] = 0.0;
     for (int j = 0; j < n; j++) {
-      a += s->inv_mass[j * n + i] * f[j];
+      a[i] += s->inv_mass[j * n + i] * f[j];
     }
+  }
+  return BASE_OK;
+}
+
+static base_status free_motion(world *w, double h, base_error *err) {
+  set_store *s = &w->store;
+  double a[MODEL_DOF_MAX];
+  BASE_TRY(model_acceleration(w, a, err));
+  for (int i = 0; i < w->model->n_dof; i++) {
     s->v[i] = w->qv[i];
-    s->v_free[i] = w->qv[i] + h * a;
+    s->v_free[i] = w->qv[i] + h * a[i];
   }
   return BASE_OK;
 }

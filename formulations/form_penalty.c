@@ -1,0 +1,379 @@
+/* form_penalty.c - compliant contact integrated as an ordinary differential equation: the
+ * alternative that hard-contact formulations avoid, and therefore their yardstick of cost.
+ *
+ *   q' = N v,   v' = W (f + J_n' F(d, d') + J_t' F_t(F, u_t))
+ *
+ * with the force laws of penalty_law.h, advanced by GSL's explicit or stiff methods under error
+ * control. No complementarity problem is posed; the cost is counted in evaluations of the right-
+ * hand side. Impulses are the trapezoidal time integral of the forces over the accepted substeps.
+ *
+ * The closing speed v_i of Hunt-Crossley and Lankarani-Nikravesh is taken when a contact is first
+ * seen penetrating at an accepted state, and not below `impact_floor`: at rest both laws would
+ * otherwise divide by zero.
+ */
+#include "formulations/formulation.h"
+#include "formulations/penalty_law.h"
+
+#include <gsl/gsl_errno.h>
+#include <gsl/gsl_odeiv2.h>
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct options {
+  int law, integrator, max_evaluations;
+  double stiffness, damping, slip_speed, impact_floor, rtol, atol;
+} options;
+
+static const base_field fields[] = {
+    BASE_FIELD_CHOICE(options, law, PENALTY_MODELS, PENALTY_HUNT_CROSSLEY, "normal force law"),
+    BASE_FIELD_CHOICE(options, integrator, "rkf45|rk8pd|msbdf|bsimp", 2, "GSL stepping method"),
+    BASE_FIELD(options, stiffness, BASE_REAL, "N/m^1.5", 1e7, 1e-3, 1e15,
+               "K of the force law (N/m for kelvin_voigt)"),
+    BASE_FIELD(options, damping, BASE_REAL, "N s/m", 1e3, 0, 1e12, "c of kelvin_voigt"),
+    BASE_FIELD(options, slip_speed, BASE_REAL, "m/s", 1e-3, 1e-9, 1e3,
+               "regularisation velocity of friction"),
+    BASE_FIELD(options, impact_floor, BASE_REAL, "m/s", 1e-2, 1e-9, 1e3,
+               "least closing speed the damping factor is scaled with"),
+    BASE_FIELD(options, rtol, BASE_REAL, "1", 1e-7, 1e-13, 1, "relative error per substep"),
+    BASE_FIELD(options, atol, BASE_REAL, "m, m/s", 1e-9, 1e-15, 1, "absolute error per substep"),
+    BASE_FIELD(options, max_evaluations, BASE_INT, "1", 20000000, 1, 2e9,
+               "right-hand sides in one step before it is given up"),
+};
+
+/* Memory of one contact in penetration. */
+typedef struct touch {
+  uint64_t id;
+  double v_impact; /* [m/s] */
+  double force[3]; /* at the last accepted state [N] */
+  double impulse[3];
+  bool seen;
+} touch;
+
+typedef struct state {
+  const options *opt;
+  world *w; /* borrowed, during step only */
+  int n_config, n_dof;
+  double *y, *acc, *probe; /* n_config + n_dof; n_dof; 2 (n_config + n_dof) */
+  gsl_odeiv2_system system;
+  gsl_odeiv2_driver *driver; /* the multistep method asks its driver for the error level */
+  double substep;            /* proposal carried from step to step [s] */
+  touch *touched;
+  int n_touch, cap_touch;
+  double *impulse, *bias; /* of the set after the step */
+  int cap_row, cap_contact;
+  contact_set set;
+  long evaluations;
+  base_error *err; /* where a right-hand side reports */
+  formulation_answer answer;
+} state;
+
+/* Step handed to the detection inside a substep: only geometry and u_before are used of that set. */
+static const double instant = 1e-9; /* [s] */
+
+static const double first_substep = 1e-6; /* [s]; error control finds the right one */
+
+static touch *find_touch(state *s, uint64_t id) {
+  for (int i = 0; i < s->n_touch; i++) {
+    if (s->touched[i].id == id) {
+      return &s->touched[i];
+    }
+  }
+  return NULL;
+}
+
+/* Contact-frame force of contact i of the set (normal, tangents); rows beyond friction get none. */
+static void contact_force(const state *s, const contact_set *c, int i, const touch *known,
+                          double f[3]) {
+  const options *o = s->opt;
+  const double *u = c->u_before + c->row_start[i];
+  const double closing = -u[0];
+  const double e = (c->restitution != NULL) ? c->restitution[i] : 0.0;
+  const double v_i =
+      (known != NULL) ? known->v_impact : (closing > o->impact_floor ? closing : o->impact_floor);
+  f[1] = f[2] = 0.0;
+  f[0] = penalty_normal_force((penalty_model)o->law, o->stiffness, o->damping, e, v_i, -c->gap[i],
+                              closing);
+  if (c->rows[i].tangent > 0) {
+    penalty_friction(c->mu_kinetic[i], f[0], o->slip_speed, c->rows[i].tangent, u + 1, f + 1);
+  }
+}
+
+/* a += W J' f for one contact. */
+static void add_acceleration(const contact_set *c, int i, const double f[3], double *a) {
+  const int n_row = 1 + c->rows[i].tangent;
+  const double *jac = c->jac + c->jac_start[i];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * i + side];
+    if (b < 0) {
+      continue;
+    }
+    const int first = c->dof_start[b], n = c->dof_start[b + 1] - first;
+    const double *W = c->inv_mass + c->mass_start[b];
+    double g[6] = {0};
+    for (int r = 0; r < n_row; r++) {
+      for (int k = 0; k < n; k++) {
+        g[k] += jac[r * n + k] * f[r];
+      }
+    }
+    for (int k = 0; k < n; k++) {
+      for (int l = 0; l < n; l++) {
+        a[first + k] += W[l * n + k] * g[l];
+      }
+    }
+    jac += (c->row_start[i + 1] - c->row_start[i]) * n;
+  }
+}
+
+static int right_hand_side(double t, const double y[], double dy[], void *params) {
+  state *s = params;
+  contact_set c;
+  world_set_state(s->w, t, y, y + s->n_config);
+  world_config_rate(s->w, y, y + s->n_config, dy);
+  if (world_acceleration(s->w, dy + s->n_config, s->err) != BASE_OK ||
+      world_contacts(s->w, instant, 0.0, &c, s->err) != BASE_OK) {
+    return GSL_EBADFUNC;
+  }
+  for (int i = 0; i < c.n_contact; i++) {
+    double f[3];
+    if (c.gap[i] < 0.0) {
+      contact_force(s, &c, i, find_touch(s, c.id[i]), f);
+      add_acceleration(&c, i, f, dy + s->n_config);
+    }
+  }
+  s->evaluations++;
+  return GSL_SUCCESS;
+}
+
+/* Forward differences with the step sqrt(eps) max(|y|, 1e-3); GSL wants dfdy row-major. */
+static int jacobian(double t, const double y[], double *dfdy, double dfdt[], void *params) {
+  state *s = params;
+  const int n = s->n_config + s->n_dof;
+  double *moved = s->probe, *base = s->probe + n, *at = s->probe + 2 * n;
+  memcpy(moved, y, (size_t)n * sizeof *moved);
+  int status = right_hand_side(t, y, base, s);
+  for (int j = 0; j < n && status == GSL_SUCCESS; j++) {
+    const double size = (y[j] < 0.0 ? -y[j] : y[j]);
+    const double d = 1.5e-8 * (size > 1e-3 ? size : 1e-3);
+    moved[j] = y[j] + d;
+    status = right_hand_side(t, moved, at, s);
+    moved[j] = y[j];
+    for (int i = 0; i < n; i++) {
+      dfdy[i * n + j] = (at[i] - base[i]) / d;
+    }
+  }
+  memset(dfdt, 0, (size_t)n * sizeof *dfdt); /* loads vary slowly against a substep */
+  return status;
+}
+
+static base_status grow_touched(state *s, base_error *err) {
+  if (s->n_touch < s->cap_touch) {
+    return BASE_OK;
+  }
+  const int cap = (s->cap_touch > 0) ? 2 * s->cap_touch : 16;
+  touch *more = realloc(s->touched, (size_t)cap * sizeof *more);
+  if (more == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %d contacts", cap);
+  }
+  s->touched = more;
+  s->cap_touch = cap;
+  return BASE_OK;
+}
+
+/* Updates the memory at an accepted state and adds the trapezoid of the substep dt. */
+static base_status accept(state *s, double t, double dt, base_error *err) {
+  contact_set c;
+  world_set_state(s->w, t, s->y, s->y + s->n_config);
+  BASE_TRY(world_contacts(s->w, instant, 0.0, &c, err));
+  for (int i = 0; i < s->n_touch; i++) {
+    s->touched[i].seen = false;
+  }
+  for (int i = 0; i < c.n_contact; i++) {
+    if (c.gap[i] >= 0.0) {
+      continue;
+    }
+    touch *k = find_touch(s, c.id[i]);
+    if (k == NULL) {
+      BASE_TRY(grow_touched(s, err));
+      const double closing = -c.u_before[c.row_start[i]];
+      k = &s->touched[s->n_touch++];
+      *k = (touch){.id = c.id[i],
+                   .v_impact = closing > s->opt->impact_floor ? closing : s->opt->impact_floor};
+    }
+    double f[3];
+    contact_force(s, &c, i, k, f);
+    for (int r = 0; r < 3; r++) {
+      k->impulse[r] += 0.5 * dt * (k->force[r] + f[r]);
+      k->force[r] = f[r];
+    }
+    k->seen = true;
+  }
+  for (int i = 0; i < s->n_touch; i++) {
+    touch *k = &s->touched[i];
+    for (int r = 0; r < 3 && !k->seen; r++) {
+      k->impulse[r] += 0.5 * dt * k->force[r];
+      k->force[r] = 0.0;
+    }
+  }
+  return BASE_OK;
+}
+
+/* Contacts that have separated give back their memory at the end of a step. */
+static void drop_separated(state *s) {
+  int kept = 0;
+  for (int i = 0; i < s->n_touch; i++) {
+    if (s->touched[i].seen) {
+      s->touched[kept] = s->touched[i];
+      memset(s->touched[kept++].impulse, 0, sizeof s->touched[0].impulse);
+    }
+  }
+  s->n_touch = kept;
+}
+
+static const gsl_odeiv2_step_type *method(int integrator) {
+  const gsl_odeiv2_step_type *types[] = {gsl_odeiv2_step_rkf45, gsl_odeiv2_step_rk8pd,
+                                         gsl_odeiv2_step_msbdf, gsl_odeiv2_step_bsimp};
+  return types[integrator];
+}
+
+static void close(void *st) {
+  state *s = st;
+  if (s->driver != NULL) {
+    gsl_odeiv2_driver_free(s->driver);
+  }
+  free(s->y);
+  free(s->touched);
+  free(s->impulse);
+  free(s->bias);
+}
+
+static base_status open(void *st, const void *opt, base_error *err) {
+  (void)err;
+  ((state *)st)->opt = opt;
+  return BASE_OK;
+}
+
+static void forget(void *st) {
+  state *s = st;
+  s->n_touch = 0;
+  s->substep = 0.0;
+}
+
+/* Everything whose size the world fixes; done at the first step. */
+static base_status bind(state *s, world *w, base_error *err) {
+  s->w = w;
+  if (s->y != NULL) {
+    return BASE_OK;
+  }
+  s->n_config = world_n_config(w);
+  s->n_dof = world_n_dof(w);
+  const size_t n = (size_t)(s->n_config + s->n_dof);
+  s->y = calloc(4 * n + 1, sizeof *s->y);
+  s->system = (gsl_odeiv2_system){right_hand_side, jacobian, n, s};
+  s->driver = gsl_odeiv2_driver_alloc_y_new(&s->system, method(s->opt->integrator), first_substep,
+                                            s->opt->atol, s->opt->rtol);
+  if (s->y == NULL || s->driver == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %zu state variables", n);
+  }
+  s->probe = s->y + n;
+  return BASE_OK;
+}
+
+static base_status grow_rows(state *s, const contact_set *c, base_error *err) {
+  if (c->n_row > s->cap_row || c->n_contact > s->cap_contact) {
+    free(s->impulse);
+    free(s->bias);
+    s->cap_row = 2 * c->n_row + 16;
+    s->cap_contact = 2 * c->n_contact + 16;
+    s->impulse = calloc((size_t)s->cap_row, sizeof *s->impulse);
+    s->bias = calloc((size_t)s->cap_contact, sizeof *s->bias);
+    if (s->impulse == NULL || s->bias == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %d contact rows", c->n_row);
+    }
+  }
+  return BASE_OK;
+}
+
+/* The answer in terms of the contacts within reach at the end of the step. */
+static base_status report(state *s, double h, formulation_answer *out, base_error *err) {
+  contact_set *c = &s->set;
+  BASE_TRY(world_contacts(s->w, h, -1.0, c, err));
+  BASE_TRY(grow_rows(s, c, err));
+  memset(s->impulse, 0, (size_t)c->n_row * sizeof *s->impulse);
+  double energy = 0.0;
+  int active = 0;
+  for (int i = 0; i < c->n_contact; i++) {
+    const touch *k = find_touch(s, c->id[i]);
+    s->bias[i] = HUGE_VAL; /* no complementarity is claimed */
+    for (int r = 0; k != NULL && r < 1 + c->rows[i].tangent; r++) {
+      s->impulse[c->row_start[i] + r] = k->impulse[r];
+    }
+    active += (k != NULL);
+    energy += penalty_energy((penalty_model)s->opt->law, s->opt->stiffness, -c->gap[i]);
+  }
+  *out = (formulation_answer){.impulse = s->impulse,
+                              .v_next = s->y + s->n_config,
+                              .bias = s->bias,
+                              .set = c,
+                              .solved = true,
+                              .n_active = active,
+                              .stiffness_ratio = HUGE_VAL,
+                              .v_slip = s->opt->slip_speed,
+                              .spring_energy = energy,
+                              .work = {.evaluations = s->evaluations}};
+  return BASE_OK;
+}
+
+static base_status step(void *st, world *w, double h, const formulation_solver *solver,
+                        formulation_answer *out, base_error *err) {
+  (void)solver;
+  state *s = st;
+  BASE_TRY(bind(s, w, err));
+  s->err = err;
+  s->evaluations = 0;
+  double t = world_time(w);
+  const double end = t + h;
+  world_get_state(w, s->y, s->y + s->n_config);
+  gsl_odeiv2_driver *g = s->driver;
+  double sub = (s->substep > 0.0) ? s->substep : first_substep;
+  while (t < end) {
+    const double from = t;
+    const int status = gsl_odeiv2_evolve_apply(g->e, g->c, g->s, &s->system, &t, end, &sub, s->y);
+    if (status == GSL_EBADFUNC) {
+      return err != NULL ? err->code : BASE_EEXTERNAL;
+    }
+    if (status != GSL_SUCCESS || s->evaluations > s->opt->max_evaluations || !(t > from)) {
+      return BASE_FAIL(err, BASE_EEXTERNAL,
+                       "penalty: integrator gave up at t=%g s after %ld evaluations (%s)", t,
+                       s->evaluations, gsl_strerror(status));
+    }
+    if (t < end) {
+      s->substep = sub;
+    }
+    BASE_TRY(accept(s, t, t - from, err));
+  }
+  BASE_TRY(report(s, h, out, err));
+  drop_separated(s);
+  return BASE_OK;
+}
+
+static long dimension(int dim, int p, const void *opt) {
+  (void)dim, (void)p, (void)opt;
+  return 0;
+}
+
+const formulation form_penalty = {
+    .name = "penalty",
+    .title = "Compliant contact (ODE)",
+    .cite = "Hunt & Crossley 1975; Lankarani & Nikravesh 1990",
+    .model = FORM_FRICTION | FORM_REGULARISED | FORM_PENALTY | FORM_NO_LCP,
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(state),
+    .dimension = dimension,
+    .open = open,
+    .close = close,
+    .forget = forget,
+    .step = step,
+};
