@@ -1,0 +1,105 @@
+#include "lcp/solvers/gauss_seidel.h"
+
+#include "lcp/solvers/sets.h"
+#include "lcp/solvers/small_lemke.h"
+
+void lcp_gs_layout(lcp_gs *s, const lcp_capacity *cap, base_arena *a) {
+  lcp_sweep_layout(&s->sweep, cap, a);
+  s->lo = BASE_ARRAY(a, double, cap->n);
+  s->hi = BASE_ARRAY(a, double, cap->n);
+  s->whole = BASE_ARRAY(a, unsigned char, cap->n_block);
+  const size_t m = (cap->n < LCP_SMALL_MAX) ? (size_t)cap->n : (size_t)LCP_SMALL_MAX;
+  s->Mbb = BASE_ARRAY(a, double, m *m);
+  s->qb = BASE_ARRAY(a, double, m);
+  s->xb = BASE_ARRAY(a, double, m);
+  s->work = BASE_ARRAY(a, double, lcp_small_work((int)m));
+}
+
+/* Which blocks must be solved as a whole; refuses what neither form is defined on. */
+static base_status choose(lcp_gs *s, const lcp_problem *p, base_error *err) {
+  s->by_block = false;
+  for (int b = 0; p->block != NULL && b < p->n_block; b++) {
+    const lcp_block *k = &p->block[b];
+    s->whole[b] = 0;
+    for (int i = k->start; i < k->start + k->size; i++) {
+      s->whole[b] |= (unsigned char)(s->sweep.d[i] == 0.0);
+    }
+    if (s->whole[b] && (k->set != LCP_ORTHANT || k->size < 2 || k->size > LCP_SMALL_MAX)) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                       "zero diagonal in block %d: need an orthant block of 2 to %d rows", b,
+                       (int)LCP_SMALL_MAX);
+    }
+    s->by_block = s->by_block || s->whole[b];
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    if (s->sweep.d[i] < 0.0 || (p->block == NULL && s->sweep.d[i] == 0.0)) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                       "diagonal %d is %g: need > 0 (or contact blocks where it is 0)", i,
+                       s->sweep.d[i]);
+    }
+  }
+  return BASE_OK;
+}
+
+base_status lcp_gs_prepare(lcp_gs *s, const lcp_problem *p, base_error *err) {
+  BASE_TRY(lcp_sweep_prepare(&s->sweep, p, err));
+  lcp_set_intervals(p, s->lo, s->hi);
+  return choose(s, p, err);
+}
+
+void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z) {
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = lcp_set_clip(z[i], s->lo[i], s->hi[i]);
+  }
+  lcp_sweep_refresh(&s->sweep, p, z);
+}
+
+static void points(lcp_gs *s, const lcp_problem *p, double omega, int first, int end, double *z) {
+  for (int i = first; i < end; i++) {
+    const double w = lcp_sweep_row(&s->sweep, p, i);
+    const double x = lcp_set_clip(z[i] - omega * (w / s->sweep.d[i]), s->lo[i], s->hi[i]);
+    if (x != z[i]) {
+      lcp_sweep_add(&s->sweep, p, i, x - z[i]);
+      z[i] = x;
+    }
+  }
+}
+
+static void block(lcp_gs *s, const lcp_problem *p, double omega, const lcp_block *b, double *z,
+                  lcp_result *res) {
+  const int m = b->size;
+  double *zb = z + b->start;
+  lcp_sweep_block(&s->sweep, p, b->start, m, s->Mbb);
+  for (int i = 0; i < m; i++) {
+    s->qb[i] = lcp_sweep_row(&s->sweep, p, b->start + i);
+    for (int j = 0; j < m; j++) {
+      s->qb[i] -= s->Mbb[i + j * m] * zb[j];
+    }
+  }
+  if (!lcp_small_lemke(m, s->Mbb, s->qb, s->xb, s->work)) {
+    res->work.fallbacks++;
+    return;
+  }
+  for (int i = 0; i < m; i++) {
+    const double x = (omega == 1.0) ? s->xb[i] : fmax(0.0, zb[i] + omega * (s->xb[i] - zb[i]));
+    if (x != zb[i]) {
+      lcp_sweep_add(&s->sweep, p, b->start + i, x - zb[i]);
+      zb[i] = x;
+    }
+  }
+}
+
+void lcp_gs_sweep(lcp_gs *s, const lcp_problem *p, double omega, double *z, lcp_result *res) {
+  if (!s->by_block) {
+    points(s, p, omega, 0, p->M.n, z);
+    return;
+  }
+  for (int b = 0; b < p->n_block; b++) {
+    const lcp_block *k = &p->block[b];
+    if (s->whole[b]) {
+      block(s, p, omega, k, z, res);
+    } else {
+      points(s, p, omega, k->start, k->start + k->size, z);
+    }
+  }
+}

@@ -1,0 +1,118 @@
+#include "lcp/solvers/loop.h"
+
+#include "lcp/solvers/sets.h"
+
+#include <float.h>
+#include <string.h>
+
+void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
+  lcp_stop_layout(&s->stop, cap, a);
+  s->scale = BASE_ARRAY(a, double, cap->n);
+  s->seen = BASE_ARRAY(a, double, cap->n);
+}
+
+void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
+  lcp_stop_begin(&s->stop, p);
+  lcp_matrix_diagonal(&p->M, s->stop.d);
+  lcp_set_scaling(&p->M, s->stop.d, s->scale);
+  s->tests = 0;
+  s->next = 1;
+  s->memoryless = memoryless;
+  s->q_size = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    s->q_size = fmax(s->q_size, s->scale[i] * fabs(p->q[i]));
+  }
+}
+
+/* Violation of row i of an interval set, as a velocity: the natural map d z - P(d z - w). */
+static double violation(const lcp_problem *p, lcp_set set, int i, double d, double z, double w) {
+  switch (set) {
+  case LCP_ORTHANT:
+    return fmax(fmax(-w, -d * z), fmin(w, d * z));
+  case LCP_FREE:
+    return fabs(w);
+  case LCP_BOX:
+    return fmax(fmax(d * (p->lo[i] - z), d * (z - p->hi[i])),
+                (w > 0.0) ? fmin(w, d * (z - p->lo[i])) : fmin(-w, d * (p->hi[i] - z)));
+  default: /* cones: rho alone */
+    return 0.0;
+  }
+}
+
+/* tau0_i = |q_i| + sum_j |M_ij||z_j| into s->seen, which is free once a method claims. */
+static void magnitudes(lcp_loop *s, const lcp_problem *p, const double *z) {
+  const int n = p->M.n;
+  for (int i = 0; i < n; i++) {
+    s->seen[i] = fabs(p->q[i]);
+    if (p->M.storage == LCP_FACTORED) { /* zref_i = tau0_i / M_ii */
+      s->seen[i] = fmax(s->seen[i], s->stop.d[i] * s->stop.zref[i]);
+    }
+  }
+  for (int j = 0; p->M.storage != LCP_FACTORED && j < n; j++) {
+    const bool dense = p->M.storage == LCP_DENSE;
+    const int begin = dense ? 0 : p->M.csc.colptr[j], end = dense ? n : p->M.csc.colptr[j + 1];
+    const double *val = dense ? p->M.val + (size_t)j * (size_t)n : p->M.csc.val;
+    for (int k = begin; k < end; k++) {
+      s->seen[dense ? k : p->M.csc.rowind[k]] += fabs(val[k] * z[j]);
+    }
+  }
+}
+
+static bool believable(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z) {
+  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
+  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
+  const int n_block = (p->block != NULL) ? p->n_block : 1;
+  const double limit = 10.0 * stop->tol * s->q_size;
+  magnitudes(s, p, z);
+  s->tests = 0; /* `seen` was overwritten: cycle detection starts again */
+  s->next = 1;
+  for (int b = 0; b < n_block; b++) {
+    for (int i = block[b].start; i < block[b].start + block[b].size; i++) {
+      const double r = s->scale[i], noise = 32.0 * DBL_EPSILON * s->seen[i];
+      const double seen = violation(p, block[b].set, i, 1.0 / (r * r), z[i], s->stop.w[i]);
+      if (!(r * noise <= 1e-3 * s->q_size && r * seen <= limit + r * noise)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/* True when this z was seen before, bit for bit. */
+static bool repeats(lcp_loop *s, int n, const double *z) {
+  const size_t bytes = (size_t)n * sizeof *z;
+  s->tests++;
+  if (s->tests > 1 && memcmp(z, s->seen, bytes) == 0) {
+    return true;
+  }
+  if (s->tests == s->next) {
+    memcpy(s->seen, z, bytes);
+    s->next *= 2;
+  }
+  return false;
+}
+
+bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                    lcp_trace *trace, lcp_result *res, bool *fresh) {
+  const bool last = res->work.iterations >= stop->max_iter;
+  const bool due = last || res->work.iterations % stop->check_every == 0;
+  if (fresh != NULL) {
+    *fresh = due;
+  }
+  if (!due) {
+    return false;
+  }
+  const bool ended = lcp_stop_test(&s->stop, stop, p, z, trace, res);
+  if (ended && (res->outcome != LCP_SOLVED || believable(s, stop, p, z))) {
+    return true;
+  }
+  if (last) {
+    res->outcome = LCP_MAX_ITER;
+    return true;
+  }
+  if (s->memoryless && repeats(s, p->M.n, z)) {
+    res->outcome = LCP_STALLED;
+    return true;
+  }
+  return false;
+}

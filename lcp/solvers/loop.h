@@ -1,0 +1,35 @@
+/* loop.h - the end of an iterative method: shared residual test, cycle detection, honest claim.
+ *
+ * lcp_stop_test measures rho, which is relative to the size of z. On an infeasible monotone problem
+ * z runs away and drags rho below any tolerance although w never gets feasible, so "solved" is
+ * claimed here only if the violation is small against the data as well:
+ *
+ *   r_i v_i <= 10 tol max_j r_j |q_j| + 32 eps r_i tau0_i,   r_i = 1 / sqrt(M_ii)
+ *
+ * with v the natural map d z - P(d z - w), d = 1/r^2, and tau0_i = |q_i| + sum |M_ij||z_j|; and never
+ * where rounding alone (32 eps tau0) could hide a thousandth of q.
+ * A deterministic iteration whose iterate returns bit for bit can never end: it is `stalled`
+ * (Brent 1980, cycle finding with one stored iterate). */
+#pragma once
+
+#include "lcp/lcp_solver.h"
+
+typedef struct lcp_loop {
+  lcp_stop_state stop;
+  double *scale; /* n, r */
+  double *seen;  /* n, an earlier iterate */
+  long tests, next;
+  double q_size;   /* max r |q| */
+  bool memoryless; /* the next iterate depends on z alone */
+} lcp_loop;
+
+void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a);
+
+/* memoryless: the next iterate depends on z only, so a repeated z proves a cycle. */
+void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless);
+
+/* Once per iteration, before it. True when the loop must end. Evaluates only when
+ * work.iterations is a multiple of check_every or has reached max_iter; after an evaluation
+ * s->stop.w holds M z + q and *fresh (may be NULL) is set. */
+bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                    lcp_trace *trace, lcp_result *res, bool *fresh);

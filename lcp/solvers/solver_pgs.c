@@ -1,0 +1,75 @@
+/* solver_pgs.c - projected Gauss-Seidel, point by point or contact by contact.
+ *
+ *   point   z_i <- P_i( z_i - omega w_i / M_ii )                             M_ii > 0
+ *   block   z_b <- z_b + omega (x - z_b),  x solves the LCP (M_bb, w_b - M_bb z_b)
+ *
+ * with w = M z + q current at every change. Point: Cryer 1971; Cottle, Pang & Stone 1992, alg.
+ * 5.2.1. Block: where a block of the problem has a zero on its diagonal (sigma of the polyhedral
+ * contact LCP) the block is one LCP of its own, solved exactly (small_lemke.h). Converges for
+ * symmetric positive semidefinite M and 0 < omega < 2 (w does; z where it is unique); on others it
+ * may cycle, which ends as `stalled`. On the factored form the sweep runs on body velocities and
+ * never forms M (sweep.h; three rows a contact in batches: contact_sweep.h). */
+#include "lcp/solvers/gauss_seidel.h"
+#include "lcp/solvers/loop.h"
+
+typedef struct options {
+  lcp_stop stop;
+  double omega;
+} options;
+
+static const base_field fields[] = {
+    LCP_STOP_FIELDS(options, 1e-8, 10000),
+    BASE_FIELD(options, omega, BASE_REAL, "1", 1.0, 0.01, 1.99, "relaxation factor"),
+};
+
+typedef struct state {
+  lcp_loop loop;
+  lcp_gs gs;
+} state;
+
+static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
+  (void)opt;
+  state *s = st;
+  lcp_loop_layout(&s->loop, cap, a);
+  lcp_gs_layout(&s->gs, cap, a);
+}
+
+static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
+  (void)opt;
+  return lcp_gs_prepare(&((state *)st)->gs, p, err);
+}
+
+static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  const options *o = opt;
+  state *s = st;
+  res->variant = s->gs.by_block ? "block" : "point";
+  lcp_loop_begin(&s->loop, p, true);
+  lcp_gs_start(&s->gs, p, z);
+  bool fresh;
+  while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
+    if (fresh) {
+      lcp_sweep_refresh(&s->gs.sweep, p, z); /* so that the next iterate depends on z alone */
+    }
+    lcp_gs_sweep(&s->gs, p, o->omega, z, res);
+    res->work.iterations++;
+    res->work.sweeps++;
+  }
+  return BASE_OK;
+}
+
+const lcp_solver lcp_solver_pgs = {
+    .name = "pgs",
+    .title = "Projected Gauss-Seidel",
+    .cite = "Cryer 1971; Cottle, Pang & Stone 1992, alg. 5.2.1",
+    .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
+    .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
+    .warm = true,
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(state),
+    .layout = layout,
+    .prepare = prepare,
+    .solve = solve,
+};

@@ -1,0 +1,191 @@
+#include "lcp/solvers/sweep.h"
+
+#include <string.h>
+
+void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
+  s->w = BASE_ARRAY(a, double, cap->n);
+  s->d = BASE_ARRAY(a, double, cap->n);
+  s->G = BASE_ARRAY(a, double, cap->n_jac);
+  s->u = BASE_ARRAY(a, double, cap->n_dof);
+  s->L = BASE_ARRAY(a, double, cap->n_weight);
+  s->group = BASE_ARRAY(a, int, (cap->n_body > 0) ? cap->n : 0);
+}
+
+/* One side of one row: `dof` entries of G and the velocities they multiply. */
+typedef struct side {
+  double *g, *u;
+  int body, dof;
+} side;
+
+static side side_of(const lcp_sweep *s, const lcp_factored *f, int i, int which) {
+  const int g = s->group[i];
+  const int *body = &f->body[2 * g];
+  int dof[2];
+  for (int k = 0; k < 2; k++) {
+    dof[k] = (body[k] >= 0) ? f->dof_start[body[k] + 1] - f->dof_start[body[k]] : 0;
+  }
+  const int rows = f->row_start[g + 1] - f->row_start[g], row = i - f->row_start[g];
+  const int at = f->jac_start[g] + ((which == 0) ? row * dof[0] : rows * dof[0] + row * dof[1]);
+  side out = {.g = s->G + at, .body = body[which], .dof = dof[which]};
+  out.u = (body[which] >= 0) ? s->u + f->dof_start[body[which]] : s->u;
+  return out;
+}
+
+/* Lower Cholesky factor; a pivot that is zero makes a zero column (a direction without mobility). */
+static bool cholesky(int n, const double *W, double *L) {
+  memcpy(L, W, (size_t)(n * n) * sizeof *L);
+  for (int k = 0; k < n; k++) {
+    double pivot = L[k + k * n];
+    for (int j = 0; j < k; j++) {
+      pivot -= L[k + j * n] * L[k + j * n];
+    }
+    if (pivot < -1e-12 * fabs(W[k + k * n])) {
+      return false;
+    }
+    const double root = (pivot > 0.0) ? sqrt(pivot) : 0.0;
+    for (int i = 0; i < n; i++) {
+      double v = (i < k) ? 0.0 : L[i + k * n];
+      for (int j = 0; i >= k && j < k; j++) {
+        v -= L[i + j * n] * L[k + j * n];
+      }
+      L[i + k * n] = (root > 0.0) ? v / root : 0.0;
+    }
+    L[k + k * n] = root;
+  }
+  return true;
+}
+
+static base_status weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
+  for (int b = 0; b < f->n_body; b++) {
+    const int n = f->dof_start[b + 1] - f->dof_start[b];
+    if (!cholesky(n, f->weight + f->weight_start[b], s->L + f->weight_start[b])) {
+      return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
+    }
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    const double *jac = f->jac + f->jac_start[g];
+    double *out = s->G + f->jac_start[g];
+    const int rows = f->row_start[g + 1] - f->row_start[g];
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      s->group[i] = g;
+    }
+    for (int k = 0; k < 2; k++) {
+      const int b = f->body[2 * g + k];
+      const int n = (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
+      const double *L = s->L + ((b >= 0) ? f->weight_start[b] : 0);
+      for (int r = 0; r < rows; r++, jac += n, out += n) {
+        for (int j = 0; j < n; j++) { /* (J L)_j = sum_i>=j J_i L_ij */
+          out[j] = 0.0;
+          for (int i = j; i < n; i++) {
+            out[j] += jac[i] * L[i + j * n];
+          }
+        }
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err) {
+  if (p->M.storage == LCP_FACTORED) {
+    BASE_TRY(weigh(s, p->M.factored, err));
+  }
+  lcp_matrix_diagonal(&p->M, s->d);
+  return BASE_OK;
+}
+
+static void add_column(const lcp_csc *c, int j, double dz, double *w) {
+  for (int k = c->colptr[j]; k < c->colptr[j + 1]; k++) {
+    w[c->rowind[k]] += c->val[k] * dz;
+  }
+}
+
+void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz) {
+  if (p->M.storage == LCP_DENSE) {
+    const size_t n = (size_t)p->M.n;
+    const double *column = p->M.val + (size_t)j * n;
+    for (size_t i = 0; i < n; i++) {
+      s->w[i] += column[i] * dz;
+    }
+    return;
+  }
+  if (p->M.storage == LCP_CSC) {
+    add_column(&p->M.csc, j, dz, s->w);
+    return;
+  }
+  for (int k = 0; k < 2; k++) {
+    const side a = side_of(s, p->M.factored, j, k);
+    for (int i = 0; i < a.dof; i++) {
+      a.u[i] += a.g[i] * dz;
+    }
+  }
+  if (p->M.factored->shift != NULL) {
+    add_column(p->M.factored->shift, j, dz, s->w);
+  }
+}
+
+double lcp_sweep_row(const lcp_sweep *s, const lcp_problem *p, int i) {
+  double w = s->w[i];
+  for (int k = 0; p->M.storage == LCP_FACTORED && k < 2; k++) {
+    const side a = side_of(s, p->M.factored, i, k);
+    for (int j = 0; j < a.dof; j++) {
+      w += a.g[j] * a.u[j];
+    }
+  }
+  return w;
+}
+
+void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z) {
+  memcpy(s->w, p->q, (size_t)p->M.n * sizeof *s->w);
+  if (p->M.storage == LCP_FACTORED) {
+    const lcp_factored *f = p->M.factored;
+    memset(s->u, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->u);
+  }
+  for (int j = 0; j < p->M.n; j++) {
+    if (z[j] != 0.0) {
+      lcp_sweep_add(s, p, j, z[j]);
+    }
+  }
+}
+
+static void block_csc(const lcp_csc *c, int first, int size, double *out) {
+  for (int j = 0; j < size; j++) {
+    for (int k = c->colptr[first + j]; k < c->colptr[first + j + 1]; k++) {
+      const int i = c->rowind[k] - first;
+      if (i >= 0 && i < size) {
+        out[i + j * size] += c->val[k];
+      }
+    }
+  }
+}
+
+static double mass_weighted(const lcp_sweep *s, const lcp_factored *f, int i, int j) {
+  double sum = 0.0;
+  for (int a = 0; a < 2; a++) {
+    for (int b = 0; b < 2; b++) {
+      const side x = side_of(s, f, i, a), y = side_of(s, f, j, b);
+      for (int k = 0; x.body >= 0 && x.body == y.body && k < x.dof; k++) {
+        sum += x.g[k] * y.g[k];
+      }
+    }
+  }
+  return sum;
+}
+
+void lcp_sweep_block(const lcp_sweep *s, const lcp_problem *p, int first, int size, double *out) {
+  memset(out, 0, (size_t)size * (size_t)size * sizeof *out);
+  if (p->M.storage == LCP_CSC) {
+    block_csc(&p->M.csc, first, size, out);
+    return;
+  }
+  for (int j = 0; j < size; j++) {
+    for (int i = 0; i < size; i++) {
+      out[i + j * size] = (p->M.storage == LCP_DENSE)
+                              ? p->M.val[(size_t)(first + j) * (size_t)p->M.n + (size_t)(first + i)]
+                              : mass_weighted(s, p->M.factored, first + i, first + j);
+    }
+  }
+  if (p->M.storage == LCP_FACTORED && p->M.factored->shift != NULL) {
+    block_csc(p->M.factored->shift, first, size, out);
+  }
+}

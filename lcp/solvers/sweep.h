@@ -1,0 +1,32 @@
+/* sweep.h - what a Gauss-Seidel method sees of M z + q: one row now, one change of z at a time.
+ *
+ * Dense and CSC keep w = M z + q and update it by columns. The factored form J W J' + S is never
+ * formed: with W = L L' (Cholesky by body) and G = J L the sweep keeps mass-weighted body velocities
+ * u = G' z, of which row i sees G_i u, so one array G serves both the residual and the update; S z
+ * is kept by columns beside it. Memory is linear in rows. */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+
+typedef struct lcp_sweep {
+  double *w;  /* n: M z + q; factored: S z + q [m/s] */
+  double *d;  /* n: diagonal of M [1/kg] */
+  double *G;  /* n_jac: J L, laid out as jac */
+  double *u;  /* n_dof: G' z, mass-weighted velocity change */
+  double *L;  /* n_weight: Cholesky factors of the W blocks, lower, column-major */
+  int *group; /* n: group of each row */
+} lcp_sweep;
+
+void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a);
+
+/* Diagonal, and for the factored form G. BASE_EINVAL where a W block is not positive semidefinite. */
+base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err);
+
+/* Everything from z. */
+void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z);
+
+double lcp_sweep_row(const lcp_sweep *s, const lcp_problem *p, int i); /* (M z + q)_i */
+void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz);
+
+/* M_bb of rows first .. first+size-1, column-major, into out[size*size]. */
+void lcp_sweep_block(const lcp_sweep *s, const lcp_problem *p, int first, int size, double *out);
