@@ -1,0 +1,232 @@
+#include "lcp/solvers/cone_block.h"
+
+#include <string.h>
+
+enum { ROOT_STEPS = 200 };
+
+/* A scalar function of x with its data. */
+typedef double (*curve)(double x, void *data);
+
+/* Root in [a, b] with f(a) fa > 0 > fb at b or the reverse: Illinois regula falsi, bisection where
+ * it shortens the bracket by less than half in three steps. Ends on adjacent numbers or f = 0. */
+static double root(curve f, void *data, double a, double fa, double b, double fb) {
+  double width = fabs(b - a);
+  for (int k = 0; k < ROOT_STEPS; k++) {
+    double x = (a * fb - b * fa) / (fb - fa);
+    if (k % 3 == 2) {
+      x = (fabs(b - a) > 0.5 * width) ? 0.5 * (a + b) : x;
+      width = fabs(b - a);
+    }
+    if (!(x > fmin(a, b) && x < fmax(a, b))) {
+      x = 0.5 * (a + b);
+      if (x == a || x == b) {
+        break;
+      }
+    }
+    const double fx = f(x, data);
+    if (fx == 0.0) {
+      return x;
+    }
+    if ((fx > 0.0) == (fb > 0.0)) {
+      fa *= 0.5;
+    } else {
+      a = b;
+      fa = fb;
+    }
+    b = x;
+    fb = fx;
+    if (fabs(b - a) <= 4e-16 * fabs(b)) {
+      break;
+    }
+  }
+  return b;
+}
+
+/* y = (T + a I)^-1 x for a 1x1 or 2x2 block T at row and column `at` of A. */
+static void solve_part(const double *A, int n, int at, int dim, double a, const double *x,
+                       double *y) {
+  const double *T = A + at + at * n;
+  if (dim == 1) {
+    y[0] = x[0] / (T[0] + a);
+    return;
+  }
+  const double p = T[0] + a, q = T[n + 1] + a, u = T[n], v = T[1];
+  const double det = p * q - u * v;
+  y[0] = (q * x[0] - u * x[1]) / det;
+  y[1] = (p * x[1] - v * x[0]) / det;
+}
+
+/* ---- one part ----------------------------------------------------------------------------- */
+
+typedef struct sliding {
+  const double *A, *b;
+  int n; /* 2 or 3 */
+  double mu;
+  double r[3];
+} sliding;
+
+/* |r_t| - mu r_n of the sliding branch at a; leaves r. */
+static double slide(double a, void *data) {
+  sliding *s = data;
+  const int n = s->n, dim = n - 1;
+  double f[2] = {0}, g[2] = {0}; /* (T + a)^-1 b_t, (T + a)^-1 A_tn */
+  solve_part(s->A, n, 1, dim, a, s->b + 1, f);
+  solve_part(s->A, n, 1, dim, a, s->A + 1, g);
+  double top = s->b[0], bottom = s->A[0], size = 0.0;
+  for (int i = 0; i < dim; i++) {
+    top -= s->A[(1 + i) * n] * f[i];
+    bottom -= s->A[(1 + i) * n] * g[i];
+  }
+  s->r[0] = -top / bottom;
+  for (int i = 0; i < dim; i++) {
+    s->r[1 + i] = -(f[i] + g[i] * s->r[0]);
+    size += s->r[1 + i] * s->r[1 + i];
+  }
+  return sqrt(size) - s->mu * s->r[0];
+}
+
+static void one_part(const lcp_block *k, const double *A, const double *b, double *r) {
+  const int n = k->size;
+  sliding s = {.A = A, .b = b, .n = n, .mu = k->part_mu[0]};
+  double low = 0.0, at_low = slide(0.0, &s);
+  if (!(at_low <= 0.0)) { /* not stick (NaN: no stick at all, T singular) */
+    double size = A[1 + n];
+    size = (n == 3) ? 0.5 * (size + A[2 + 2 * n]) : size;
+    double high = (size > 0.0) ? size : A[0], at_high = slide(high, &s);
+    for (int i = 0; i < 1000 && at_high > 0.0; i++) {
+      low = high;
+      at_low = at_high;
+      high *= 4.0;
+      at_high = slide(high, &s);
+    }
+    if (!(at_low < HUGE_VAL)) {
+      low = 1e-16 * high;
+      at_low = slide(low, &s);
+    }
+    (void)slide((at_low > 0.0) ? root(slide, &s, low, at_low, high, at_high) : low, &s);
+    double length = 0.0; /* onto the cone to the last bit */
+    for (int i = 1; i < n; i++) {
+      length += s.r[i] * s.r[i];
+    }
+    length = sqrt(length);
+    for (int i = 1; i < n && length > 0.0; i++) {
+      s.r[i] *= s.mu * s.r[0] / length;
+    }
+  }
+  memcpy(r, s.r, (size_t)n * sizeof *r);
+}
+
+/* ---- several parts ------------------------------------------------------------------------ */
+
+typedef struct disc {
+  const double *A, *f; /* block matrix; right-hand side of this part */
+  int n, at, dim;
+  double radius;
+  double x[2];
+} disc;
+
+static double outside(double a, void *data) {
+  disc *s = data;
+  double y[2] = {0};
+  solve_part(s->A, s->n, s->at, s->dim, a, s->f, y);
+  s->x[0] = -y[0];
+  s->x[1] = (s->dim == 2) ? -y[1] : 0.0;
+  return hypot(s->x[0], s->x[1]) - s->radius;
+}
+
+/* argmin x'Tx/2 + f'x over |x| <= radius. */
+static void solve_disc(disc *s) {
+  double low = 0.0, at_low = outside(0.0, s);
+  if (at_low <= 0.0) {
+    return;
+  }
+  double high = s->A[s->at + s->at * s->n], at_high;
+  if (!(s->radius > 0.0 && high > 0.0)) {
+    s->x[0] = s->x[1] = 0.0;
+    return;
+  }
+  at_high = outside(high, s);
+  for (int i = 0; i < 1000 && at_high > 0.0; i++) {
+    low = high;
+    at_low = at_high;
+    high *= 4.0;
+    at_high = outside(high, s);
+  }
+  if (!(at_low < HUGE_VAL)) {
+    low = 1e-16 * high;
+    at_low = outside(low, s);
+  }
+  (void)outside((at_low > 0.0) ? root(outside, s, low, at_low, high, at_high) : low, s);
+}
+
+typedef struct stacked {
+  const lcp_block *k;
+  const double *A, *b;
+  double r[LCP_CONE_MAX];
+} stacked;
+
+/* w_n at a given normal impulse, tangential parts at their optimum; leaves r. */
+static double normal_velocity(double rn, void *data) {
+  stacked *s = data;
+  const int n = s->k->size;
+  s->r[0] = rn;
+  for (int sweep = 0; sweep < 500; sweep++) {
+    double change = 0.0, size = 0.0;
+    int at = 1;
+    for (int p = 0; p < s->k->n_part; at += s->k->part_dim[p++]) {
+      double f[2] = {0};
+      const int dim = s->k->part_dim[p];
+      for (int i = 0; i < dim; i++) {
+        f[i] = s->b[at + i];
+        for (int j = 0; j < n; j++) {
+          f[i] += (j < at || j >= at + dim) ? s->A[at + i + j * n] * s->r[j] : 0.0;
+        }
+      }
+      disc d = {s->A, f, n, at, dim, s->k->part_mu[p] * rn, {0}};
+      solve_disc(&d);
+      for (int i = 0; i < dim; i++) {
+        change += fabs(d.x[i] - s->r[at + i]);
+        size += fabs(d.x[i]);
+        s->r[at + i] = d.x[i];
+      }
+    }
+    if (change <= 1e-15 * size) {
+      break;
+    }
+  }
+  double w = s->b[0];
+  for (int j = 0; j < n; j++) {
+    w += s->A[j * n] * s->r[j];
+  }
+  return w;
+}
+
+static void many_parts(const lcp_block *k, const double *A, const double *b, double *r) {
+  stacked s = {.k = k, .A = A, .b = b, .r = {0}};
+  double low = 0.0, at_low = b[0], high = -b[0] / A[0];
+  double at_high = normal_velocity(high, &s);
+  for (int i = 0; i < 1000 && at_high < 0.0; i++) {
+    low = high;
+    at_low = at_high;
+    high *= 2.0;
+    at_high = normal_velocity(high, &s);
+  }
+  if (at_high > 0.0) {
+    (void)normal_velocity(root(normal_velocity, &s, low, at_low, high, at_high), &s);
+  }
+  memcpy(r, s.r, (size_t)k->size * sizeof *r);
+}
+
+void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double *r) {
+  memset(r, 0, (size_t)k->size * sizeof *r);
+  if (b[0] >= 0.0) { /* take-off */
+    return;
+  }
+  if (k->n_part == 0 || (k->n_part == 1 && k->part_mu[0] == 0.0)) {
+    r[0] = -b[0] / A[0];
+  } else if (k->n_part == 1) {
+    one_part(k, A, b, r);
+  } else {
+    many_parts(k, A, b, r);
+  }
+}
