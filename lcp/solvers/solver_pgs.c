@@ -7,10 +7,15 @@
  * 5.2.1. Block: where a block of the problem has a zero on its diagonal (sigma of the polyhedral
  * contact LCP) the block is one LCP of its own, solved exactly (small_lemke.h). Converges for
  * symmetric positive semidefinite M and 0 < omega < 2 (w does; z where it is unique); on others it
- * may cycle, which ends as `stalled`. On the factored form the sweep runs on body velocities and
- * never forms M (sweep.h; three rows a contact in batches: contact_sweep.h). */
+ * may cycle, which ends as `stalled`.
+ *
+ * On the factored form the sweep runs on body velocities and never forms M (sweep.h); boxed friction
+ * with three rows a contact on rigid bodies goes in batches of four contacts, in a colouring order
+ * (variant "batches", contact_sweep.h). */
+#include "lcp/solvers/contact_sweep.h"
 #include "lcp/solvers/gauss_seidel.h"
 #include "lcp/solvers/loop.h"
+#include "lcp/solvers/sets.h"
 
 typedef struct options {
   lcp_stop stop;
@@ -25,6 +30,8 @@ static const base_field fields[] = {
 typedef struct state {
   lcp_loop loop;
   lcp_gs gs;
+  lcp_contact_sweep contacts;
+  bool in_batches; /* the matrix-free sweep of contact_sweep.h */
 } state;
 
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
@@ -32,24 +39,48 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   state *s = st;
   lcp_loop_layout(&s->loop, cap, a);
   lcp_gs_layout(&s->gs, cap, a);
+  lcp_contact_sweep_layout(&s->contacts, cap, a);
 }
 
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
-  return lcp_gs_prepare(&((state *)st)->gs, p, err);
+  state *s = st;
+  BASE_TRY(lcp_gs_prepare(&s->gs, p, err));
+  s->in_batches = lcp_contact_sweep_prepare(&s->contacts, &s->gs, p);
+  return BASE_OK;
+}
+
+/* Sweeps in batches until the next residual test. */
+static void run_batches(state *s, const options *o, const lcp_problem *p, double *z,
+                        lcp_result *res) {
+  const long every = o->stop.check_every, done = res->work.iterations;
+  const long due = every - done % every, left = o->stop.max_iter - done;
+  const long count = (due < left) ? due : left;
+  lcp_contact_sweep_import(&s->contacts, p, z);
+  lcp_contact_sweep_run(&s->contacts, o->omega, (int)count);
+  lcp_contact_sweep_export(&s->contacts, p, z);
+  for (int i = 0; i < p->M.n; i++) { /* bounds went through the scaling */
+    z[i] = lcp_set_clip(z[i], s->gs.lo[i], s->gs.hi[i]);
+  }
+  res->work.iterations += count;
+  res->work.sweeps += count;
 }
 
 static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   const options *o = opt;
   state *s = st;
-  res->variant = s->gs.by_block ? "block" : "point";
-  lcp_loop_begin(&s->loop, p, true);
+  res->variant = s->in_batches ? "batches" : (s->gs.by_block ? "block" : "point");
   lcp_gs_start(&s->gs, p, z);
+  lcp_loop_begin(&s->loop, p, true);
   bool fresh;
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
-    if (fresh) {
-      lcp_sweep_refresh(&s->gs.sweep, p, z); /* so that the next iterate depends on z alone */
+    if (s->in_batches) {
+      run_batches(s, o, p, z, res);
+      continue;
+    }
+    if (fresh) { /* so that the next iterate depends on z alone */
+      lcp_sweep_refresh(&s->gs.sweep, p, z);
     }
     lcp_gs_sweep(&s->gs, p, o->omega, z, res);
     res->work.iterations++;

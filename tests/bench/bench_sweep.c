@@ -1,0 +1,149 @@
+/* bench_sweep.c - time of one matrix-free Gauss-Seidel sweep per contact, against plain sweeps.
+ *
+ * usage: bench_sweep [REPETITIONS] [LARGEST]
+ * CSV on stdout, one row per method and size: median, first and third quartile of repetitions of
+ * enough sweeps to last 20 ms; the methods take turns inside a repetition. The last comment line is
+ * the fitted exponent of sweep time in contacts (least squares of logs). */
+#include "lcp/base/clock.h"
+#include "lcp/solvers/contact_sweep.h"
+#include "tests/support/plain_sweep.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { METHODS = 4, REPS_MAX = 101 };
+static const char *const names[METHODS] = {"batches", "one_by_one", "plain_rows", "plain_frames"};
+
+typedef struct bench {
+  contact_bed bed;
+  lcp_gs gs;
+  lcp_contact_sweep fast;
+  plain_contact_rows *rows;
+  plain_contact_frames *frames;
+  plain_body *body;
+  double *v, *z;
+  void *memory;
+} bench;
+
+static void carve(bench *b, base_arena *a) {
+  const lcp_capacity cap = lcp_problem_capacity(&b->bed.p);
+  lcp_gs_layout(&b->gs, &cap, a);
+  lcp_contact_sweep_layout(&b->fast, &cap, a);
+  b->rows = BASE_ARRAY(a, plain_contact_rows, b->bed.n_contact);
+  b->frames = BASE_ARRAY(a, plain_contact_frames, b->bed.n_contact);
+  b->body = BASE_ARRAY(a, plain_body, b->bed.n_body + 1);
+  b->v = BASE_ARRAY(a, double, 6 * (b->bed.n_body + 1));
+  b->z = BASE_ARRAY(a, double, b->bed.p.M.n);
+}
+
+static bool bench_open(bench *b, int n_contact) {
+  b->bed = contact_bed_open(n_contact, 7);
+  if (b->bed.memory == NULL) {
+    return false;
+  }
+  base_arena a = base_arena_measuring();
+  carve(b, &a);
+  b->memory = base_alloc(a.used);
+  if (b->memory == NULL) {
+    return false;
+  }
+  a = base_arena_over(b->memory, a.used);
+  carve(b, &a);
+  base_error err = {0};
+  if (lcp_gs_prepare(&b->gs, &b->bed.p, &err) != BASE_OK ||
+      !lcp_contact_sweep_prepare(&b->fast, &b->gs, &b->bed.p)) {
+    fprintf(stderr, "bench_sweep: %s\n", err.text);
+    return false;
+  }
+  plain_rows_fill(&b->bed, NULL, b->rows);
+  plain_frames_fill(&b->bed, NULL, b->frames, b->body);
+  memset(b->v, 0, 6 * ((size_t)b->bed.n_body + 1) * sizeof *b->v);
+  memset(b->z, 0, (size_t)b->bed.p.M.n * sizeof *b->z);
+  lcp_contact_sweep_import(&b->fast, &b->bed.p, b->z);
+  return true;
+}
+
+static void bench_close(bench *b) {
+  contact_bed_close(&b->bed);
+  free(b->memory);
+}
+
+static void sweeps(bench *b, int method, int count) {
+  const int n_full = b->fast.n_full;
+  b->fast.n_full = (method == 1) ? 0 : n_full;
+  for (int k = 0; k < count; k++) {
+    if (method <= 1) {
+      lcp_contact_sweep_run(&b->fast, 1.0, 1);
+    } else if (method == 2) {
+      plain_rows_sweep(b->rows, b->bed.n_contact, b->v);
+    } else {
+      plain_frames_sweep(b->frames, b->bed.n_contact, b->body, b->v);
+    }
+  }
+  b->fast.n_full = n_full;
+}
+
+static int compare(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Prints the row; returns the median [ns/contact/sweep]. */
+static double measure(bench *b, int method, double *seconds, int reps, int count) {
+  const double scale = 1e9 / ((double)count * b->bed.n_contact);
+  qsort(seconds, (size_t)reps, sizeof *seconds, compare);
+  const double median = seconds[reps / 2] * scale;
+  const int bytes[METHODS] = {288, 288, (int)sizeof(plain_contact_rows),
+                              (int)sizeof(plain_contact_frames)};
+  printf("%s,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.3f\n", names[method], b->bed.n_contact, b->bed.n_body,
+         bytes[method], count, median, seconds[reps / 4] * scale, seconds[3 * reps / 4] * scale,
+         4.0 * b->fast.n_full / b->bed.n_contact);
+  (void)fflush(stdout);
+  return median;
+}
+
+int main(int argc, char **argv) {
+  static const int sizes[] = {40, 100, 400, 1600, 6400, 20000, 100000, 400000, 1000000};
+  const int reps = (argc > 1) ? atoi(argv[1]) : 9;
+  const int largest = (argc > 2) ? atoi(argv[2]) : 1000000;
+  if (reps < 1 || reps > REPS_MAX) {
+    fprintf(stderr, "bench_sweep: %d repetitions: need 1 to %d\n", reps, (int)REPS_MAX);
+    return 2;
+  }
+  double sx[METHODS] = {0}, sy[METHODS] = {0}, sxx[METHODS] = {0}, sxy[METHODS] = {0};
+  int points = 0;
+  printf("method,contacts,bodies,bytes_per_contact,sweeps,median_ns,q1_ns,q3_ns,batched\n");
+  for (int i = 0; i < BASE_COUNT(sizes) && sizes[i] <= largest; i++) {
+    bench b = {0};
+    if (!bench_open(&b, sizes[i])) {
+      bench_close(&b);
+      return 1;
+    }
+    static double seconds[METHODS][REPS_MAX];
+    const int count = 1 + 400000 / sizes[i];
+    for (int r = -1; r < reps; r++) { /* -1: warm-up */
+      for (int m = 0; m < METHODS; m++) {
+        const double started = base_seconds();
+        sweeps(&b, m, count);
+        seconds[m][(r < 0) ? 0 : r] = base_seconds() - started;
+      }
+    }
+    const bool fitted = sizes[i] >= 100;
+    points += fitted;
+    for (int m = 0; m < METHODS; m++) {
+      const double t = log(measure(&b, m, seconds[m], reps, count) * sizes[i]);
+      const double x = log(sizes[i]);
+      sx[m] += fitted ? x : 0.0;
+      sy[m] += fitted ? t : 0.0;
+      sxx[m] += fitted ? x * x : 0.0;
+      sxy[m] += fitted ? x * t : 0.0;
+    }
+    bench_close(&b);
+  }
+  for (int m = 0; m < METHODS && points > 1; m++) {
+    printf("# %s: exponent %.3f over %d sizes\n", names[m],
+           (points * sxy[m] - sx[m] * sy[m]) / (points * sxx[m] - sx[m] * sx[m]), points);
+  }
+  return 0;
+}
