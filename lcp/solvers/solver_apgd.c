@@ -9,6 +9,7 @@
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
 
+#include <float.h>
 #include <string.h>
 
 typedef struct options {
@@ -26,14 +27,14 @@ typedef struct state {
   double *wz;      /* n, M z + q */
   double *y, *wy;  /* n, extrapolated point and its M y + q */
   double *x, *d;   /* n, projected point; step x - y */
-  double *v;       /* n, M d */
+  double *wx;      /* n, M x + q */
 } state;
 
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   state *s = st;
   lcp_loop_layout(&s->loop, cap, a);
-  double **const arrays[] = {&s->lo, &s->hi, &s->c, &s->wz, &s->y, &s->wy, &s->x, &s->d, &s->v};
+  double **const arrays[] = {&s->lo, &s->hi, &s->c, &s->wz, &s->y, &s->wy, &s->x, &s->d, &s->wx};
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
@@ -51,22 +52,24 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   return BASE_OK;
 }
 
-/* x, d and v = M d for the accepted t. */
+/* x, d and wx for the accepted t. M d is a difference of residuals here, so its rounding is allowed
+ * for; an update of wx by M d instead would amplify errors by 1 + b an iteration. */
 static double trial(state *s, const lcp_problem *p, double t, lcp_result *res) {
   const int n = p->M.n;
   for (int k = 0;; k++) {
-    double length = 0.0, curve = 0.0;
+    double length = 0.0, curve = 0.0, noise = 0.0;
     for (int i = 0; i < n; i++) {
       s->x[i] = lcp_set_clip(s->y[i] - t * s->c[i] * (s->c[i] * s->wy[i]), s->lo[i], s->hi[i]);
       s->d[i] = s->x[i] - s->y[i];
       length += (s->d[i] / s->c[i]) * (s->d[i] / s->c[i]);
     }
-    lcp_matrix_apply(&p->M, s->d, NULL, s->v, s->loop.stop.scratch);
+    lcp_matrix_apply(&p->M, s->x, p->q, s->wx, s->loop.stop.scratch);
     res->work.matvecs++;
     for (int i = 0; i < n; i++) {
-      curve += s->d[i] * s->v[i];
+      curve += s->d[i] * (s->wx[i] - s->wy[i]);
+      noise += 16.0 * DBL_EPSILON * fabs(s->d[i]) * (fabs(s->wx[i]) + fabs(s->wy[i]));
     }
-    if (!(t * curve > length * (1.0 + 1e-12)) || k == 60) {
+    if (!(t * (curve - noise) > length) || k == 60) {
       return t;
     }
     t *= 0.5;
@@ -106,11 +109,10 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
     const double next = 0.5 * theta * (sqrt(theta * theta + 4.0) - theta);
     const double b = theta * (1.0 - theta) / (theta * theta + next);
     for (int i = 0; i < n; i++) {
-      const double wx = s->wy[i] + s->v[i];
       s->y[i] = s->x[i] + b * (s->x[i] - z[i]);
-      s->wy[i] = wx + b * (wx - s->wz[i]);
+      s->wy[i] = s->wx[i] + b * (s->wx[i] - s->wz[i]);
       z[i] = s->x[i];
-      s->wz[i] = wx;
+      s->wz[i] = s->wx[i];
     }
     theta = next;
     if (climb > 0.0) {
