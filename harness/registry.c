@@ -74,7 +74,7 @@ static base_status set_option(const char *name, const base_field *f, int nf, voi
 base_status solver_choose(const char *text, solver_choice *out, base_error *err) {
   *out = (solver_choice){0};
   char name[64];
-  const char *options;
+  const char *options = NULL;
   BASE_TRY(split(text, name, &options, err));
   const lcp_solver *s = registry_solver_find(name);
   if (s == NULL) {
@@ -102,7 +102,7 @@ void solver_choice_free(solver_choice *c) {
 base_status formulation_choose(const char *text, formulation_choice *out, base_error *err) {
   *out = (formulation_choice){0};
   char name[64];
-  const char *options;
+  const char *options = NULL;
   BASE_TRY(split(text, name, &options, err));
   const formulation *f = formulation_find(name);
   if (f == NULL) {

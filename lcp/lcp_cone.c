@@ -52,7 +52,7 @@ static double normal_part(const lcp_block *b, const double *x, const double *nor
 }
 
 void lcp_cone_project(const lcp_block *b, const double *x, double *out) {
-  double norm[LCP_PARTS_MAX];
+  double norm[LCP_PARTS_MAX] = {0};
   for (int k = 0, at = 1; k < b->n_part; at += b->part_dim[k++]) {
     norm[k] = part_norm(x + at, b->part_dim[k]);
   }

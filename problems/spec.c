@@ -34,13 +34,22 @@ void spec_free(scene_spec *s) {
   memset(s, 0, sizeof *s);
 }
 
+/* Items an array of n holds: the power of two at or above n, so that it need not be stored. */
+static size_t capacity(int n) {
+  size_t cap = 1;
+  while (cap < (size_t)n) {
+    cap *= 2;
+  }
+  return cap;
+}
+
 /* A copy of n items on the heap in *to (a pointer to any object pointer), NULL for none; false
  * without memory. */
 static bool clone(void *to, const void *from, int n, size_t size) {
   void *copy = NULL;
   bool ok = true;
   if (n > 0) {
-    copy = malloc((size_t)n * size);
+    copy = malloc(capacity(n) * size);
     ok = (copy != NULL);
     if (ok) {
       memcpy(copy, from, (size_t)n * size);
@@ -89,14 +98,12 @@ base_status spec_copy(const scene_spec *from, scene_spec *to, base_error *err) {
   return BASE_OK;
 }
 
-/* Makes room for item n in *items (a pointer to any object pointer) and zeroes it. The capacity is
- * the power of two at or above n, so it need not be stored. */
+/* Makes room for item n in *items (a pointer to any object pointer) and zeroes it. */
 static void *grow(void *items, int n, size_t size) {
   void *all;
   memcpy(&all, items, sizeof all);
-  if ((n & (n - 1)) == 0) {
-    const size_t cap = (n == 0) ? 1 : 2 * (size_t)n;
-    all = realloc(all, cap * size);
+  if (n == 0 || capacity(n) == (size_t)n) {
+    all = realloc(all, capacity(n + 1) * size);
     if (all == NULL) {
       return NULL;
     }
