@@ -5,10 +5,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from bench import paper, rows, style  # noqa: E402
-
-FIGURES = {"dimension": paper.dimension, "time_and_error": paper.time_and_error,
-           "error_against_step": paper.error_against_step}
+from bench import chart, paper, rows, style  # noqa: E402
 
 
 def main():
@@ -22,13 +19,14 @@ def main():
     except rows.BadRows as error:
         print(error, file=sys.stderr)
         return 2
-    for name, draw in FIGURES.items():
-        figure = draw(cells)
-        if figure is None:
-            print(f"figures: {name}: this campaign has no rows for it", file=sys.stderr)
+    for make in paper.CHARTS:
+        drawn = make(cells)
+        if drawn is None:
+            print(f"figures: {make.__name__}: this campaign has no rows for it", file=sys.stderr)
             continue
-        style.save(figure, out, name)
-        print(out / f"{name}.pdf")
+        style.save(chart.draw(drawn), out, drawn.name)
+        (out / f"{drawn.name}.dat").write_text(chart.table(drawn))
+        print(out / f"{drawn.name}.pdf")
     return 0
 
 

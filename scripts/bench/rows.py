@@ -13,8 +13,10 @@ TIMES = ["t_contacts_s", "t_assemble_s", "t_setup_s", "t_factor_s", "t_solve_s",
          "t_step_max_s"]
 TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "formulation", "formulation_options",
         "solver", "solver_options", "solver_variant", "start", "effects", "storage", "status", "status_claimed", "note",
-        "err_quantity", "err_source", "solution_hash", "host", "suite_commit", "command", "metric_version", "cpu_set",
-        "exit_signal", "started_utc", "build_hash"]
+        "err_quantity", "err_source", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
+        "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version"]
+NUMBERS = ["step_s", "n_contacts", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
+           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B"]
 
 
 class BadRows(Exception):
@@ -35,11 +37,24 @@ def load(folder):
     for c in TEXT:
         if c in rows:
             rows[c] = rows[c].fillna("").astype(object)
-    for c in rows.columns:
-        if c not in TEXT and rows[c].dtype == object:
-            rows[c] = pd.to_numeric(rows[c].replace({"true": 1, "false": 0}))
+    for c in set(NUMBERS + TIMES) - set(rows.columns):
+        rows[c] = np.nan
+    for c in set(TEXT) - set(rows.columns):
+        rows[c] = ""
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
+
+
+def load_all(folder):
+    """Rows and manifests of a campaign folder, or of every campaign folder below it (by name)."""
+    folder = pathlib.Path(folder)
+    if (folder / "results.csv").exists():
+        found = [folder]
+    else:
+        found = sorted(p.parent for p in folder.glob("*/results.csv"))
+    if not found:
+        raise BadRows(f"{folder}: no results.csv here or one level below")
+    return pd.concat([load(f) for f in found], ignore_index=True), {f.name: manifest(f) for f in found}
 
 
 def manifest(folder):

@@ -1,0 +1,234 @@
+"""A chart is data: panels of lines. It is drawn for paper (matplotlib), for the screen (Plotly) and as a plain table (.dat),
+so the three never disagree."""
+import dataclasses
+import json
+import math
+
+import numpy as np
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from bench import style
+from bench.style import plt
+
+
+@dataclasses.dataclass
+class Line:
+    name: str
+    x: list
+    y: list
+    low: list = None  # interval of y
+    high: list = None
+    bad: list = dataclasses.field(default_factory=list)  # [(x, y)]: rows whose claim was not verified
+    hover: list = None
+    variant: int = 0
+    kind: str = "line"  # line, steps, points, front
+    look_as: str = ""  # the name whose colour and marker it takes
+    end_label: str = ""
+
+    def look(self):
+        return style.look((self.look_as or self.name).split(",")[0].split(" ")[0], self.variant)
+
+
+@dataclasses.dataclass
+class Panel:
+    lines: list
+    title: str = ""
+    xlabel: str = ""
+    ylabel: str = ""
+    xlog: int = 10  # base, 0: linear
+    ylog: int = 10
+    xticks: list = None
+    ylim: tuple = None
+
+
+@dataclasses.dataclass
+class Chart:
+    name: str
+    caption: str
+    panels: list
+    columns: int = 1
+    share_x: bool = False
+    share_y: bool = False
+    width: float = style.PAGE
+    height: float = 2.0  # of one panel [in]
+    end_labels: bool = False
+
+
+def _axis(ax, panel):
+    for base, scale, axis in ((panel.xlog, ax.set_xscale, ax.xaxis), (panel.ylog, ax.set_yscale, ax.yaxis)):
+        if base:
+            scale("log", base=base)
+            axis.set_minor_formatter(NullFormatter())
+            if base == 2:
+                axis.set_major_formatter(lambda v, _: f"{v:g}")
+            else:
+                axis.set_major_locator(LogLocator(numticks=6))
+    if panel.xticks:
+        few = panel.xticks[::max(1, -(-len(panel.xticks) // 5))]
+        ax.set_xticks(few, [f"{v:g}" for v in few])
+        ax.xaxis.set_minor_formatter(NullFormatter())
+        ax.minorticks_off()
+    if panel.ylim:
+        ax.set_ylim(*panel.ylim)
+    ax.set_title(panel.title)
+    ax.set_xlabel(panel.xlabel)
+
+
+def _line(ax, line):
+    look = line.look()
+    if line.kind == "front":
+        ax.plot(line.x, line.y, color="#bbbbbb", linewidth=3.0, zorder=1, label=line.name, solid_capstyle="round")
+        return
+    if line.kind == "points":
+        look["linestyle"] = "none"
+    if line.kind == "steps":
+        look.update(marker="", drawstyle="steps-post")
+    if len(line.x):
+        ax.plot(line.x, line.y, label=line.name, **look)
+    if line.low is not None and len(line.x):
+        step = {"step": "post"} if line.kind == "steps" else {}
+        ax.fill_between(line.x, line.low, line.high, color=look["color"], alpha=0.16, linewidth=0, **step)
+    if line.bad:
+        style.mark_unverified(ax, *zip(*line.bad), look["color"])
+
+
+def draw(chart):
+    """The chart as a matplotlib figure."""
+    columns = min(chart.columns, len(chart.panels))
+    rows = -(-len(chart.panels) // columns)
+    size = (chart.width, chart.height * rows + (0 if chart.end_labels else 0.42))
+    figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, sharex=chart.share_x, sharey=chart.share_y,
+                                layout="none" if chart.end_labels else "constrained")
+    if chart.end_labels:
+        figure.subplots_adjust(left=0.15, right=0.62, bottom=0.4 / size[1], top=0.93)
+    for ax, panel in zip(axes.flat, chart.panels):
+        _axis(ax, panel)
+        for line in panel.lines:
+            _line(ax, line)
+    for i, ax in enumerate(axes.flat):
+        if i >= len(chart.panels):
+            ax.axis("off")
+            continue
+        if i % columns == 0 or not chart.share_y:
+            ax.set_ylabel(chart.panels[i].ylabel)
+        if chart.share_x and i < len(chart.panels) - columns:
+            ax.set_xlabel("")
+        elif chart.share_x:
+            ax.tick_params(labelbottom=True)
+    if chart.end_labels:
+        for ax, panel in zip(axes.flat, chart.panels):
+            style.label_ends(ax, [(l.x[-1], l.y[-1], l.end_label or l.name, l.look()["color"])
+                                  for l in panel.lines if len(l.x)], gap=16 if any("\n" in l.end_label for l in panel.lines) else 9)
+    else:
+        _legend(figure, axes, chart)
+    return figure
+
+
+def _legend(figure, axes, chart):
+    found = {}
+    for ax in axes.flat:
+        for handle, label in zip(*ax.get_legend_handles_labels()):
+            found.setdefault(label, handle)
+    if any(line.bad for panel in chart.panels for line in panel.lines):
+        found["claim not verified"] = plt.Line2D([], [], color="#444444", **style.UNVERIFIED)
+    if found:
+        longest = max(len(name) for name in found)
+        per_row = max(1, int(chart.width / (0.62 + 0.062 * longest)))
+        per_row = -(-len(found) // -(-len(found) // per_row))
+        figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=per_row)
+
+
+def _number(v):
+    return None if v is None or not math.isfinite(v) else float(f"{float(v):.6g}")
+
+
+PLOTLY_MARKER = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down", "P": "cross",
+                 "X": "x", "<": "triangle-left", ">": "triangle-right", "h": "hexagon"}
+PLOTLY_DASH = ["solid", "dash", "dot", "dashdot", "4px,2px", "longdashdot"]
+
+
+def _plotly_line(line, axis, shown):
+    look = line.look()
+    first = line.name not in shown
+    shown.add(line.name)
+    common = {"xaxis": f"x{axis}", "yaxis": f"y{axis}", "legendgroup": line.name, "name": line.name}
+    out = []
+    x, y = [_number(v) for v in line.x], [_number(v) for v in line.y]
+    if line.low is not None and len(x) > 1 and line.kind != "points":
+        out.append({**common, "type": "scatter", "mode": "lines", "x": x + x[::-1],
+                    "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
+                    "fillcolor": look["color"] + "26", "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False})
+    trace = {**common, "type": "scatter", "mode": {"points": "markers", "steps": "lines", "front": "lines"}.get(line.kind, "lines+markers"),
+             "x": x, "y": y, "showlegend": first,
+             "line": {"color": "#bbbbbb" if line.kind == "front" else look["color"], "width": 5 if line.kind == "front" else 2,
+                      "dash": "solid" if line.kind == "front" else PLOTLY_DASH[style.DASHES.index(look["linestyle"])],
+                      "shape": "hv" if line.kind == "steps" else "linear"},
+             "marker": {"symbol": PLOTLY_MARKER[look["marker"]] + ("-open" if "markerfacecolor" in look else ""), "size": 8,
+                        "color": look["color"]}}
+    if line.hover:
+        trace.update(text=line.hover, hovertemplate="%{text}<br>%{x:.4g}, %{y:.4g}<extra></extra>")
+    out.append(trace)
+    if line.bad:
+        bx, by = zip(*line.bad)
+        out.append({**common, "type": "scatter", "mode": "markers", "x": [_number(v) for v in bx], "y": [_number(v) for v in by],
+                    "showlegend": False, "marker": {"symbol": "x-thin", "size": 11, "line": {"width": 2.5, "color": look["color"]}},
+                    "hovertemplate": line.name + ": claim not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"})
+    return out
+
+
+def plotly(chart):
+    """The chart as the JSON text of a Plotly figure."""
+    columns = min(chart.columns, len(chart.panels))
+    rows = -(-len(chart.panels) // columns)
+    shown, data, notes = set(), [], []
+    layout = {"height": 300 * rows + 70, "margin": {"l": 62, "r": 12, "t": 50, "b": 50}, "hovermode": "closest",
+              "legend": {"orientation": "h", "y": -0.16 / rows - 0.04}, "font": {"size": 12}, "plot_bgcolor": "#fff", "paper_bgcolor": "#fff"}
+    for i, panel in enumerate(chart.panels):
+        axis = "" if i == 0 else str(i + 1)
+        row, column = divmod(i, columns)
+        gap_x, gap_y = 0.075, 0.14 if rows > 1 else 0.0
+        w, h = (1 - gap_x * (columns - 1)) / columns, (1 - gap_y * (rows - 1)) / rows
+        x0, y0 = column * (w + gap_x), 1 - row * (h + gap_y) - h
+        grid = {"gridcolor": "#e8e8e8", "zeroline": False, "linecolor": "#444", "ticks": "outside", "exponentformat": "power"}
+        layout[f"xaxis{axis}"] = {**grid, "domain": [round(x0, 4), round(x0 + w, 4)], "anchor": f"y{axis}",
+                                  "type": "log" if panel.xlog else "linear", "title": {"text": panel.xlabel, "standoff": 4}}
+        if panel.xticks:
+            layout[f"xaxis{axis}"].update(tickvals=[_number(v) for v in panel.xticks], ticktext=[f"{v:g}" for v in panel.xticks])
+        layout[f"yaxis{axis}"] = {**grid, "domain": [round(y0, 4), round(y0 + h, 4)], "anchor": f"x{axis}",
+                                  "type": "log" if panel.ylog else "linear",
+                                  "title": {"text": panel.ylabel if column == 0 or not chart.share_y else "", "standoff": 4}}
+        if chart.share_y and i:
+            layout[f"yaxis{axis}"]["matches"] = "y"
+        if panel.title:
+            notes.append({"text": f"<b>{panel.title}</b>", "xref": "paper", "yref": "paper", "x": round(x0, 4), "y": round(y0 + h, 4),
+                          "xanchor": "left", "yanchor": "bottom", "showarrow": False})
+        for line in panel.lines:
+            data += _plotly_line(line, axis, shown)
+    layout["annotations"] = notes
+    if chart.width <= style.COLUMN:
+        layout["width"] = 620
+    return json.dumps({"data": data, "layout": layout}, separators=(",", ":"), sort_keys=True)
+
+
+def table(chart):
+    """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
+    lines = ["panel line x y low high verified"]
+    for p, panel in enumerate(chart.panels):
+        for line in panel.lines:
+            name = line.name.replace(" ", "_")
+            low = line.low if line.low is not None else [math.nan] * len(line.x)
+            high = line.high if line.high is not None else [math.nan] * len(line.x)
+            for row in zip(line.x, line.y, low, high):
+                lines.append(f"{p} {name} " + " ".join(f"{float(v):.9g}" for v in row) + " 1")
+            lines += [f"{p} {name} {float(x):.9g} {float(y):.9g} nan nan 0" for x, y in line.bad]
+    return "\n".join(lines) + "\n"
+
+
+def from_cells(good, bad, x, y, name, **more):
+    """A line with one point per x: the median over cells, their median interval; crosses for the cells in `bad`."""
+    take = [c for c in (y, y + "_low", y + "_high") if c in good]
+    points = good.dropna(subset=[y]).groupby(x, as_index=False)[take].median()
+    low = points[y + "_low"].tolist() if y + "_low" in points else None
+    high = points[y + "_high"].tolist() if y + "_high" in points else None
+    crosses = [(float(a), float(b)) for a, b in zip(bad[x], bad[y]) if np.isfinite(a) and np.isfinite(b)]
+    return Line(name, points[x].tolist(), points[y].tolist(), low, high, crosses, **more)

@@ -1,0 +1,35 @@
+"""What an effect is worth: everything on, as declared, and each declared effect dropped in turn."""
+from bench.section import Cell, Section, Table, error, si
+
+
+def kind(text, declared):
+    if text in ("", "declared"):
+        return "as declared"
+    return "everything on" if text == "all" else text
+
+
+def section(cells):
+    some = cells[cells["campaign"].str.startswith("effects")]
+    if some.empty:
+        return None
+    table = []
+    cheaper = compared = 0
+    for (problem, combo, step), g in some.groupby(["problem", "combination", "step_s"]):
+        asked = g.get("effects_asked", g["effects"])
+        g = g.assign(kind=[kind(e, None) for e in asked])
+        declared = g[g["kind"] == "as declared"]
+        base = declared["t_total_s"].iloc[0] if len(declared) else float("nan")
+        everything = g[g["kind"] == "everything on"]
+        if len(everything) and len(declared) and declared["good"].all() and everything["good"].all():
+            compared += 1
+            cheaper += bool(base <= everything["t_total_s"].iloc[0] * 1.02)
+        order = {"everything on": 0, "as declared": 1}
+        for _, c in g.assign(o=g["kind"].map(order).fillna(2)).sort_values(["o", "kind"]).iterrows():
+            ratio = c["t_total_s"] / base
+            table.append([problem, combo, c["kind"], f"{c['n_dof']:g}", f"{c['lcp_dim']:g}", Cell(si(c["t_total_s"] / c["n_steps"], "s"), sort=c["t_total_s"]),
+                          f"{ratio:.2f}" if ratio == ratio else "", Cell(error(c["err_ref"]), "" if c["good"] else "bad"), c["status"]])
+    return Section("effects", "What an effect is worth",
+                   f"A scene pays only for what it declares: as declared is at most 2 % dearer than everything on in {cheaper} of {compared} pairs.", [],
+                   [Table("effects", "Unknowns, time per step and error with everything on, as declared, and with each declared effect dropped.",
+                          ["scene", "combination", "effects", "dofs", "LCP", "time per step", "time / declared", "error", "status"], table)],
+                   {"EffectsCompared": str(compared), "EffectsCheaper": str(cheaper)})

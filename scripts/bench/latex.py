@@ -1,0 +1,47 @@
+"""The report for a paper: figures, booktabs tables, macros and a document that inputs them all."""
+from bench import chart as chart_, style
+from bench.section import table_tex, tex
+
+HEAD = r"""\documentclass[twocolumn,10pt]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{lmodern}
+\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm,columnsep=6mm]{geometry}
+\usepackage{graphicx,booktabs,amsmath}
+\input{macros}
+\title{\CampaignTitle}
+\author{made from \NumRows\ rows, \NumCells\ cells, by scripts/report}
+\date{}
+\begin{document}
+\maketitle
+"""
+
+
+def macros(facts):
+    return "".join(f"\\newcommand{{\\{name}}}{{{tex(value)}}}\n" for name, value in sorted(facts.items()))
+
+
+def write(folder, facts, sections):
+    """folder/{main.tex,macros.tex,tables/NAME.tex,figures/NAME.{pdf,png,dat}}; returns the files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "tables").mkdir(exist_ok=True)
+    (folder / "figures").mkdir(exist_ok=True)
+    body = [HEAD]
+    for s in sections:
+        charts, tables = s.charts, [t for t in s.tables if t.paper and t.rows]
+        if not charts and not tables:
+            continue
+        body.append(f"\\section{{{tex(s.title)}}}\n{tex(s.lead)}\n")
+        for c in charts:
+            style.save(chart_.draw(c), folder / "figures", c.name)
+            (folder / "figures" / f"{c.name}.dat").write_text(chart_.table(c))
+            star = "" if c.width <= style.COLUMN else "*"
+            body.append(f"\\begin{{figure{star}}}\\centering\\includegraphics[width=\\{'columnwidth' if not star else 'textwidth'}]{{figures/{c.name}.pdf}}\n"
+                        f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure{star}}}\n")
+        for t in tables:
+            (folder / "tables" / f"{t.name}.tex").write_text(table_tex(t))
+            body.append(f"\\input{{tables/{t.name}}}\n")
+        body.append("\\clearpage\n")
+    body.append("\\end{document}\n")
+    (folder / "macros.tex").write_text(macros(facts))
+    (folder / "main.tex").write_text("".join(body))

@@ -1,0 +1,113 @@
+"""The report as one self-contained HTML page: no network, readable without JavaScript, the same bytes each time."""
+import base64
+import gzip
+import io
+import pathlib
+
+import jinja2
+import plotly
+from markupsafe import Markup
+
+from bench import chart as chart_, style
+from bench.section import Cell, Table, error, si, table_html
+
+HERE = pathlib.Path(__file__).resolve().parent
+SCOPE = ("Times hold for this machine and this build; errors and counters hold everywhere, to rounding. A row counts only when the judge, which never "
+         "trusts the solver, verified every solve of it. Differences inside the noise of the clock are ties. Nothing here says anything about scenes that are not in the tables.")
+
+
+def svg(figure):
+    out = io.BytesIO()
+    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": "lcpbench"})
+    style.plt.close(figure)
+    return base64.b64encode(out.getvalue()).decode()
+
+
+def library():
+    """Plotly's own bundle, packed."""
+    path = pathlib.Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
+    return base64.b64encode(gzip.compress(path.read_bytes(), 9, mtime=0)).decode()
+
+
+FILTERS = [("problem family", 1), ("formulation", 3), ("solver", 4), ("status", 6), ("campaign", 0)]
+
+
+def cells_table(cells):
+    rows = []
+    for c in cells.to_dict("records"):
+        mark = "" if c["good"] else "none" if c["status"] in ("unsupported", "skipped") else "bad"
+        rows.append([c["campaign"], c["problem_family"], c["problem"], join(c["formulation"], c["formulation_options"]),
+                     join(c["solver"], c["solver_options"]), f"{c['step_s']:g}" if c["step_s"] == c["step_s"] else "",
+                     Cell(c["status"], mark, c.get("note", "")), f"{c['n_contacts']:g}" if c["n_contacts"] == c["n_contacts"] else "",
+                     f"{c['lcp_dim']:g}" if c["lcp_dim"] == c["lcp_dim"] else "", Cell(si(c.get("t_total_s"), "s"), sort=num(c.get("t_total_s"))),
+                     Cell(error(c["err_ref"]), sort=num(c["err_ref"])), Cell(error(c.get("res_ncp_rel")), sort=num(c.get("res_ncp_rel"))),
+                     Cell(error(c["rho"]), sort=num(c["rho"])), c.get("command", "")])
+    return Table("cells", f"All {len(rows)} cells; the last column is the command that reruns the cell.",
+                 ["campaign", "family", "problem", "formulation", "solver", "step [s]", "status", "contacts", "LCP", "time", "error", "Coulomb residual", "rho",
+                  "command"], rows, code=13, paper=False)
+
+
+def num(v):
+    return float(v) if v is not None and v == v else None
+
+
+def join(name, opts):
+    return f"{name}:{opts}" if opts else name
+
+
+def failures_table(cells):
+    bad = cells[~cells["good"] & ~cells["status"].isin(["unsupported", "skipped"])]
+    rows = []
+    for (status, combo), g in bad.groupby(["status", "combination"]):
+        first = g.iloc[0]
+        signals = sorted({s for s in g.get("exit_signal", []) if s and s != "0"})
+        rows.append([Cell(status, "bad"), combo, str(len(g)), ", ".join(sorted(set(g["problem"]))[:6]) + (" …" if g["problem"].nunique() > 6 else ""),
+                     (first.get("note", "") or "claimed " + str(first["status_claimed"])) + (f"; signal {', '.join(signals)}" if signals else ""), str(first.get("command", ""))])
+    return Table("failures", "Failures, grouped by cause and combination; none is left out of a denominator.",
+                 ["status", "combination", "cells", "problems", "first note", "rerun the first"], rows, code=5)
+
+
+def undefined_table(cells):
+    some = cells[cells["status"].isin(["unsupported", "skipped"])]
+    rows = [[status, combo, str(len(g)), g.iloc[0].get("note", "")] for (status, combo), g in some.groupby(["status", "combination"])]
+    return Table("undefined", "Combinations that are not defined or were left out by policy, with the reason.", ["status", "combination", "cells", "reason"], rows, paper=False)
+
+
+def flatten(data, prefix=""):
+    for key in sorted(data):
+        value = data[key]
+        if isinstance(value, dict):
+            yield from flatten(value, f"{prefix}{key}.")
+        elif isinstance(value, list):
+            yield prefix + key, ", ".join(map(str, value))[:400]
+        else:
+            yield prefix + key, str(value)[:600]
+
+
+def method_tables(manifests):
+    return [Table(f"manifest_{name}", f"Manifest of {name}: what was run, on what, with what.", ["key", "value"],
+                  [[k, v] for k, v in flatten(m)], paper=False) for name, m in manifests.items() if m]
+
+
+def render(title, counts, footer, advice, sections):
+    env = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    body = []
+    for s in sections:
+        tables = [Markup(filters() if t.name == "cells" else "") + Markup(table_html(t)) for t in s.tables]
+        body.append({"id": s.id, "title": s.title, "lead": s.lead, "first": tables[:1] if s.id == "claims" else [],
+                     "tables": tables[1:] if s.id == "claims" else tables,
+                     "charts": [{"name": c.name, "caption": c.caption, "svg": svg(chart_.draw(c)), "json": Markup(chart_.plotly(c).replace("</", "<\\/"))}
+                                for c in s.charts]})
+    links = [{"id": "advice", "short": "Which one to use"}] + [{"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections]
+    return env.get_template("page.html.j2").render(
+        title=title, counts=counts, footer=footer, scope=SCOPE, advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
+        css=Markup((HERE / "page.css").read_text()), js=Markup((HERE / "page.js").read_text()), plotly=library() if any(s.charts for s in sections) else "")
+
+
+SHORT = {"claims": "Claims", "paper": "Size and time", "accuracy": "Accuracy", "stability": "Stability", "effects": "Effects", "scaling": "Scaling",
+         "library": "Solvers", "cells": "All cells", "failures": "Failures", "method": "Method"}
+
+
+def filters():
+    menus = "".join(f'<select data-column="{column}" aria-label="{name}"><option>{name}: all</option></select>' for name, column in FILTERS)
+    return f'<div class="filters">{menus}<input id="find" placeholder="words" aria-label="words"><span id="shown"></span></div>'

@@ -1,0 +1,44 @@
+"""recommend DIR --scene S --error E [--yardstick Y]"""
+import argparse
+import fnmatch
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from bench import accuracy, rows  # noqa: E402
+from bench.section import error, si  # noqa: E402
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/recommend", description="The cheapest verified combination for a scene and an error.")
+    parser.add_argument("folder", metavar="DIR", nargs="?", default="results/runs", help="campaign, or folder of campaigns (default: results/runs)")
+    parser.add_argument("--scene", required=True, help="problem as in the rows, or a pattern; its family name is enough")
+    parser.add_argument("--error", required=True, type=float, help="error to stay below")
+    parser.add_argument("--yardstick", choices=list(accuracy.YARDSTICKS), default="trajectory")
+    args = parser.parse_args()
+    column = accuracy.YARDSTICKS[args.yardstick][0]
+    try:
+        cells = rows.cells(rows.load_all(args.folder)[0])
+    except rows.BadRows as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    match = [fnmatch.fnmatch(p, args.scene) or f == args.scene for p, f in zip(cells["problem"], cells["problem_family"])]
+    found = cells[match]
+    if found.empty:
+        print(f"--scene {args.scene}: no such scene in the rows; there are: {', '.join(sorted(set(cells['problem_family'])))}", file=sys.stderr)
+        return 2
+    status = 3
+    for problem, group in found.groupby("problem"):
+        best = accuracy.cheapest(group, args.error, column)
+        if best is None:
+            fit = accuracy.usable(group, column)
+            print(f"{problem}: nothing verified reaches {args.error:g}; the smallest is {error(fit[column].min()) or 'not measured'}")
+            continue
+        status = 0
+        print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {error(best[column])}, {si(best['cost'], 's')}")
+        print(f"  {best['command']}")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

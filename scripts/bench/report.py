@@ -1,0 +1,99 @@
+"""report DIR [--out FOLDER] [--pdf] - the page and the LaTeX document of one or several campaigns."""
+import argparse
+import pathlib
+import shutil
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from bench import accuracy, claims, effects, latex, library, page, paper, rows, scaling, stability  # noqa: E402
+from bench.section import Section  # noqa: E402
+
+LIMIT = 5_000_000  # bytes of the page
+
+
+def paper_section(cells):
+    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    charts = [c for c in (make(own) for make in paper.CHARTS) if c] if len(own) else []
+    if not charts:
+        return None
+    return Section("paper", "How large, how long, how wrong", "The regularized formulation against the polyhedral ones: unknowns, time and error.", charts)
+
+
+def gather(cells, manifests):
+    """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
+    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", accuracy.section), ("stability", stability.section),
+              ("effects", effects.section), ("scaling", scaling.section), ("library", library.section)]
+    sections, absent = [], []
+    for name, make in makers:
+        made = make(cells)
+        if made:
+            sections.append(made)
+        else:
+            absent.append(name)
+    bad = page.failures_table(cells)
+    undefined = page.undefined_table(cells)
+    sections.append(Section("failures", "Failures", f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified; {sum(int(r[2]) for r in undefined.rows)} "
+                            "were not defined or left out.", [], [t for t in (bad, undefined) if t.rows]))
+    sections.append(Section("cells", "All cells", "Filter, sort, and rerun any of them.", [], [page.cells_table(cells)]))
+    lead = ("Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md explains the columns." +
+            (f" No rows for: {', '.join(absent)}." if absent else ""))
+    sections.append(Section("method", "Method", lead, [], page.method_tables(manifests)))
+    return sections
+
+
+def facts(all_rows, cells, sections, title):
+    out = {"CampaignTitle": title, "NumRows": str(len(all_rows)), "NumCells": str(len(cells)), "NumVerified": str(int(cells["good"].sum())),
+           "NumFalseClaims": str(int((cells["status"] == "unverified").sum()))}
+    for s in sections:
+        out.update(s.facts)
+    return out
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/report", description="One HTML page and a LaTeX document from the rows under DIR.")
+    parser.add_argument("folder", metavar="DIR", help="campaign, or folder of campaigns")
+    parser.add_argument("--out", help="where the report goes (default: DIR/report)")
+    parser.add_argument("--pdf", action="store_true", help="build the LaTeX document")
+    args = parser.parse_args()
+    out = pathlib.Path(args.out or pathlib.Path(args.folder) / "report")
+    try:
+        all_rows, manifests = rows.load_all(args.folder)
+    except rows.BadRows as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    cells = rows.cells(all_rows)
+    names = sorted(set(cells["campaign"]))
+    title = "lcpbench: " + ", ".join(names)
+    sections = gather(cells, manifests)
+    defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
+    counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
+              f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
+              f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
+    advice = accuracy.advice(cells) if accuracy.scenes(cells) else None
+    out.mkdir(parents=True, exist_ok=True)
+    text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", advice, sections)
+    (out / "index.html").write_text(text)
+    latex.write(out / "latex", facts(all_rows, cells, sections, title), ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections)
+    print(out / "index.html")
+    if len(text.encode()) > LIMIT:
+        print(f"report: the page has {len(text.encode())} bytes, more than {LIMIT}", file=sys.stderr)
+        return 1
+    return build(out / "latex") if args.pdf else 0
+
+
+def build(folder):
+    if not shutil.which("latexmk"):
+        print("report: no latexmk; run scripts/setup latex", file=sys.stderr)
+        return 1
+    done = subprocess.run(["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", "main.tex"], cwd=folder, stdin=subprocess.DEVNULL,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        print(done.stdout[-3000:], file=sys.stderr)
+        return 1
+    print(folder / "main.pdf")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

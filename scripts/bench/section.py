@@ -1,0 +1,113 @@
+"""What a report is made of: sections of text, charts and tables; each is written as HTML and as LaTeX."""
+import dataclasses
+import html
+import math
+
+
+@dataclasses.dataclass
+class Cell:
+    text: str
+    mark: str = ""  # good, fair, bad, none: shading; the text always says it too
+    title: str = ""  # longer text on the screen
+    sort: float = None  # value to sort by
+
+
+@dataclasses.dataclass
+class Table:
+    name: str
+    caption: str
+    header: list
+    rows: list  # lists of str or Cell
+    code: int = None  # column of commands
+    note: str = ""
+    paper: bool = True  # goes into the LaTeX document
+
+
+@dataclasses.dataclass
+class Section:
+    id: str
+    title: str
+    lead: str
+    charts: list = dataclasses.field(default_factory=list)
+    tables: list = dataclasses.field(default_factory=list)
+    facts: dict = dataclasses.field(default_factory=dict)  # LaTeX macro -> text
+
+
+def as_cell(value):
+    return value if isinstance(value, Cell) else Cell(str(value))
+
+
+def si(value, unit="", digits=3):
+    """0.00123, 's' -> '1.23 ms'; empty for what was not measured."""
+    if value is None or not math.isfinite(value):
+        return ""
+    if value == 0:
+        return f"0 {unit}".strip()
+    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
+        if abs(value) >= factor * 0.9995:
+            break
+    return f"{value / factor:.{digits}g} {prefix}{unit}".strip()
+
+
+def error(value):
+    """An error for a table: 2 digits, a power of ten."""
+    if value is None or not math.isfinite(value):
+        return ""
+    return "0" if value == 0 else f"{value:.1e}"
+
+
+def interval(mid, low, high, digits=3):
+    if not math.isfinite(mid):
+        return ""
+    return f"{mid:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}]"
+
+
+def table_html(table):
+    out = [f'<div class="scroll"><table id="table-{table.name}" class="sortable"><caption>{html.escape(table.caption)}</caption><thead><tr>']
+    out += [f"<th>{html.escape(h)}</th>" for h in table.header]
+    out.append("</tr></thead><tbody>")
+    for row in table.rows:
+        out.append("<tr>")
+        for i, value in enumerate(row):
+            cell = as_cell(value)
+            text = html.escape(cell.text).replace("\n", "<br>")
+            if table.code == i and text:
+                text = f"<code>{text}</code>"
+            attributes = f' class="{cell.mark}"' if cell.mark else ""
+            if cell.title:
+                attributes += f' title="{html.escape(cell.title)}"'
+            if cell.sort is not None:
+                attributes += f' data-sort="{cell.sort:.9g}"'
+            out.append(f"<td{attributes}>{text}</td>")
+        out.append("</tr>")
+    out.append("</tbody></table></div>")
+    if table.note:
+        out.append(f'<p class="note">{html.escape(table.note)}</p>')
+    return "".join(out)
+
+
+TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}",
+       "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"\ensuremath{\mu}", "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}",
+       "×": r"\ensuremath{\times}", "→": r"\ensuremath{\to}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}", "–": "--", "—": "---",
+       "∞": r"\ensuremath{\infty}"}
+
+
+def tex(text):
+    return "".join(TEX.get(c, c) for c in str(text)).replace("\n", " ")
+
+
+def table_tex(table, most=40):
+    """A booktabs table; long ones are cut at `most` rows, and say so."""
+    keep = [i for i in range(len(table.header)) if i != table.code]
+    out = ["\\begin{table*}", "\\centering\\small", f"\\caption{{{tex(table.caption)}}}\\label{{tab:{table.name}}}",
+           "\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%",
+           "\\begin{tabular}{" + "l" * len(keep) + "}", "\\toprule", " & ".join(tex(table.header[i]) for i in keep) + r" \\", "\\midrule"]
+    bold = {"good"}
+    for row in table.rows[:most]:
+        cells = [as_cell(row[i]) for i in keep]
+        out.append(" & ".join(f"\\textbf{{{tex(c.text)}}}" if c.mark in bold and c.text else tex(c.text) for c in cells) + r" \\")
+    out += ["\\bottomrule", "\\end{tabular}}"]
+    if len(table.rows) > most:
+        out.append(f"\\par\\footnotesize {most} of {len(table.rows)} rows; all of them in the page.")
+    out.append("\\end{table*}")
+    return "\n".join(out) + "\n"
