@@ -154,34 +154,36 @@ static void push(gap_point *out, int *n, const double *x, const double *normal, 
   g->feature = feature;
 }
 
-/* Rim of a disc: the lowest point, and the three others a quarter turn apart when they are within
- * the margin too (a disc lying flat rests on four). Flat discs have no lowest direction: the
- * piece's own x axis stands in. */
+/* Rims of a disc or cylinder: the lowest point (feature 0), which moves along the rim, and for a
+ * disc lying within `flat` of the plane six points fixed on the rim, so that it can rest. */
 static int rim_points(const piece *p, const pose *at, const double *normal, double offset,
                       double margin, gap_point *out) {
-  double R[9], centre[3], arm[3], side[3];
+  enum { RIM_POINTS = 6 };
+  const double flat = 1e-2; /* [rad] */
+  double R[9], centre[3], down[3];
   m3_mul(at->R, p->rot, R);
   m3_mul_vec(at->R, p->pos, centre);
   v3_add_scaled(at->x, 1.0, centre, centre);
   const double axis[3] = {R[2], R[5], R[8]};
-  const double along = v3_dot(normal, axis);
-  v3_add_scaled(normal, -along, axis, arm); /* normal projected on the disc */
-  const double sine = v3_norm(arm);
-  if (sine > 1e-9) {
-    v3_scale(-1.0 / sine, arm, arm);
-  } else {
-    arm[0] = R[0], arm[1] = R[3], arm[2] = R[6];
-  }
-  v3_cross(axis, arm, side);
-  const int ends = (p->half[2] > 0.0) ? 2 : 1;
+  v3_add_scaled(normal, -v3_dot(normal, axis), axis, down); /* normal projected on the disc */
+  const double sine = v3_norm(down);
+  const int rims = (p->half[2] > 0.0) ? 2 : 1;
   int n = 0;
-  for (int i = 0; i < 4 * ends; i++) {
-    const double c = (i % 4 == 0) ? p->r : (i % 4 == 2) ? -p->r : 0.0;
-    const double s = (i % 4 == 1) ? p->r : (i % 4 == 3) ? -p->r : 0.0;
-    double x[3];
-    v3_add_scaled(centre, c, arm, x);
-    v3_add_scaled(x, s, side, x);
-    v3_add_scaled(x, (i < 4) ? -p->half[2] : p->half[2], axis, x);
+  for (int i = 0; i < rims * (RIM_POINTS + 1); i++) {
+    const int k = i % (RIM_POINTS + 1);
+    double x[3], arm[3];
+    if ((k == 0) ? sine < 1e-9 : sine > flat) {
+      continue;
+    }
+    if (k == 0) {
+      v3_scale(-p->r / sine, down, arm);
+    } else {
+      const double turn = 2.0 * 3.14159265358979323846 * (k - 1) / RIM_POINTS;
+      const double local[3] = {p->r * cos(turn), p->r * sin(turn), 0.0};
+      m3_mul_vec(R, local, arm);
+    }
+    v3_add_scaled(centre, 1.0, arm, x);
+    v3_add_scaled(x, (i <= RIM_POINTS) ? -p->half[2] : p->half[2], axis, x);
     const double gap = v3_dot(normal, x) - offset;
     if (gap < margin) {
       push(out, &n, x, normal, gap, (uint32_t)i);

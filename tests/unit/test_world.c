@@ -255,7 +255,7 @@ static void pairs_multiplicity_and_no_collision_are_honoured(void **state) {
   assert_int_equal(c.n_row, 6 * 2 + 6 * 1);
   check_ok(contact_set_check(&c, &err), &err);
   world_close(w);
-  s.contact_multiplicity = 17;
+  s.contact_multiplicity = 257;
   assert_int_equal(world_open(&w, &s, ~0u, &err), BASE_EINVAL);
   spec_free(&s);
 }
