@@ -1,0 +1,226 @@
+#include "lcp/linear/sparse_lu.h"
+
+#include <suitesparse/colamd.h>
+
+#include <math.h>
+#include <string.h>
+
+void lin_lu_layout(lin_lu *f, int n, int nnz, size_t fill, base_arena *a) {
+  const size_t m = (size_t)n;
+  *f = (lin_lu){.cap_n = n, .cap_nnz = nnz, .cap_fill = fill};
+  f->ufirst = BASE_ARRAY(a, size_t, m + 1);
+  f->lfirst = BASE_ARRAY(a, size_t, m);
+  f->index = BASE_ARRAY(a, int, fill);
+  f->value = BASE_ARRAY(a, double, fill);
+  f->pivot = BASE_ARRAY(a, double, m);
+  f->prow = BASE_ARRAY(a, int, m);
+  f->col = BASE_ARRAY(a, int, m);
+  f->step = BASE_ARRAY(a, int, m);
+  f->row_count = BASE_ARRAY(a, int, m);
+  f->x = BASE_ARRAY(a, double, m);
+  f->reach = BASE_ARRAY(a, int, m);
+  f->stack = BASE_ARRAY(a, int, m);
+  f->mark = BASE_ARRAY(a, int, m);
+  f->next = BASE_ARRAY(a, size_t, m);
+  f->order_len = colamd_recommended(nnz, n, n) + m + 1; /* its work, then the column pointers */
+  f->order_work = BASE_ARRAY(a, int, f->order_len);
+}
+
+/* Column order into f->col. A matrix COLAMD declines keeps its own order. */
+static void order_columns(lin_lu *f, const lin_columns *A) {
+  const int n = A->n;
+  const int nnz = A->colptr[n];
+  for (int j = 0; j < n; ++j) {
+    f->col[j] = j;
+  }
+  if (n <= 3) {
+    return;
+  }
+  const size_t len = f->order_len - (size_t)f->cap_n - 1;
+  int *ptr = f->order_work + len;
+  int stats[COLAMD_STATS];
+  memcpy(ptr, A->colptr, sizeof(int) * ((size_t)n + 1));
+  memcpy(f->order_work, A->rowind, sizeof(int) * (size_t)nnz);
+  if (colamd(n, n, (int)len, f->order_work, ptr, NULL, stats) != 0) {
+    memcpy(f->col, ptr, sizeof(int) * (size_t)n);
+  }
+}
+
+/* Rows reached from `root` through L, appended to reach[top..] in topological order. */
+static int search(lin_lu *f, int root, int tag, int top) {
+  int depth = 0;
+  f->stack[0] = root;
+  while (depth >= 0) {
+    const int row = f->stack[depth];
+    const int k = f->step[row];
+    if (f->mark[row] != tag) {
+      f->mark[row] = tag;
+      f->next[depth] = (k < 0) ? 0 : f->lfirst[k];
+    }
+    const size_t end = (k < 0) ? 0 : f->ufirst[k + 1];
+    size_t p = f->next[depth];
+    while (p < end && f->mark[f->index[p]] == tag) {
+      ++p;
+    }
+    if (p < end) {
+      f->next[depth] = p + 1;
+      f->stack[++depth] = f->index[p];
+    } else {
+      f->reach[--top] = row;
+      --depth;
+    }
+  }
+  return top;
+}
+
+/* x <- L \ A(:,j) on the reached rows; returns where they start in `reach`. */
+static int eliminate(lin_lu *f, const lin_columns *A, int j, int tag) {
+  int top = A->n;
+  for (int p = A->colptr[j]; p < A->colptr[j + 1]; ++p) {
+    if (f->mark[A->rowind[p]] != tag) {
+      top = search(f, A->rowind[p], tag, top);
+    }
+    f->x[A->rowind[p]] = A->val[p];
+  }
+  for (int t = top; t < A->n; ++t) {
+    const int k = f->step[f->reach[t]];
+    const double xk = f->x[f->reach[t]];
+    if (k < 0 || xk == 0) {
+      continue;
+    }
+    const size_t end = f->ufirst[k + 1];
+    for (size_t p = f->lfirst[k]; p < end; ++p) {
+      f->x[f->index[p]] -= f->value[p] * xk;
+    }
+    f->flops += 2 * (double)(end - f->lfirst[k]);
+  }
+  return top;
+}
+
+/* Row of the pivot among reach[top..n), or -1 when nothing of size is left. */
+static int choose_pivot(const lin_lu *f, const lin_columns *A, int j, int top) {
+  double largest = 0;
+  double whole = 0;
+  for (int p = A->colptr[j]; p < A->colptr[j + 1]; ++p) {
+    whole = fmax(whole, fabs(A->val[p]));
+  }
+  for (int t = top; t < A->n; ++t) {
+    const int row = f->reach[t];
+    if (f->step[row] < 0) {
+      largest = fmax(largest, fabs(f->x[row]));
+    }
+  }
+  if (!(largest > LIN_LU_SINGULAR * whole)) {
+    return -1;
+  }
+  int best = -1;
+  for (int t = top; t < A->n; ++t) {
+    const int row = f->reach[t];
+    const double size = fabs(f->x[row]);
+    if (f->step[row] >= 0 || size < LIN_LU_THRESHOLD * largest) {
+      continue;
+    }
+    if (best < 0 || f->row_count[row] < f->row_count[best] ||
+        (f->row_count[row] == f->row_count[best] && size > fabs(f->x[best]))) {
+      best = row;
+    }
+  }
+  return best;
+}
+
+/* Moves the finished column into the factors, U first; clears x. False when it does not fit. */
+static bool store_column(lin_lu *f, int n, int k, int row, int top) {
+  size_t at = f->ufirst[k];
+  const bool fits = at + (size_t)(n - top) <= f->cap_fill;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (int t = top; t < n && fits; ++t) {
+      const int i = f->reach[t];
+      const bool upper = f->step[i] >= 0;
+      if (i == row || upper != (pass == 0) || f->x[i] == 0) {
+        continue;
+      }
+      f->index[at] = i;
+      f->value[at++] = upper ? f->x[i] : f->x[i] / f->x[row];
+    }
+    if (pass == 0) {
+      f->lfirst[k] = at;
+    }
+  }
+  f->ufirst[k + 1] = at;
+  f->pivot[k] = f->x[row];
+  f->prow[k] = row;
+  f->step[row] = k;
+  for (int t = top; t < n; ++t) {
+    f->x[f->reach[t]] = 0;
+  }
+  return fits;
+}
+
+static void begin(lin_lu *f, const lin_columns *A) {
+  const int n = A->n;
+  order_columns(f, A);
+  f->n = n;
+  f->flops = 0;
+  f->deficient = 0;
+  f->ufirst[0] = 0;
+  for (int i = 0; i < n; ++i) {
+    f->step[i] = -1;
+    f->mark[i] = -1;
+    f->row_count[i] = 0;
+    f->x[i] = 0;
+  }
+  for (int p = 0; p < A->colptr[n]; ++p) {
+    f->row_count[A->rowind[p]]++;
+  }
+}
+
+bool lin_lu_factor(lin_lu *f, const lin_columns *A) {
+  const int n = A->n;
+  begin(f, A);
+  int kept = 0;
+  for (int t = 0; kept + f->deficient < n; ++t) {
+    const int j = f->col[kept];
+    const int top = eliminate(f, A, j, t);
+    const int row = choose_pivot(f, A, j, top);
+    if (row < 0) { /* dependent: park it behind the columns still to come */
+      for (int i = top; i < n; ++i) {
+        f->x[f->reach[i]] = 0;
+      }
+      f->deficient++;
+      f->col[kept] = f->col[n - f->deficient];
+      f->col[n - f->deficient] = j;
+      continue;
+    }
+    if (!store_column(f, n, kept, row, top)) {
+      return false;
+    }
+    ++kept;
+  }
+  f->fill = f->ufirst[kept];
+  return f->deficient == 0;
+}
+
+void lin_lu_solve(const lin_lu *f, double *b) {
+  const int n = f->n;
+  for (int k = 0; k < n; ++k) {
+    const double xk = b[f->prow[k]];
+    if (xk == 0) {
+      continue;
+    }
+    const size_t end = f->ufirst[k + 1];
+    for (size_t p = f->lfirst[k]; p < end; ++p) {
+      b[f->index[p]] -= f->value[p] * xk;
+    }
+  }
+  for (int k = n - 1; k >= 0; --k) {
+    const int row = f->prow[k];
+    if (b[row] == 0) {
+      continue;
+    }
+    const double xk = b[row] / f->pivot[k];
+    b[row] = xk;
+    for (size_t p = f->ufirst[k]; p < f->lfirst[k]; ++p) {
+      b[f->index[p]] -= f->value[p] * xk;
+    }
+  }
+}

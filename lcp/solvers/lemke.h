@@ -1,0 +1,81 @@
+/* solvers/lemke.h - parts of the lemke solver; included by solver_lemke.c and lemke_*.c only. */
+#pragma once
+
+#include "lcp/lcp_solver.h"
+#include "lcp/linear/basis.h"
+
+/* The problem as the pivots see it: M in columns, scaled by powers of two, with the body
+ * velocities of a factored M as extra free rows. Notes on scaling: lemke_system.c. */
+typedef struct lemke_system {
+  int n; /* rows of the problem */
+  int rows;
+  int *colptr, *rowind;
+  double *val;
+  double *q;
+  int q_exp;              /* q' = 2^(row_exp - q_exp) q, max |q'| in [1, 2) */
+  int *row_exp, *col_exp; /* M' = 2^row_exp M 2^col_exp, z = 2^(q_exp + col_exp) z' */
+  int *row_top, *col_top; /* scratch */
+  double *diagonal;       /* of M', n */
+  long double *w;         /* rows: scratch of lemke_residual, as the next three */
+  long double *row_sum;
+  double *tau0, *zref;
+  unsigned char *is_free; /* w_i = 0, z_i unbounded */
+} lemke_system;
+
+void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a);
+void lemke_system_build(lemke_system *s, const lcp_problem *p);
+
+/* rho of lcp_judge.h at the scaled point z (rows; velocities beyond n are recomputed); for a
+ * factored M an upper bound of it. Any scaling gives the same rho. */
+double lemke_residual(const lemke_system *s, const double *z);
+
+/* Relative sizes below which a pivot is taken for zero and a ratio for a tie. */
+typedef struct lemke_tolerance {
+  double pivot, tie;
+} lemke_tolerance;
+
+typedef enum lemke_end {
+  LEMKE_SOLVED,  /* z0 = 0 in a complementary basis */
+  LEMKE_RAY,     /* the driving variable is not blocked */
+  LEMKE_LIMIT,   /* pivots used up */
+  LEMKE_TIMEOUT, /* time used up */
+  LEMKE_CYCLE,   /* a basis came back: round-off */
+  LEMKE_BROKEN,  /* a basis could not be factored */
+} lemke_end;
+
+typedef struct lemke_path {
+  lin_system sys;
+  lin_basis basis;
+  const lemke_system *system;
+  lemke_tolerance tol;
+  double *x;            /* rows: basic values by position */
+  double *d;            /* rows: column of the entering variable; the ray after LEMKE_RAY */
+  double *lex;          /* rows: one column of the lexicographic matrix */
+  double *cover;        /* rows */
+  bool generic;         /* delta takes part */
+  double *delta;        /* rows: B^-1 delta_rhs */
+  double *delta_rhs;    /* rows */
+  long double *sum;     /* rows */
+  int *first;           /* rows: variable of pair i in the first basis: the lexicographic columns */
+  int *tied;            /* rows */
+  unsigned char *in_z;  /* rows: first basis on entry, last basis on return */
+  int entering;         /* variable that drives */
+  uint64_t hash, noted; /* of the present basis, of one met before */
+  long period, until_note;
+  double deadline; /* [s] */
+  long pivot_limit;
+  long pivots;
+} lemke_path;
+
+void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a);
+
+/* Pivots from the complementary basis in_z until the path ends. */
+lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
+
+/* Solution of the last basis without z0, refined in extended precision: values by position in
+ * t->x. False when that basis is singular. */
+bool lemke_path_settle(lemke_path *t);
+
+/* y >= 0, M'y <= 0, q'y < 0 from the ray of the path, into y (by row of the problem). True only when the
+ * three hold exactly for the binary numbers of the problem. */
+bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y);

@@ -1,0 +1,342 @@
+/* Lemke's complementary path with lexicographic choice (Lemke 1965; Cottle, Pang & Stone 1992,
+ * algorithm 4.4.5 and section 4.9), on a factored basis. */
+#include "lcp/base/clock.h"
+#include "lcp/base/rng.h"
+#include "lcp/solvers/lemke.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
+enum { GENERIC_FROM = 64 }; /* rows from which ties are first compared by the generic column */
+static const double DOUBTFUL = 1e-7; /* a pivot this small is computed afresh before use [1] */
+static const double LEX_TIE = 1e-12; /* round-off of a lexicographic column [1] */
+static const double KEEP = 1e-10;    /* among ties, pivots below this share of the largest go [1] */
+
+void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a) {
+  const size_t n = (size_t)rows;
+  lin_basis_layout(&t->basis, rows, nnz, a);
+  t->x = BASE_ARRAY(a, double, n);
+  t->d = BASE_ARRAY(a, double, n);
+  t->lex = BASE_ARRAY(a, double, n);
+  t->cover = BASE_ARRAY(a, double, n);
+  t->delta = BASE_ARRAY(a, double, n);
+  t->delta_rhs = BASE_ARRAY(a, double, n);
+  t->sum = BASE_ARRAY(a, long double, n);
+  t->first = BASE_ARRAY(a, int, n);
+  t->tied = BASE_ARRAY(a, int, n);
+  t->in_z = BASE_ARRAY(a, unsigned char, n);
+}
+
+static int complement(int var, int n) {
+  return (var < n) ? var + n : var - n;
+}
+
+static bool bounded(const lemke_path *t, int pos) {
+  const int n = t->sys.n;
+  const int var = t->basis.head[pos];
+  return var == 2 * n || !t->system->is_free[var % n];
+}
+
+static double largest(const double *x, int n) {
+  double top = 0;
+  for (int i = 0; i < n; ++i) {
+    top = fmax(top, fabs(x[i]));
+  }
+  return top;
+}
+
+/* x <- B^-1 r with one step of refinement. */
+static void solve_refined(lemke_path *t, const double *r, double *x) {
+  const int n = t->sys.n;
+  memcpy(x, r, sizeof(double) * (size_t)n);
+  lin_basis_solve(&t->basis, x);
+  lin_basis_residual(&t->basis, x, r, t->sum);
+  for (int i = 0; i < n; ++i) {
+    t->lex[i] = (double)t->sum[i];
+  }
+  lin_basis_solve(&t->basis, t->lex);
+  for (int i = 0; i < n; ++i) {
+    x[i] += t->lex[i];
+  }
+}
+
+static bool refactor(lemke_path *t) {
+  if (!lin_basis_factor(&t->basis)) {
+    return false;
+  }
+  solve_refined(t, t->system->q, t->x);
+  if (t->generic) {
+    memcpy(t->delta, t->delta_rhs, sizeof(double) * (size_t)t->sys.n);
+    lin_basis_solve(&t->basis, t->delta);
+  }
+  return true;
+}
+
+/* Keeps those ties whose row of v has the smallest v/d up to round-off; returns how many are left. */
+static int keep_smallest(lemke_path *t, const double *v, int count) {
+  const double noise = LEX_TIE * largest(v, t->sys.n);
+  double low = HUGE_VAL;
+  int keep = 0;
+  for (int k = 0; k < count; ++k) {
+    low = fmin(low, (v[t->tied[k]] + noise) / t->d[t->tied[k]]);
+  }
+  for (int k = 0; k < count; ++k) {
+    if (v[t->tied[k]] <= low * t->d[t->tied[k]]) {
+      t->tied[keep++] = t->tied[k];
+    }
+  }
+  return keep;
+}
+
+/* Drops from the ties all but the lexicographically smallest row of [delta, B^-1 B_first] / d: any
+ * matrix with lexicographically positive rows ends the path (Cottle, Pang & Stone 1992, 4.9). The
+ * generic column delta, used on larger problems, decides almost every tie in one comparison. */
+static int break_ties(lemke_path *t, int count) {
+  const int n = t->sys.n;
+  int *tied = t->tied;
+  count = t->generic ? keep_smallest(t, t->delta, count) : count;
+  for (int j = 0; j < n && count > 1; ++j) {
+    const int var = t->first[j];
+    const int at = t->basis.where[var];
+    if (at >= 0) { /* a basic column is a unit vector: only its own row has the entry 1/d > 0 */
+      int keep = 0;
+      for (int k = 0; k < count; ++k) {
+        if (tied[k] != at) {
+          tied[keep++] = tied[k];
+        }
+      }
+      count = keep;
+      continue;
+    }
+    lin_basis_column(&t->basis, var, t->lex);
+    lin_basis_solve(&t->basis, t->lex);
+    count = keep_smallest(t, t->lex, count);
+  }
+  return tied[0];
+}
+
+/* Position of the basic variable that blocks the entering one, or -1 for a ray. */
+static int ratio_test(lemke_path *t) {
+  const int n = t->sys.n;
+  const double small = t->tol.pivot * largest(t->d, n);
+  const double slack = t->tol.tie * fmax(1, largest(t->x, n));
+  double bound = HUGE_VAL;
+  for (int i = 0; i < n; ++i) {
+    if (t->d[i] > small && (fmax(t->x[i], 0) + slack) < bound * t->d[i] && bounded(t, i)) {
+      bound = (fmax(t->x[i], 0) + slack) / t->d[i];
+    }
+  }
+  if (!(bound < HUGE_VAL)) {
+    return -1;
+  }
+  double top = 0;
+  int count = 0;
+  for (int i = 0; i < n; ++i) {
+    if (t->d[i] > small && t->x[i] <= bound * t->d[i] && bounded(t, i)) {
+      if (t->basis.head[i] == 2 * n) {
+        return i;
+      }
+      top = fmax(top, t->d[i]);
+      t->tied[count++] = i;
+    }
+  }
+  int keep = 0;
+  for (int k = 0; k < count; ++k) {
+    if (t->d[t->tied[k]] >= KEEP * top) {
+      t->tied[keep++] = t->tied[k];
+    }
+  }
+  return (keep == 1) ? t->tied[0] : break_ties(t, keep);
+}
+
+/* Enters `entering` at position p; returns the variable that left. */
+static int pivot(lemke_path *t, int p) {
+  const int n = t->sys.n;
+  const double step = t->x[p] / t->d[p];
+  for (int i = 0; i < n; ++i) {
+    t->x[i] -= step * t->d[i];
+  }
+  t->x[p] = step;
+  if (t->generic) {
+    const double shift = t->delta[p] / t->d[p];
+    for (int i = 0; i < n; ++i) {
+      t->delta[i] -= shift * t->d[i];
+    }
+    t->delta[p] = shift;
+  }
+  const int left = t->basis.head[p];
+  lin_basis_replace(&t->basis, p, t->entering, t->d);
+  t->pivots++;
+  return left;
+}
+
+/* Brings z0 in against the most negative basic value; false when there is none. The covering
+ * vector is B 1: all ones in the basis the path starts from. */
+static bool enter_cover(lemke_path *t) {
+  const int n = t->sys.n;
+  int count = 0;
+  double low = -t->tol.tie * fmax(1, largest(t->x, n));
+  const double slack = -low;
+  bool any = false;
+  for (int i = 0; i < n; ++i) {
+    t->d[i] = bounded(t, i) ? -1 : 0;
+    t->lex[i] = 0;
+    any = any || (bounded(t, i) && t->x[i] < low);
+  }
+  if (!any) {
+    return false;
+  }
+  lin_basis_residual(&t->basis, t->d, t->lex, t->sum); /* 0 - B (-1) */
+  for (int i = 0; i < n; ++i) {
+    t->cover[i] = (double)t->sum[i];
+    low = bounded(t, i) ? fmin(low, t->x[i]) : low;
+  }
+  for (int i = 0; i < n; ++i) {
+    if (bounded(t, i) && t->x[i] <= low + slack) {
+      t->tied[count++] = i;
+    }
+  }
+  t->entering = 2 * n;
+  for (int i = 0; i < n; ++i) { /* the smallest of equals: -d is 1 in every row that can leave */
+    t->d[i] = -t->d[i];
+  }
+  const int p = break_ties(t, count);
+  for (int i = 0; i < n; ++i) {
+    t->d[i] = -t->d[i];
+  }
+  t->entering = complement(pivot(t, p), n);
+  return true;
+}
+
+/* Computes d for the entering variable and the blocking position; a pivot that looks doubtful is
+ * recomputed from a new factorisation. False when the basis is singular. */
+static bool choose(lemke_path *t, int *p) {
+  const int n = t->sys.n;
+  for (int again = 0; again < 2; ++again) {
+    lin_basis_column(&t->basis, t->entering, t->d);
+    lin_basis_solve(&t->basis, t->d);
+    *p = ratio_test(t);
+    const bool sure = *p >= 0 && t->d[*p] > DOUBTFUL * largest(t->d, n);
+    if (sure || t->basis.n_eta == 0) {
+      return true;
+    }
+    if (!refactor(t)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Mixes a variable into the hash of the nonbasic set (splitmix64 finaliser). */
+static uint64_t mixed(int var) {
+  base_rng r = base_rng_seeded((uint64_t)var + 1);
+  return base_rng_bits(&r);
+}
+
+static void note_basis(lemke_path *t) {
+  for (int i = 0; i < t->sys.n; ++i) {
+    t->in_z[i] = t->basis.where[t->sys.n + i] >= 0;
+  }
+}
+
+/* The path with exact numbers never meets a basis twice. One that does is lost to round-off: found
+ * by comparing with the basis noted at the last power of two (Brent 1980). */
+static bool repeats(lemke_path *t, int left) {
+  t->hash ^= mixed(left) ^ mixed(t->entering);
+  const bool same = t->hash == t->noted;
+  if (--t->until_note <= 0) {
+    t->noted = t->hash;
+    t->period *= 2;
+    t->until_note = t->period;
+  }
+  return same;
+}
+
+static lemke_end follow(lemke_path *t) {
+  const int n = t->sys.n;
+  t->hash = 0;
+  t->noted = 1;
+  t->period = 1;
+  t->until_note = 1;
+  for (;;) {
+    int p = -1;
+    if (t->pivots >= t->pivot_limit) {
+      return LEMKE_LIMIT;
+    }
+    if (t->pivots % TIME_EVERY == 0 && base_seconds() > t->deadline) {
+      return LEMKE_TIMEOUT;
+    }
+    if ((lin_basis_due(&t->basis) && !refactor(t)) || !choose(t, &p)) {
+      return LEMKE_BROKEN;
+    }
+    if (p < 0) {
+      return LEMKE_RAY;
+    }
+    const int left = pivot(t, p);
+    if (left == 2 * n) {
+      return LEMKE_SOLVED;
+    }
+    if (repeats(t, left)) {
+      return LEMKE_CYCLE;
+    }
+    t->entering = complement(left, n);
+  }
+}
+
+/* delta > 0, the same in every run, without the linear relations that contacts of one body have. */
+static void start_generic(lemke_path *t) {
+  const int n = t->sys.n;
+  base_rng random = base_rng_seeded(1965);
+  t->generic = n >= GENERIC_FROM;
+  if (!t->generic) {
+    return;
+  }
+  for (int i = 0; i < n; ++i) {
+    const double v = base_rng_between(&random, 1, 2);
+    t->delta[i] = bounded(t, i) ? v : 0;
+    t->lex[i] = 0;
+  }
+  lin_basis_residual(&t->basis, t->delta, t->lex, t->sum);
+  for (int i = 0; i < n; ++i) {
+    t->delta_rhs[i] = -(double)t->sum[i];
+  }
+}
+
+lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  t->system = s;
+  t->tol = tol;
+  t->sys = (lin_system){s->rows, s->colptr, s->rowind, s->val, t->cover};
+  lin_basis_start(&t->basis, &t->sys, t->in_z);
+  t->generic = false;
+  if (!refactor(t)) {
+    return LEMKE_BROKEN;
+  }
+  for (int i = 0; i < s->rows; ++i) {
+    t->first[i] = t->in_z[i] ? s->rows + i : i;
+  }
+  start_generic(t);
+  const lemke_end end = enter_cover(t) ? follow(t) : LEMKE_SOLVED;
+  note_basis(t);
+  return end;
+}
+
+bool lemke_path_settle(lemke_path *t) {
+  const int n = t->sys.n;
+  t->generic = false;
+  lin_basis_start(&t->basis, &t->sys, t->in_z);
+  if (!refactor(t)) {
+    return false;
+  }
+  for (int pass = 0; pass < 2; ++pass) { /* two more corrections: x is then as good as the data */
+    lin_basis_residual(&t->basis, t->x, t->system->q, t->sum);
+    for (int i = 0; i < n; ++i) {
+      t->lex[i] = (double)t->sum[i];
+    }
+    lin_basis_solve(&t->basis, t->lex);
+    for (int i = 0; i < n; ++i) {
+      t->x[i] += t->lex[i];
+    }
+  }
+  return true;
+}

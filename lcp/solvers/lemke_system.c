@@ -1,0 +1,241 @@
+/* The scaled column form of a problem. Scaling by powers of two changes no digit. Columns are always
+ * scaled to maximum 1..2; rows only when they differ by more than 2^20, because a row scaling is a
+ * choice of covering vector and d = 1 is to mean what it says. */
+#include "lcp/solvers/lemke.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+enum { SPREAD = 20 }; /* rows whose maxima are apart by more than 2^20 are scaled */
+enum { PASSES = 12 }; /* each halves the exponents (Ruiz 2001), enough for 2^1000 */
+
+void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a) {
+  const size_t rows = (size_t)(cap->n + cap->n_dof);
+  const size_t nnz = (size_t)cap->nnz + 2 * (size_t)cap->n_jac + (size_t)cap->n_dof;
+  *s = (lemke_system){.n = cap->n};
+  s->colptr = BASE_ARRAY(a, int, rows + 1);
+  s->rowind = BASE_ARRAY(a, int, nnz);
+  s->val = BASE_ARRAY(a, double, nnz);
+  s->q = BASE_ARRAY(a, double, rows);
+  s->row_exp = BASE_ARRAY(a, int, rows);
+  s->col_exp = BASE_ARRAY(a, int, rows);
+  s->row_top = BASE_ARRAY(a, int, rows);
+  s->col_top = BASE_ARRAY(a, int, rows);
+  s->diagonal = BASE_ARRAY(a, double, cap->n);
+  s->w = BASE_ARRAY(a, long double, rows);
+  s->row_sum = BASE_ARRAY(a, long double, rows);
+  s->tau0 = BASE_ARRAY(a, double, rows);
+  s->zref = BASE_ARRAY(a, double, rows);
+  s->is_free = BASE_ARRAY(a, unsigned char, rows);
+}
+
+static int push(lemke_system *s, int at, int row, double v) {
+  if (v != 0) {
+    s->rowind[at] = row;
+    s->val[at++] = v;
+  }
+  return at;
+}
+
+static void columns_of_dense(lemke_system *s, const lcp_matrix *M) {
+  int at = 0;
+  for (int j = 0; j < M->n; ++j) {
+    s->colptr[j] = at;
+    for (int i = 0; i < M->n; ++i) {
+      at = push(s, at, i, M->val[(size_t)j * (size_t)M->n + (size_t)i]);
+    }
+  }
+  s->colptr[M->n] = at;
+}
+
+static void columns_of_csc(lemke_system *s, const lcp_csc *M) {
+  int at = 0;
+  for (int j = 0; j < M->n_col; ++j) {
+    s->colptr[j] = at;
+    for (int p = M->colptr[j]; p < M->colptr[j + 1]; ++p) {
+      at = push(s, at, M->rowind[p], M->val[p]);
+    }
+  }
+  s->colptr[M->n_col] = at;
+}
+
+/* Entries of W J' in column `row` of the impulses, for one side of a group. */
+static int body_velocity(lemke_system *s, const lcp_factored *f, int body, const double *jac,
+                         int at) {
+  const int first = f->dof_start[body];
+  const int size = f->dof_start[body + 1] - first;
+  const double *W = f->weight + f->weight_start[body];
+  for (int i = 0; i < size; ++i) {
+    double v = 0;
+    for (int k = 0; k < size; ++k) {
+      v += W[k * size + i] * jac[k];
+    }
+    at = push(s, at, s->n + first + i, v);
+  }
+  return at;
+}
+
+/* The impulse columns of  [S J; WJ' -I]: body velocities u = W J' z become free unknowns, so that
+ * no product of two contacts is ever formed (Lloyd 2005). */
+static int impulse_columns(lemke_system *s, const lcp_factored *f) {
+  int at = 0;
+  for (int g = 0; g < f->n_group; ++g) {
+    const double *side = f->jac + f->jac_start[g];
+    const int rows = f->row_start[g + 1] - f->row_start[g];
+    for (int r = 0; r < rows; ++r) {
+      const int j = f->row_start[g] + r;
+      s->colptr[j] = at;
+      for (int p = f->shift ? f->shift->colptr[j] : 0; f->shift && p < f->shift->colptr[j + 1];
+           ++p) {
+        at = push(s, at, f->shift->rowind[p], f->shift->val[p]);
+      }
+      const double *jac = side;
+      for (int k = 0; k < 2; ++k) {
+        const int body = f->body[2 * g + k];
+        if (body < 0) {
+          continue;
+        }
+        const int size = f->dof_start[body + 1] - f->dof_start[body];
+        at = body_velocity(s, f, body, jac + r * size, at);
+        jac += rows * size;
+      }
+    }
+  }
+  return at;
+}
+
+static int velocity_columns(lemke_system *s, const lcp_factored *f, int at) {
+  const int n_dof = f->dof_start[f->n_body];
+  int *next = s->row_top; /* counts first, then fill positions */
+  memset(next, 0, sizeof(int) * (size_t)n_dof);
+  for (int fill = 0; fill < 2; ++fill) {
+    for (int g = 0; g < f->n_group; ++g) {
+      const double *jac = f->jac + f->jac_start[g];
+      const int rows = f->row_start[g + 1] - f->row_start[g];
+      for (int k = 0; k < 2; ++k) {
+        const int body = f->body[2 * g + k];
+        const int first = (body < 0) ? 0 : f->dof_start[body];
+        const int size = (body < 0) ? 0 : f->dof_start[body + 1] - first;
+        for (int e = 0; e < rows * size; ++e) {
+          const int c = first + e % size;
+          if (fill && jac[e] != 0) {
+            s->rowind[next[c]] = f->row_start[g] + e / size;
+            s->val[next[c]] = jac[e];
+          }
+          next[c] += jac[e] != 0;
+        }
+        jac += rows * size;
+      }
+    }
+    for (int c = 0; c < n_dof && !fill; ++c) { /* one more entry each: the diagonal */
+      const int count = next[c];
+      s->colptr[s->n + c] = at;
+      next[c] = at;
+      at += count + 1;
+      s->rowind[at - 1] = s->n + c;
+      s->val[at - 1] = -1;
+    }
+  }
+  return at;
+}
+
+/* Largest binary exponents of rows and columns under the present scaling. */
+static void measure(lemke_system *s) {
+  for (int i = 0; i < s->rows; ++i) {
+    s->row_top[i] = INT_MIN;
+    s->col_top[i] = INT_MIN;
+  }
+  for (int j = 0; j < s->rows; ++j) {
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      const int i = s->rowind[p];
+      const int e = ilogb(s->val[p]) + s->row_exp[i] + s->col_exp[j];
+      s->row_top[i] = (e > s->row_top[i]) ? e : s->row_top[i];
+      s->col_top[j] = (e > s->col_top[j]) ? e : s->col_top[j];
+    }
+  }
+}
+
+/* Distance between the largest and the smallest of the exponents; empty rows do not count. */
+static int spread(const int *top, int n) {
+  int low = INT_MAX;
+  int high = INT_MIN;
+  for (int i = 0; i < n; ++i) {
+    low = (top[i] != INT_MIN && top[i] < low) ? top[i] : low;
+    high = (top[i] > high) ? top[i] : high;
+  }
+  return (low > high) ? 0 : high - low;
+}
+
+static void shift_down(int *exponent, const int *top, int n, int divisor) {
+  for (int i = 0; i < n; ++i) {
+    exponent[i] -= (top[i] == INT_MIN) ? 0 : top[i] / divisor;
+  }
+}
+
+static void equilibrate(lemke_system *s) {
+  const int n = s->rows;
+  for (int i = 0; i < n; ++i) {
+    s->row_exp[i] = 0;
+    s->col_exp[i] = 0;
+  }
+  measure(s);
+  shift_down(s->col_exp, s->col_top, n, 1);
+  measure(s);
+  const bool rows_too = spread(s->row_top, n) > SPREAD;
+  for (int pass = 0; rows_too && pass < PASSES; ++pass) {
+    shift_down(s->row_exp, s->row_top, n, 2);
+    shift_down(s->col_exp, s->col_top, n, 2);
+    measure(s);
+  }
+  for (int j = 0; j < n; ++j) {
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      s->val[p] = ldexp(s->val[p], s->row_exp[s->rowind[p]] + s->col_exp[j]);
+    }
+  }
+}
+
+static void scale_right_side(lemke_system *s, const double *q) {
+  int top = INT_MIN;
+  for (int i = 0; i < s->rows; ++i) {
+    s->q[i] = (i < s->n) ? q[i] : 0;
+    if (s->q[i] != 0) {
+      const int e = ilogb(s->q[i]) + s->row_exp[i];
+      top = (e > top) ? e : top;
+    }
+  }
+  top = (top == INT_MIN) ? 0 : top;
+  for (int i = 0; i < s->rows; ++i) {
+    s->q[i] = ldexp(s->q[i], s->row_exp[i] - top);
+  }
+  s->q_exp = top;
+}
+
+void lemke_system_build(lemke_system *s, const lcp_problem *p) {
+  const lcp_matrix *M = &p->M;
+  s->n = M->n;
+  s->rows = M->n;
+  memset(s->is_free, 0, (size_t)M->n);
+  for (int b = 0; b < p->n_block && p->block; ++b) {
+    if (p->block[b].set == LCP_FREE) {
+      memset(s->is_free + p->block[b].start, 1, (size_t)p->block[b].size);
+    }
+  }
+  if (M->storage == LCP_DENSE) {
+    columns_of_dense(s, M);
+  } else if (M->storage == LCP_CSC) {
+    columns_of_csc(s, &M->csc);
+  } else {
+    const int n_dof = M->factored->dof_start[M->factored->n_body];
+    const int at = impulse_columns(s, M->factored);
+    s->rows = M->n + n_dof;
+    s->colptr[s->rows] = velocity_columns(s, M->factored, at);
+    memset(s->is_free + M->n, 1, (size_t)n_dof);
+  }
+  equilibrate(s);
+  lcp_matrix_diagonal(M, s->diagonal);
+  for (int i = 0; i < s->n; ++i) {
+    s->diagonal[i] = ldexp(s->diagonal[i], s->row_exp[i] + s->col_exp[i]);
+  }
+  scale_right_side(s, p->q);
+}

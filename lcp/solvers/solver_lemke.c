@@ -1,0 +1,194 @@
+/* solver_lemke.c - Lemke's method (Lemke 1965; Cottle, Pang & Stone 1992, algorithms 4.4.5 and 4.9.3):
+ * covering vector, complementary pivots, lexicographic ratio test. See README.md, "lemke". */
+#include "lcp/base/clock.h"
+#include "lcp/solvers/lemke.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct lemke_options {
+  lcp_stop stop;
+} lemke_options;
+
+static const base_field FIELDS[] = {
+    LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
+};
+
+typedef struct lemke_state {
+  lemke_system system;
+  lemke_path path;
+  double *best;         /* n: point with the smallest residual so far */
+  double *trial;        /* rows, scaled */
+  double *proof;        /* n: Farkas vector or ray */
+  unsigned char *basis; /* n */
+} lemke_state;
+
+/* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
+ * parallel contacts, blunt ones where round-off has piled up. */
+static const lemke_tolerance ATTEMPTS[] = {{1e-11, 1e-12}, {1e-14, 1e-15}, {1e-8, 1e-10}};
+
+/* The residual of a right basis is round-off; more means a neighbouring basis, worth another try
+ * even where the tolerance is met (two contacts parallel up to 2^-40). */
+static const double ROUND_OFF = 1e-14;
+
+static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
+  (void)opt;
+  lemke_state *k = state;
+  const size_t n = (size_t)cap->n;
+  lemke_system_layout(&k->system, cap, a);
+  lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof, a);
+  k->best = BASE_ARRAY(a, double, n);
+  k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
+  k->proof = BASE_ARRAY(a, double, n);
+  k->basis = BASE_ARRAY(a, unsigned char, n);
+}
+
+static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
+  (void)opt;
+  (void)err;
+  lemke_state *k = state;
+  lemke_system_build(&k->system, p);
+  return BASE_OK;
+}
+
+/* Point of the settled basis, scaled. Components a round-off below zero are zero; the residual test
+ * that follows sees what that costs. */
+static void read_point(const lemke_state *k, double *z) {
+  const lemke_system *s = &k->system;
+  const lemke_path *t = &k->path;
+  for (int i = 0; i < s->rows; ++i) {
+    const int at = t->basis.where[s->rows + i];
+    const double v = (at < 0) ? 0 : t->x[at];
+    z[i] = (s->is_free[i] || v > 0) ? v : 0;
+  }
+}
+
+/* Judges the basis the path ended in; keeps it when it is the best so far. True when no other
+ * attempt is needed. */
+static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+  if (!lemke_path_settle(&k->path)) {
+    return false;
+  }
+  read_point(k, k->trial);
+  const double rho = lemke_residual(&k->system, k->trial);
+  res->work.matvecs++;
+  if (rho < res->residual) {
+    res->residual = rho;
+    for (int i = 0; i < k->system.n; ++i) {
+      k->best[i] = ldexp(k->trial[i], k->system.q_exp + k->system.col_exp[i]);
+    }
+    memcpy(k->basis, k->path.in_z, (size_t)k->system.n);
+  }
+  return rho <= fmin(stop->tol, ROUND_OFF);
+}
+
+/* True when the start point names a basis other than that of a cold start. */
+static bool start_basis(lemke_state *k, const double *z) {
+  const lemke_system *s = &k->system;
+  bool warm = false;
+  for (int i = 0; i < s->rows; ++i) {
+    const bool active = i < s->n && !s->is_free[i] && z[i] > 0;
+    warm = warm || active;
+    k->path.in_z[i] = s->is_free[i] || active;
+  }
+  return warm;
+}
+
+static lcp_outcome outcome_of(lemke_end end) {
+  switch (end) {
+  case LEMKE_SOLVED:
+    return LCP_STALLED; /* a basis, but not one that passes the test */
+  case LEMKE_RAY:
+    return LCP_RAY;
+  case LEMKE_LIMIT:
+    return LCP_MAX_ITER;
+  case LEMKE_TIMEOUT:
+    return LCP_TIME_LIMIT;
+  case LEMKE_CYCLE:
+  case LEMKE_BROKEN:
+    break;
+  }
+  return LCP_NUMERICAL;
+}
+
+/* The ray as a certificate: a Farkas vector where that can be proved. */
+static void certify_ray(lemke_state *k, const lcp_problem *p, lcp_result *res) {
+  if (res->certificate.kind != LCP_CERT_NONE) {
+    return;
+  }
+  const bool proved = lemke_farkas(&k->path, &k->system, p, k->proof);
+  res->certificate =
+      (lcp_certificate){.kind = proved ? LCP_CERT_FARKAS : LCP_CERT_RAY, .vector = k->proof};
+}
+
+/* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
+static void run_attempts(lemke_state *k, const lcp_problem *p, const lcp_stop *stop, double *z,
+                         lcp_result *res) {
+  bool warm = start_basis(k, z);
+  for (int a = 0; a < BASE_COUNT(ATTEMPTS);) {
+    const lemke_end end = lemke_path_run(&k->path, &k->system, ATTEMPTS[a]);
+    const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
+    if (end == LEMKE_RAY) {
+      certify_ray(k, p, res);
+    }
+    if (last || a == 0) {
+      res->outcome = outcome_of(end);
+    }
+    if (accept(k, stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
+      break;
+    }
+    a += !warm;
+    warm = false;
+    memset(z, 0, sizeof(double) * (size_t)p->M.n);
+    (void)start_basis(k, z);
+    res->work.fallbacks += a < BASE_COUNT(ATTEMPTS);
+  }
+  if (res->residual <= stop->tol) {
+    res->outcome = LCP_SOLVED;
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = k->basis};
+  } else if (res->certificate.kind == LCP_CERT_FARKAS) {
+    res->outcome = LCP_INFEASIBLE;
+  }
+}
+
+static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  lemke_state *k = state;
+  const lemke_options *o = opt;
+  lemke_path *t = &k->path;
+  *res = (lcp_result){.outcome = LCP_NUMERICAL, .residual = HUGE_VAL, .variant = ""};
+  memset(k->best, 0, sizeof(double) * (size_t)p->M.n);
+  t->pivots = 0;
+  t->pivot_limit = o->stop.max_iter;
+  t->deadline = base_seconds() + o->stop.max_seconds;
+  t->basis.factorizations = 0;
+  t->basis.backsolves = 0;
+  run_attempts(k, p, &o->stop, z, res);
+  memcpy(z, k->best, sizeof(double) * (size_t)p->M.n);
+  res->work.iterations = t->pivots;
+  res->work.pivots = t->pivots;
+  res->work.factorizations = t->basis.factorizations;
+  res->work.backsolves = t->basis.backsolves;
+  if (trace != NULL && trace->len < trace->cap) {
+    trace->iteration[trace->len] = t->pivots;
+    trace->residual[trace->len++] = res->residual;
+  }
+  return BASE_OK;
+}
+
+const lcp_solver lcp_solver_lemke = {
+    .name = "lemke",
+    .title = "Lemke, lexicographic",
+    .cite = "Lemke 1965; Cottle, Pang & Stone 1992, 4.4 and 4.9",
+    .sets = 1u << LCP_ORTHANT | 1u << LCP_FREE,
+    .storages = 1u << LCP_DENSE | 1u << LCP_CSC | 1u << LCP_FACTORED,
+    .exact = true,
+    .warm = true,
+    .fields = FIELDS,
+    .n_fields = BASE_COUNT(FIELDS),
+    .options_size = sizeof(lemke_options),
+    .state_size = sizeof(lemke_state),
+    .layout = layout,
+    .prepare = prepare,
+    .solve = solve,
+};

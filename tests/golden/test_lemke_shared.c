@@ -1,0 +1,189 @@
+/* lemke on the shared problems: the cases with known answers, 25 contact LCPs without one, and the
+ * files of another code. Everything is judged by lcp_judge, never by the solver's word. */
+#include "tests/support/check.h"
+
+#include "lcp/io/lcp_read.h"
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+#include "problems/case_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *shared_path(const char *name, char *buf, size_t cap) {
+  const char *root = getenv("LCPBENCH_SHARED");
+  (void)snprintf(buf, cap, "%s/%s", (root != NULL) ? root : "../shared", name);
+  FILE *f = fopen(buf, "r");
+  if (f == NULL) {
+    print_message("%s is absent\n", buf);
+    return NULL;
+  }
+  (void)fclose(f);
+  return buf;
+}
+
+static lcp_result run_lemke(const lcp_problem *p, double *z, lcp_verdict *v) {
+  const lcp_solver *s = lcp_solver_find("lemke");
+  unsigned char opt[512];
+  base_error err = {0};
+  lcp_instance *k = NULL;
+  lcp_result res;
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  assert_true(s->options_size <= sizeof opt);
+  base_fields_default(s->fields, s->n_fields, opt);
+  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
+  check_ok(lcp_instance_prepare(k, p, &err), &err);
+  check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
+  check_ok(lcp_judge(p, z, v, &err), &err);
+  lcp_instance_close(k);
+  res.certificate = (lcp_certificate){.kind = res.certificate.kind}; /* its arrays are gone */
+  return res;
+}
+
+static unsigned status_bit(lcp_outcome o) {
+  switch (o) {
+  case LCP_SOLVED:
+    return CASE_SOLVED;
+  case LCP_INFEASIBLE:
+    return CASE_INFEASIBLE;
+  case LCP_RAY:
+    return CASE_UNSOLVED_RAY;
+  case LCP_NUMERICAL:
+    return CASE_NUMERICAL_FAILURE;
+  default:
+    return CASE_NOT_CONVERGED;
+  }
+}
+
+static double forward_error(const lcp_case *c, const double *z) {
+  double top = 0;
+  double gap = 0;
+  for (int i = 0; i < c->n; ++i) {
+    top = fmax(top, fabs(c->solution[i]));
+    gap = fmax(gap, fabs(c->solution[i] - z[i]));
+  }
+  return (top > 0) ? gap / top : gap;
+}
+
+/* True when the case came out right. */
+static bool check_case(const lcp_case *c) {
+  double *z = calloc((size_t)c->n + 1, sizeof *z);
+  lcp_verdict v;
+  assert_non_null(z);
+  const lcp_result res = run_lemke(&c->k.p, z, &v);
+  const unsigned bit = status_bit(res.outcome);
+  bool right = (bit & (c->correct | c->honest_failure)) != 0 && (bit & c->false_claim) == 0;
+  if (res.outcome == LCP_SOLVED) {
+    right = right && v.rho <= LCP_VERIFY_EXACT && res.certificate.kind == LCP_CERT_BASIS;
+  }
+  if (res.outcome == LCP_SOLVED && c->forward_tol > 0) {
+    right = right && forward_error(c, z) <= c->forward_tol;
+  }
+  if (c->lemke_pivots > 0) {
+    right = right && res.work.pivots == c->lemke_pivots;
+  }
+  if (!right) {
+    print_error("%s: %s, rho %.2g, %ld pivots\n", c->id, lcp_outcome_name(res.outcome), v.rho,
+                res.work.pivots);
+  }
+  free(z);
+  return right;
+}
+
+static void every_case_comes_out_right(void **state) {
+  (void)state;
+  char path[1024];
+  base_error err = {0};
+  case_file f;
+  if (shared_path("cases/cases.json", path, sizeof path) == NULL) {
+    skip();
+  }
+  check_ok(case_file_read(path, &f, &err), &err);
+  int wrong = 0;
+  int solved = 0;
+  for (int i = 0; i < f.n_lcp; ++i) {
+    const lcp_case *c = &f.lcp[i];
+    if (c->shape_error[0] == '\0' && lcp_problem_check(&c->k.p, NULL) == BASE_OK) {
+      wrong += !check_case(c);
+      ++solved;
+    }
+  }
+  case_file_free(&f);
+  assert_int_equal(wrong, 0);
+  assert_true(solved >= 80);
+}
+
+static const char *const CONTACT[] = {
+    "boxstack_n12", "boxstack_n32", "boxstack_n100", "boxstack_n300", "boxstack_n1000",
+    "column_n10",   "column_n30",   "column_n100",   "column_n300",   "column_n1000",
+    "fbox4_p4",     "fbox4_p20",    "fbox4_p80",     "fbox4_p200",    "fbox8_p4",
+    "fbox8_p20",    "frand4_p5",    "frand4_p20",    "frand4_p80",    "frand8_p5",
+    "frand8_p20",   "pd_n10",       "pd_n30",        "pd_n100",       "pd_n300"};
+
+static void contact_lcps_are_solved(void **state) {
+  (void)state;
+  base_error err = {0};
+  for (int i = 0; i < BASE_COUNT(CONTACT); ++i) {
+    char name[128];
+    char m_path[1024];
+    char q_path[1024];
+    lcp_file_problem f;
+    lcp_verdict v;
+    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.M.mtx", CONTACT[i]);
+    if (shared_path(name, m_path, sizeof m_path) == NULL) {
+      skip();
+    }
+    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.q.mtx", CONTACT[i]);
+    (void)shared_path(name, q_path, sizeof q_path);
+    check_ok(lcp_read_mtx(m_path, q_path, &f, &err), &err);
+    double *z = calloc((size_t)f.p.M.n, sizeof *z);
+    double top = 0;
+    for (int k = 0; k < f.p.M.n; ++k) {
+      top = fmax(top, fabs(f.p.q[k]));
+    }
+    const lcp_result res = run_lemke(&f.p, z, &v);
+    if (res.outcome != LCP_SOLVED || !(v.min_map <= 1e-10 * (1 + top)) || !(v.rho <= 1e-9)) {
+      fail_msg("%s: %s, min map %.2g, rho %.2g", CONTACT[i], lcp_outcome_name(res.outcome),
+               v.min_map, v.rho);
+    }
+    assert_int_equal(res.work.fallbacks, 0);
+    free(z);
+    lcp_file_problem_free(&f);
+  }
+}
+
+static const char *const FILES[] = {
+    "lcp_CPS_1", "lcp_CPS_2", "lcp_Pang_isolated_sol", "lcp_exp_murty", "lcp_inf_sol_perturbed",
+    "lcp_mmc",   "lcp_ortiz", "lcp_tobenna",           "lcp_trivial"};
+
+static void files_of_another_code_are_solved(void **state) {
+  (void)state;
+  base_error err = {0};
+  for (int i = 0; i < BASE_COUNT(FILES); ++i) {
+    char name[128];
+    char path[1024];
+    lcp_file_problem f;
+    lcp_verdict v;
+    (void)snprintf(name, sizeof name, "data/lcp/%s.dat", FILES[i]);
+    if (shared_path(name, path, sizeof path) == NULL) {
+      skip();
+    }
+    check_ok(lcp_read_siconos(path, &f, &err), &err);
+    double *z = calloc((size_t)f.p.M.n, sizeof *z);
+    const lcp_result res = run_lemke(&f.p, z, &v);
+    if (res.outcome != LCP_SOLVED || !(v.rho <= 1e-9)) {
+      fail_msg("%s: %s, rho %.2g", FILES[i], lcp_outcome_name(res.outcome), v.rho);
+    }
+    free(z);
+    lcp_file_problem_free(&f);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_case_comes_out_right),
+      cmocka_unit_test(contact_lcps_are_solved),
+      cmocka_unit_test(files_of_another_code_are_solved),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
