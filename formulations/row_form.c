@@ -1,0 +1,138 @@
+#include "formulations/row_form.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A memory entry: closed, slipping, then the impulses of the contact's rows. */
+enum { PAST_CLOSED, PAST_SLIP, PAST_LAMBDA, PAST_STRIDE = PAST_LAMBDA + 6 };
+
+static void layout(void *state, base_arena *m) {
+  row_form *s = state;
+  s->q = BASE_ARRAY(m, double, s->cap_row);
+  s->z0 = BASE_ARRAY(m, double, s->cap_row);
+  s->lambda = BASE_ARRAY(m, double, s->cap_row);
+  s->lo = BASE_ARRAY(m, double, s->cap_row);
+  s->hi = BASE_ARRAY(m, double, s->cap_row);
+  s->normal = BASE_ARRAY(m, double, s->cap_group);
+  s->block = BASE_ARRAY(m, lcp_block, 4 * (size_t)s->cap_group);
+}
+
+void row_form_close(void *state) {
+  row_form *s = state;
+  form_assembly_close(&s->a);
+  contact_memory_close(&s->memory);
+  row_matrix_close(&s->matrix);
+  free(s->mem);
+}
+
+void row_form_forget(void *state) {
+  contact_memory_forget(&((row_form *)state)->memory);
+}
+
+double row_form_friction(const row_form *s, int i) {
+  const int g = s->a.group[i];
+  const double *past = contact_memory_old(&s->memory, g);
+  const bool slips = past != NULL && past[PAST_SLIP] > 0;
+  return slips ? s->a.set->mu_kinetic[g] : s->a.set->mu_static[g];
+}
+
+int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]) {
+  const int g = s->a.group[i];
+  const contact_rows rows = s->a.set->rows[g];
+  int n = 0;
+  if (rows.tangent > 0) {
+    dim[n] = rows.tangent;
+    mu[n++] = row_form_friction(s, i);
+  }
+  if (rows.torsion > 0) {
+    dim[n] = rows.torsion;
+    mu[n++] = s->a.set->mu_torsion[g];
+  }
+  if (rows.rolling > 0) {
+    dim[n] = rows.rolling;
+    mu[n++] = s->a.set->mu_rolling[g];
+  }
+  return n;
+}
+
+/* q = r + b_n; start point and bounds from the impulses of the last step. */
+static void fill_vectors(row_form *s) {
+  const contact_set *c = s->a.set;
+  const double ratio = (s->memory.h_old > 0) ? c->h / s->memory.h_old : 0;
+  memcpy(s->q, s->a.r, (size_t)s->a.n_row * sizeof *s->q);
+  memset(s->z0, 0, (size_t)s->a.n_row * sizeof *s->z0);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double *past = contact_memory_old(&s->memory, g);
+    s->q[s->a.row[i]] += s->a.bias[g];
+    s->normal[i] = (past != NULL) ? ratio * past[PAST_LAMBDA] : 0;
+    for (int k = 0; s->start == FORM_PREVIOUS && past != NULL && k < form_rows_of(&s->a, i); k++) {
+      s->z0[s->a.row[i] + k] = ratio * past[PAST_LAMBDA + k];
+    }
+  }
+}
+
+base_status row_form_begin(row_form *s, const contact_set *c, const row_options *opt,
+                           formulation_start start, base_error *err) {
+  const form_rule rule = {.level = opt->level,
+                          .activation = opt->activation,
+                          .newton = opt->restitution == 0,
+                          .push = opt->push,
+                          .push_speed = opt->push_speed,
+                          .rest = opt->rest,
+                          .joint_push = opt->joint_push};
+  s->opt = *opt;
+  s->start = start;
+  BASE_TRY(contact_memory_begin(&s->memory, PAST_STRIDE, c, err));
+  BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+  if (opt->joints == 0) {
+    BASE_TRY(form_assembly_eliminate(&s->a, err));
+  }
+  if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group) {
+    s->cap_row = c->n_row + c->n_row / 2;
+    s->cap_group = c->n_group + c->n_group / 2;
+    BASE_TRY(form_memory(&s->mem, layout, s, err));
+  }
+  BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)opt->storage, err));
+  fill_vectors(s);
+  s->n_block = 0;
+  s->done = false;
+  s->answer = (formulation_answer){.solved = true,
+                                   .lcp_dim = s->a.n_row,
+                                   .n_active = s->a.n_contact,
+                                   .stiffness_ratio = HUGE_VAL};
+  if (s->a.n_row == 0) {
+    row_form_finish(s, s->z0, true);
+  }
+  return BASE_OK;
+}
+
+static double norm(const double *x, int n) {
+  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
+}
+
+void row_form_finish(row_form *s, const double *lambda, bool solved) {
+  s->done = true;
+  s->answer.solved = solved;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const int tangent = s->a.set->rows[g].tangent;
+    const double *l = lambda + s->a.row[i];
+    double *now = contact_memory_now(&s->memory, g);
+    const double limit = (1 - 1e-6) * row_form_friction(s, i) * l[0]; /* on the cone, to rounding */
+    const bool slips = tangent == 0 || norm(l + 1, tangent) >= limit;
+    now[PAST_SLIP] = tangent > 0 && l[0] > 0 && slips;
+    memcpy(now + PAST_LAMBDA, l, (size_t)form_rows_of(&s->a, i) * sizeof *l);
+    s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + slips : 0);
+  }
+  form_assembly_answer(&s->a, lambda);
+}
+
+void row_form_answer(const void *state, formulation_answer *out) {
+  const row_form *s = state;
+  *out = s->answer;
+  out->impulse = s->a.impulse;
+  out->v_next = s->a.v_next;
+  out->bias = s->a.bias;
+  out->mode = s->a.mode;
+}

@@ -1,0 +1,141 @@
+#include "formulations/row_matrix.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void layout_rows(void *state, base_arena *a) {
+  row_matrix *m = state;
+  m->colptr = BASE_ARRAY(a, int, m->cap_n + 1);
+  m->body = BASE_ARRAY(a, int, 2 * (size_t)m->cap_group);
+  m->jac_start = BASE_ARRAY(a, int, m->cap_group + 1);
+}
+
+static void layout_values(void *state, base_arena *a) {
+  row_matrix *m = state;
+  m->val = BASE_ARRAY(a, double, m->cap_val);
+  m->rowind = BASE_ARRAY(a, int, m->cap_val);
+  m->jac = BASE_ARRAY(a, double, m->cap_jac);
+}
+
+void row_matrix_close(row_matrix *m) {
+  free(m->mem);
+  free(m->val_mem);
+}
+
+static base_status reserve(row_matrix *m, const form_assembly *a, size_t val, size_t jac,
+                           base_error *err) {
+  if (val > (size_t)INT32_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "Delassus matrix: %zu stored entries, more than 2^31 (storage=factored)", val);
+  }
+  if (m->mem == NULL || a->n_row > m->cap_n || a->n_group > m->cap_group) {
+    m->cap_n = a->n_row + a->n_row / 2;
+    m->cap_group = a->n_group + a->n_group / 2;
+    BASE_TRY(form_memory(&m->mem, layout_rows, m, err));
+  }
+  if (m->val_mem == NULL || val > m->cap_val || jac > m->cap_jac) {
+    m->cap_val = (val > m->cap_val) ? val + val / 2 : m->cap_val;
+    m->cap_jac = (jac > m->cap_jac) ? jac + jac / 2 : m->cap_jac;
+    BASE_TRY(form_memory(&m->val_mem, layout_values, m, err));
+  }
+  return BASE_OK;
+}
+
+/* C is symmetric: column q of group j read along row q of its blocks. */
+static void fill_csc(row_matrix *m, const form_assembly *a) {
+  int at = 0;
+  for (int j = 0; j < a->n_group; j++) {
+    for (int q = 0; q < form_rows_of(a, j); q++) {
+      m->colptr[a->row[j] + q] = at;
+      for (int k = a->near_start[j]; k < a->near_start[j + 1]; k++) {
+        const int i = a->near[k];
+        const int ri = form_rows_of(a, i);
+        const double *block = a->block + a->block_at[k] + (ptrdiff_t)q * ri;
+        for (int p = 0; p < ri; p++) {
+          m->rowind[at] = a->row[i] + p;
+          m->val[at++] = block[p];
+        }
+      }
+    }
+  }
+  m->colptr[a->n_row] = at;
+  m->M.csc = (lcp_csc){a->n_row, a->n_row, m->colptr, m->rowind, m->val};
+}
+
+static size_t jacobian_size(const form_assembly *a, int i) {
+  const contact_set *c = a->set;
+  int width = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * a->group[i] + side];
+    width += (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+  }
+  return (size_t)form_rows_of(a, i) * (size_t)width;
+}
+
+/* The rows in use of every active group, copied side by side. */
+static void fill_factored(row_matrix *m, const form_assembly *a) {
+  const contact_set *c = a->set;
+  double *out = m->jac;
+  for (int i = 0; i < a->n_group; i++) {
+    const int g = a->group[i];
+    const int rows = form_rows_of(a, i);
+    const int all = c->row_start[g + 1] - c->row_start[g];
+    const double *jac = c->jac + c->jac_start[g];
+    m->jac_start[i] = (int)(out - m->jac);
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * g + side];
+      const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+      m->body[2 * i + side] = b;
+      memcpy(out, jac, (size_t)rows * (size_t)n * sizeof *out);
+      out += (ptrdiff_t)rows * n;
+      jac += (ptrdiff_t)all * n;
+    }
+  }
+  m->jac_start[a->n_group] = (int)(out - m->jac);
+  m->factored = (lcp_factored){.n_body = c->n_body,
+                               .dof_start = c->dof_start,
+                               .weight_start = c->mass_start,
+                               .weight = c->inv_mass,
+                               .n_group = a->n_group,
+                               .row_start = a->row,
+                               .body = m->body,
+                               .jac_start = m->jac_start,
+                               .jac = m->jac};
+  m->M.factored = &m->factored;
+}
+
+base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
+                             base_error *err) {
+  const size_t n = (size_t)a->n_row;
+  const size_t nnz = (a->n_group > 0) ? a->block_at[a->near_start[a->n_group]] : 0;
+  if (storage == ROW_FACTORED && a->n_joint_group > 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: needs joints=mixed");
+  }
+  if (storage == ROW_AUTO) {
+    storage = (n <= 64 || nnz > n * n / 4) ? ROW_DENSE : ROW_CSC;
+  }
+  size_t jac = 0;
+  for (int i = 0; storage == ROW_FACTORED && i < a->n_group; i++) {
+    jac += jacobian_size(a, i);
+  }
+  const size_t val = (storage == ROW_DENSE) ? n * n : ((storage == ROW_CSC) ? nnz : 0);
+  BASE_TRY(reserve(m, a, val, jac, err));
+  m->M = (lcp_matrix){.n = a->n_row};
+  switch (storage) {
+  case ROW_AUTO:
+  case ROW_DENSE:
+    m->M.storage = LCP_DENSE;
+    form_assembly_dense(a, m->val);
+    m->M.val = m->val;
+    break;
+  case ROW_CSC:
+    m->M.storage = LCP_CSC;
+    fill_csc(m, a);
+    break;
+  case ROW_FACTORED:
+    m->M.storage = LCP_FACTORED;
+    fill_factored(m, a);
+    break;
+  }
+  return BASE_OK;
+}

@@ -1,0 +1,22 @@
+/* formulations/row_matrix.h - the Delassus matrix C = J W J' of the active rows as an lcp_matrix:
+ * dense, compressed columns, or the factors themselves, never multiplied out. */
+#pragma once
+
+#include "formulations/assembly.h"
+
+typedef enum row_storage { ROW_AUTO, ROW_DENSE, ROW_CSC, ROW_FACTORED } row_storage;
+
+typedef struct row_matrix {
+  lcp_matrix M; /* view of the arrays below */
+  lcp_factored factored;
+  double *val, *jac;
+  int *colptr, *rowind, *body, *jac_start;
+  int cap_n, cap_group;
+  size_t cap_val, cap_jac;
+  void *mem, *val_mem; /* owned */
+} row_matrix;
+
+/* Joints that were eliminated cannot be expressed by factors: ROW_FACTORED is then refused. */
+base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
+                             base_error *err);
+void row_matrix_close(row_matrix *m);
