@@ -163,8 +163,10 @@ static void outline(const box_face *f, int v[4]) {
   }
 }
 
-/* Corners of `from` that stand over face `to`. */
-static void corners_over(const box_face *from, const box_face *to, contact_list *l) {
+/* Corners of `from` that stand over face `to`, no deeper than `deepest`: in deep overlaps a corner
+ * may be far behind a face that is not the way out. */
+static void corners_over(const box_face *from, const box_face *to, double deepest,
+                         contact_list *l) {
   int v[4];
   double n[3];
   outline(from, v);
@@ -175,7 +177,7 @@ static void corners_over(const box_face *from, const box_face *to, contact_list 
     double x[3], u, w, height;
     vertex_of(from->o, v[i], x);
     over_face(to, x, &u, &w, &height);
-    if (fabs(u) <= hu && fabs(w) <= hv) {
+    if (fabs(u) <= hu && fabs(w) <= hv && height >= deepest) {
       add_point(l, x, from->is_a, n, height, from->is_a ? v[i] : VERTEX_B + v[i]);
     }
   }
@@ -233,8 +235,9 @@ static void face_manifold(const obox *a, const obox *b, const sat_axis *best, bo
   }
   v3_scale(-1.0, ref.m, back);
   const box_face inc = face_towards(o, k, back, !ref_is_a);
-  corners_over(&inc, &ref, l);
-  corners_over(&ref, &inc, l);
+  const double deepest = best->sep - l->slack;
+  corners_over(&inc, &ref, deepest, l);
+  corners_over(&ref, &inc, deepest, l);
   outline(&inc, v);
   for (int i = 0; i < 4; i++) {
     edge_crossings(&ref, &inc, v[i], v[(i + 1) % 4], l);
