@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* One verb: one constant in verb_NAME.c and one word here. */
-#define VERB_LIST(X) X(check) X(list) X(simulate) X(solve)
+#define VERB_LIST(X) X(check) X(list) X(run) X(simulate) X(solve)
 
 #define DECLARE_(name) extern const cli_verb verb_##name;
 VERB_LIST(DECLARE_)

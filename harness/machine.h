@@ -1,0 +1,25 @@
+/* harness/machine.h - the machine a row was measured on. */
+#pragma once
+
+#include "lcp/base/status.h"
+
+typedef struct machine {
+  char host[64];
+  char cpu_model[96]; /* the host class: rows of one class may be compared */
+  int n_cpu;
+  char kernel[96], governor[32];
+} machine;
+
+void machine_read(machine *m);
+
+double machine_load(void);               /* 1 minute load average; NaN if unknown */
+double machine_frequency(int cpu);       /* of a logical CPU now [MHz]; NaN if unknown */
+int machine_last_cpu(void);              /* the highest CPU this process may use */
+void machine_utc(char *buf, size_t cap); /* 2024-01-31T12:00:00Z */
+
+/* Fixed work of about 5 ms (multiply-add over an array in cache): the canary of a campaign. A drift
+ * of more than 3 % between two of its times marks what was measured between them. [s] */
+double machine_canary(void);
+
+/* Copies the value of "key : value" from a /proc style file, "" if absent. */
+void machine_proc_value(const char *path, const char *key, char *buf, size_t cap);

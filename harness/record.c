@@ -1,0 +1,308 @@
+#include "harness/record.h"
+
+#include "lcp/base/fields.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum column_kind { COLUMN_TEXT, COLUMN_INT, COLUMN_REAL, COLUMN_BOOL } column_kind;
+
+typedef struct column {
+  const char *name;
+  column_kind kind;
+  size_t offset, size;
+} column;
+
+#define COLUMN_TEXT_(name, len) {#name, COLUMN_TEXT, offsetof(record, name), len},
+#define COLUMN_INT_(name)       {#name, COLUMN_INT, offsetof(record, name), sizeof(int64_t)},
+#define COLUMN_REAL_(name)      {#name, COLUMN_REAL, offsetof(record, name), sizeof(double)},
+#define COLUMN_BOOL_(name)      {#name, COLUMN_BOOL, offsetof(record, name), sizeof(int8_t)},
+static const column columns[] = {
+    RECORD_COLUMNS(COLUMN_TEXT_, COLUMN_INT_, COLUMN_REAL_, COLUMN_BOOL_)};
+
+int record_columns(void) {
+  return BASE_COUNT(columns);
+}
+
+const char *record_column(int i) {
+  return columns[i].name;
+}
+
+void record_clear(record *r) {
+  memset(r, 0, sizeof *r);
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    unsigned char *at = (unsigned char *)r + columns[i].offset;
+    const int64_t no_int = INT64_MIN;
+    const double no_real = (double)NAN;
+    const int8_t no_bool = -1;
+    switch (columns[i].kind) {
+    case COLUMN_TEXT:
+      break;
+    case COLUMN_INT:
+      memcpy(at, &no_int, sizeof no_int);
+      break;
+    case COLUMN_REAL:
+      memcpy(at, &no_real, sizeof no_real);
+      break;
+    case COLUMN_BOOL:
+      memcpy(at, &no_bool, sizeof no_bool);
+      break;
+    }
+  }
+}
+
+/* ---- writing ----------------------------------------------------------------------------------*/
+
+typedef struct sink {
+  char *buf;
+  size_t cap, used;
+} sink;
+
+static void put_char(sink *s, char c) {
+  if (s->used + 1 < s->cap) {
+    s->buf[s->used] = c;
+    s->buf[s->used + 1] = '\0';
+  }
+  s->used++;
+}
+
+static void put_text(sink *s, const char *text) {
+  for (; *text != '\0'; text++) {
+    put_char(s, *text);
+  }
+}
+
+/* RFC 4180; line breaks inside a cell become spaces, so that a row is a line. */
+static void put_cell(sink *s, const char *text) {
+  if (strpbrk(text, ",\"\n\r") == NULL) {
+    put_text(s, text);
+    return;
+  }
+  put_char(s, '"');
+  for (; *text != '\0'; text++) {
+    if (*text == '"') {
+      put_char(s, '"');
+    }
+    put_char(s, (*text == '\n' || *text == '\r') ? ' ' : *text);
+  }
+  put_char(s, '"');
+}
+
+static void put_value(sink *s, const record *r, const column *c) {
+  const unsigned char *at = (const unsigned char *)r + c->offset;
+  char number[32] = "";
+  int64_t i;
+  double x;
+  int8_t b;
+  switch (c->kind) {
+  case COLUMN_TEXT:
+    put_cell(s, (const char *)at);
+    return;
+  case COLUMN_INT:
+    memcpy(&i, at, sizeof i);
+    if (i != INT64_MIN) {
+      (void)snprintf(number, sizeof number, "%lld", (long long)i);
+    }
+    break;
+  case COLUMN_REAL:
+    memcpy(&x, at, sizeof x);
+    if (isfinite(x)) {
+      base_real_print(x, number, sizeof number);
+    }
+    break;
+  case COLUMN_BOOL:
+    memcpy(&b, at, sizeof b);
+    (void)snprintf(number, sizeof number, "%s", b < 0 ? "" : b ? "true" : "false");
+    break;
+  }
+  put_text(s, number);
+}
+
+size_t record_header(char *buf, size_t cap) {
+  sink s = {buf, cap, 0};
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    if (i > 0) {
+      put_char(&s, ',');
+    }
+    put_text(&s, columns[i].name);
+  }
+  put_char(&s, '\n');
+  return s.used;
+}
+
+size_t record_row(const record *r, char *buf, size_t cap) {
+  sink s = {buf, cap, 0};
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    if (i > 0) {
+      put_char(&s, ',');
+    }
+    put_value(&s, r, &columns[i]);
+  }
+  put_char(&s, '\n');
+  return s.used;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------*/
+
+/* Copies the next cell into buf and returns what follows its comma; NULL: malformed. */
+static const char *take_cell(const char *at, char *buf, size_t cap) {
+  size_t used = 0;
+  const bool quoted = *at == '"';
+  at += quoted ? 1 : 0;
+  while (*at != '\0') {
+    if (quoted && *at == '"') {
+      if (at[1] != '"') {
+        at++;
+        break;
+      }
+      at++;
+    } else if (!quoted && *at == ',') {
+      break;
+    }
+    if (used + 1 >= cap) {
+      return NULL;
+    }
+    buf[used++] = *at++;
+  }
+  buf[used] = '\0';
+  if (*at == ',') {
+    return at + 1;
+  }
+  return (*at == '\0') ? at : NULL;
+}
+
+static bool set_value(record *r, const column *c, const char *text) {
+  unsigned char *at = (unsigned char *)r + c->offset;
+  if (c->kind == COLUMN_TEXT) {
+    const size_t len = strlen(text);
+    if (len >= c->size) {
+      return false;
+    }
+    memcpy(at, text, len + 1);
+    return true;
+  }
+  if (text[0] == '\0') {
+    return true; /* not measured: already so */
+  }
+  if (c->kind == COLUMN_BOOL) {
+    const int8_t b = strcmp(text, "true") == 0;
+    memcpy(at, &b, sizeof b);
+    return b || strcmp(text, "false") == 0;
+  }
+  if (c->kind == COLUMN_REAL) {
+    double x;
+    const bool good = base_parse_real(text, &x);
+    memcpy(at, &x, sizeof x);
+    return good;
+  }
+  char *end;
+  errno = 0;
+  const int64_t i = strtoll(text, &end, 10);
+  memcpy(at, &i, sizeof i);
+  return *end == '\0' && errno == 0;
+}
+
+base_status record_parse(const char *row, record *r, base_error *err) {
+  char cell[2048];
+  record_clear(r);
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    const char *next = take_cell(row, cell, sizeof cell);
+    const bool last = i + 1 == BASE_COUNT(columns);
+    if (next == NULL || (!last && *next == '\0' && next[-1] != ',') || (last && *next != '\0')) {
+      return BASE_FAIL(err, BASE_EINVAL, "column %s: the row ends early or late", columns[i].name);
+    }
+    if (!set_value(r, &columns[i], cell)) {
+      return BASE_FAIL(err, BASE_EINVAL, "column %s: '%.40s' does not belong here", columns[i].name,
+                       cell);
+    }
+    row = next;
+  }
+  return BASE_OK;
+}
+
+/* ---- tables -----------------------------------------------------------------------------------*/
+
+base_status record_table_append(record_table *t, const record *r, base_error *err) {
+  if (t->n == t->cap) {
+    const int cap = (t->cap > 0) ? 2 * t->cap : 64;
+    record *grown = realloc(t->row, (size_t)cap * sizeof *grown);
+    if (grown == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d rows", cap);
+    }
+    t->row = grown;
+    t->cap = cap;
+  }
+  t->row[t->n++] = *r;
+  return BASE_OK;
+}
+
+static base_status read_lines(FILE *from, const char *path, record_table *out, base_error *err) {
+  char header[4096];
+  char line[RECORD_ROW];
+  (void)record_header(header, sizeof header);
+  int number = 0;
+  while (fgets(line, sizeof line, from) != NULL) {
+    number++;
+    const size_t len = strlen(line);
+    if (len == 0 || line[len - 1] != '\n') {
+      out->torn = true; /* only the last line can lack its end: rows are shorter than the buffer */
+      return BASE_OK;
+    }
+    if (number == 1) {
+      if (strcmp(line, header) != 0) {
+        return BASE_FAIL(err, BASE_EINVAL, "%s:1: header of another format version", path);
+      }
+      continue;
+    }
+    line[len - 1] = '\0';
+    record r;
+    base_error why = {0};
+    if (record_parse(line, &r, &why) != BASE_OK) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s:%d: %.300s", path, number, why.text);
+    }
+    BASE_TRY(record_table_append(out, &r, err));
+  }
+  return ferror(from) ? BASE_FAIL(err, BASE_EIO, "%s: could not be read", path) : BASE_OK;
+}
+
+base_status record_table_read(const char *path, record_table *out, base_error *err) {
+  *out = (record_table){0};
+  FILE *from = fopen(path, "r");
+  if (from == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  }
+  const base_status done = read_lines(from, path, out, err);
+  (void)fclose(from);
+  if (done != BASE_OK) {
+    record_table_free(out);
+  }
+  return done;
+}
+
+base_status record_table_write(const char *path, const record_table *t, base_error *err) {
+  char temporary[1100];
+  char line[RECORD_ROW];
+  (void)snprintf(temporary, sizeof temporary, "%.1024s.tmp", path);
+  FILE *to = fopen(temporary, "w");
+  if (to == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", temporary, strerror(errno));
+  }
+  (void)record_header(line, sizeof line);
+  bool good = fputs(line, to) != EOF;
+  for (int i = 0; good && i < t->n; i++) {
+    (void)record_row(&t->row[i], line, sizeof line);
+    good = fputs(line, to) != EOF;
+  }
+  good = fclose(to) == 0 && good;
+  if (!good || rename(temporary, path) != 0) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  }
+  return BASE_OK;
+}
+
+void record_table_free(record_table *t) {
+  free(t->row);
+  *t = (record_table){0};
+}

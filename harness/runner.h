@@ -1,0 +1,40 @@
+/* harness/runner.h - measures the units of a plan, each in its own process, and appends their rows
+ * to DIR/results.csv. Rows of a unit are written in one piece; what is there already is not measured
+ * again, so that a run may be killed at any moment and started again. */
+#pragma once
+
+#include "harness/plan.h"
+
+typedef enum rerun_what {
+  RERUN_NONE,
+  RERUN_FAILED,   /* every cell with a row that is not ok */
+  RERUN_TIMEOUTS, /* timeout and time_limit */
+  RERUN_ALL,
+  RERUN_SOLVER /* the cells of one solver */
+} rerun_what;
+
+typedef struct runner_options {
+  const char *out; /* directory */
+  rerun_what rerun;
+  const char *rerun_solver;
+  bool pin, quiet, solutions;
+  double canary_every; /* [s] */
+} runner_options;
+
+typedef struct runner_summary {
+  int units, measured, resumed; /* processes: in the plan, measured now, found done */
+  int cells, cells_ok;
+  int rows, stale; /* rows of cells that the plan does not know any more, moved to stale.csv */
+  int by_status[32];
+  bool interrupted;
+  double wall, inside; /* [s] of the run; of it spent in child processes */
+} runner_summary;
+
+base_status runner_run(const plan *p, const runner_options *o, runner_summary *out,
+                       base_error *err);
+
+/* Which units have their rows? done[n_unit]; needs no run. `rows` may be NULL. */
+base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err);
+
+/* "DIR/name" */
+void runner_path(const char *dir, const char *name, char *buf, size_t cap);

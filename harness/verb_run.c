@@ -1,0 +1,227 @@
+/* lcpbench run: measures a campaign, or goes on with one. */
+#include "harness/cli.h"
+#include "harness/isolate.h"
+#include "harness/manifest.h"
+#include "harness/registry.h"
+#include "harness/runner.h"
+#include "harness/verdict.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct run_options {
+  const char *out, *shard, *rerun;
+  plan_filter filter;
+  int reps;
+  int seed;
+  double time_limit, memory_limit;
+  bool dry_run, quick, quiet, strict, no_pin;
+} run_options;
+
+static base_status parse_shard(const char *text, plan_filter *f, base_error *err) {
+  char tail;
+  if (text == NULL) {
+    return BASE_OK;
+  }
+  if (sscanf(text, "%d/%d%c", &f->shard, &f->n_shard, &tail) != 2 || f->n_shard < 1 ||
+      f->shard < 1 || f->shard > f->n_shard) {
+    return BASE_FAIL(err, BASE_EINVAL, "--shard %s: need k/n with 1 <= k <= n", text);
+  }
+  return BASE_OK;
+}
+
+static base_status parse_rerun(const char *text, runner_options *o, base_error *err) {
+  static const char *const words[] = {"", "failed", "timeouts", "all"};
+  if (text == NULL) {
+    return BASE_OK;
+  }
+  for (int i = 1; i < BASE_COUNT(words); i++) {
+    if (strcmp(words[i], text) == 0) {
+      o->rerun = (rerun_what)i;
+      return BASE_OK;
+    }
+  }
+  o->rerun = RERUN_SOLVER;
+  o->rerun_solver = text;
+  return (registry_solver_find(text) != NULL)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "--rerun %s: need failed, timeouts, all or a solver",
+                         text);
+}
+
+static base_status override(const run_options *o, campaign *c, base_error *err) {
+  if (o->reps > 0) {
+    c->sampling.samples = o->reps;
+    c->sampling.max_samples = o->reps;
+  } else if (o->reps < 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
+  }
+  c->seed = (o->seed >= 0) ? (uint64_t)o->seed : c->seed;
+  c->limits.time = (o->time_limit > 0) ? o->time_limit : c->limits.time;
+  c->limits.memory = (o->memory_limit > 0) ? o->memory_limit : c->limits.memory;
+  return BASE_OK;
+}
+
+/* ---- dry run ----------------------------------------------------------------------------------*/
+
+/* Seconds of a process of this cell in earlier rows; HUGE_VAL if none. */
+static double seen_seconds(const record_table *rows, const char *id) {
+  double sum = 0.0;
+  bool any = false;
+  for (int i = 0; i < rows->n; i++) {
+    if (strcmp(rows->row[i].cell_id, id) == 0 && rows->row[i].t_total_s >= 0) {
+      sum += rows->row[i].t_total_s * (double)rows->row[i].n_inner;
+      any = true;
+    }
+  }
+  return any ? sum : HUGE_VAL;
+}
+
+static base_status dry_run(const plan *p, const char *dir, base_error *err) {
+  record_table rows = {0};
+  char path[1100];
+  runner_path(dir, "results.csv", path, sizeof path);
+  if (record_table_read(path, &rows, NULL) != BASE_OK) {
+    rows = (record_table){0};
+  }
+  bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
+  if (done == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
+  }
+  base_status s = runner_done(p, &rows, done, err);
+  int n_done = 0;
+  double known = 0.0;
+  int unknown = 0;
+  for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
+    const cell *c = &p->cell[p->unit[u].cell];
+    char command[1200];
+    cell_command(c, command, sizeof command);
+    n_done += done[u] ? 1 : 0;
+    if (p->unit[u].process == 0) {
+      (void)printf("%s %s %s %s\n", done[u] ? "done" : "todo", c->id, c->part, command);
+    }
+    const double seconds = seen_seconds(&rows, c->id);
+    if (!done[u] && seconds < HUGE_VAL) {
+      known += seconds;
+    } else if (!done[u]) {
+      unknown++;
+    }
+  }
+  const campaign *c = p->campaign;
+  const double worst = fmin(c->limits.time, c->sampling.budget);
+  (void)printf("%d cells, %d processes: %d done, %d to do; at most %.0f s"
+               " (%.3g s by earlier rows, %d processes of at most %.3g s each)\n",
+               p->n_cell, p->n_unit, n_done, p->n_unit - n_done, known + unknown * worst, known,
+               unknown, worst);
+  free(done);
+  record_table_free(&rows);
+  return s;
+}
+
+/* ---- run --------------------------------------------------------------------------------------*/
+
+static void print_summary(const runner_summary *s, const char *out) {
+  (void)printf("%s/results.csv: %d processes, %d measured now, %d done before, %d rows added", out,
+               s->units, s->measured, s->resumed, s->rows);
+  if (s->stale > 0) {
+    (void)printf(", %d stale rows moved to stale.csv", s->stale);
+  }
+  (void)printf("; harness %.1f %% of %.3g s\n",
+               s->wall > 0 ? 100.0 * (1.0 - s->inside / s->wall) : 0.0, s->wall);
+  for (int i = 0; i < RUN_STATUS_COUNT; i++) {
+    if (s->by_status[i] > 0) {
+      (void)printf("  %-11s %d\n", run_status_name((run_status)i), s->by_status[i]);
+    }
+  }
+}
+
+static int exit_code(const runner_summary *s, bool strict) {
+  if (s->interrupted) {
+    return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+  }
+  int bad = 0;
+  for (int i = 0; i < RUN_STATUS_COUNT; i++) {
+    bad += (i != RUN_OK && i != RUN_UNSUPPORTED && i != RUN_SKIPPED) ? s->by_status[i] : 0;
+  }
+  return (strict && bad > 0) ? CLI_HONEST : CLI_OK;
+}
+
+static base_status measure(const plan *p, const run_options *o, const runner_options *ro, int *code,
+                           base_error *err) {
+  runner_summary sum;
+  BASE_TRY(runner_run(p, ro, &sum, err));
+  BASE_TRY(manifest_write(ro->out, p, &o->filter, err));
+  print_summary(&sum, ro->out);
+  *code = exit_code(&sum, o->strict);
+  return BASE_OK;
+}
+
+static base_status run_campaign(const char *text, const run_options *o, int *code,
+                                base_error *err) {
+  char out[600];
+  runner_options ro = {
+      .pin = !o->no_pin, .quiet = o->quiet, .solutions = true, .canary_every = 120.0};
+  BASE_TRY(parse_rerun(o->rerun, &ro, err));
+  campaign c;
+  BASE_TRY(campaign_read(text, o->quick, &c, err));
+  (void)snprintf(out, sizeof out, "results/%.48s%s", c.name, o->quick ? "-quick" : "");
+  ro.out = (o->out != NULL) ? o->out : out;
+  plan p;
+  base_status done = override(o, &c, err);
+  if (done == BASE_OK) {
+    done = plan_make(&c, &o->filter, &p, err);
+    if (done == BASE_OK) {
+      *code = CLI_OK;
+      done = o->dry_run ? dry_run(&p, ro.out, err) : measure(&p, o, &ro, code, err);
+      plan_free(&p);
+    }
+  }
+  campaign_free(&c);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  run_options o = {.seed = -1};
+  const arg_option options[] = {{"--out", ARG_TEXT, &o.out},
+                                {"--filter", ARG_LIST, &o.filter.filter},
+                                {"--reps", ARG_INT, &o.reps},
+                                {"--time-limit", ARG_SECONDS, &o.time_limit},
+                                {"--memory-limit", ARG_BYTES, &o.memory_limit},
+                                {"--seed", ARG_INT, &o.seed},
+                                {"--shard", ARG_TEXT, &o.shard},
+                                {"--dry-run", ARG_FLAG, &o.dry_run},
+                                {"--rerun", ARG_TEXT, &o.rerun},
+                                {"--resume", ARG_FLAG, &(bool){false}}, /* the default */
+                                {"--quick", ARG_FLAG, &o.quick},
+                                {"--quiet", ARG_FLAG, &o.quiet},
+                                {"--strict", ARG_FLAG, &o.strict},
+                                {"--no-pin", ARG_FLAG, &o.no_pin}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
+  const char *text;
+  int n_positional;
+  base_error err = {0};
+  int code = CLI_INTERNAL;
+  base_status done = args_parse(&table, argc, argv, &text, &n_positional, &err);
+  if (done == BASE_OK) {
+    done = parse_shard(o.shard, &o.filter, &err);
+  }
+  if (done == BASE_OK) {
+    isolate_catch_signals();
+    (void)setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    (void)setenv("OMP_NUM_THREADS", "1", 1);
+    done = run_campaign(text, &o, &code, &err);
+  }
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_run;
+const cli_verb verb_run = {
+    .name = "run",
+    .usage = "run CAMPAIGN [--out DIR] [--filter axis=glob]... [--reps N] [--time-limit T]"
+             " [--memory-limit B] [--seed N] [--shard k/n] [--dry-run] [--quick]"
+             " [--rerun failed|timeouts|all|SOLVER] [--strict] [--no-pin] [--quiet]",
+    .help = "measures a campaign (a shipped name or a .yaml file), or goes on with it",
+    .run = run,
+};

@@ -1,0 +1,186 @@
+#define _DEFAULT_SOURCE /* usleep */
+#include "tests/faulty/solver_faulty.h"
+
+#include "lcp/base/clock.h"
+
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct faulty_options {
+  lcp_stop stop;
+  double seconds; /* work or sleep of the well-behaved ones [s] */
+} faulty_options;
+
+static const base_field fields[] = {
+    LCP_STOP_FIELDS(faulty_options, 1e-10, 1000),
+    BASE_FIELD(faulty_options, seconds, BASE_REAL, "s", 0.002, 0, 10, "time one solve takes"),
+};
+
+static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
+  (void)state;
+  (void)cap;
+  (void)opt;
+  (void)a;
+}
+
+static base_status claim(lcp_outcome outcome, lcp_result *res) {
+  *res = (lcp_result){.outcome = outcome, .work.iterations = 1, .variant = ""};
+  return BASE_OK;
+}
+
+/* ---- six ways to die, and two ways to lie -----------------------------------------------------*/
+
+#define UNUSED_ (void)state, (void)p, (void)opt, (void)trace, (void)z
+
+static base_status solve_liar(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                              double *z, lcp_result *res) {
+  UNUSED_;
+  memset(z, 0, (size_t)p->M.n * sizeof *z);
+  return claim(LCP_SOLVED, res);
+}
+
+static base_status solve_nan(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                             double *z, lcp_result *res) {
+  UNUSED_;
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = (double)NAN;
+  }
+  return claim(LCP_SOLVED, res);
+}
+
+static base_status solve_crash(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                               double *z, lcp_result *res) {
+  UNUSED_;
+  (void)raise(SIGSEGV);
+  return claim(LCP_SOLVED, res);
+}
+
+static base_status solve_hang(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                              double *z, lcp_result *res) {
+  UNUSED_;
+  (void)signal(SIGTERM, SIG_IGN); /* only SIGKILL helps */
+  for (;;) {
+    (void)usleep(1000);
+  }
+  return claim(LCP_SOLVED, res);
+}
+
+static base_status solve_hog(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                             double *z, lcp_result *res) {
+  UNUSED_;
+  char *much = malloc((size_t)100 << 30);
+  if (much == NULL) {
+    return BASE_ENOMEM;
+  }
+  memset(much, 1, (size_t)100 << 30);
+  free(much);
+  return claim(LCP_SOLVED, res);
+}
+
+static base_status solve_quit(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                              double *z, lcp_result *res) {
+  UNUSED_;
+  _exit((int)(claim(LCP_SOLVED, res) - BASE_OK));
+  return BASE_OK;
+}
+
+static base_status solve_flood(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                               double *z, lcp_result *res) {
+  UNUSED_;
+  for (;;) {
+    (void)puts("I am still here, and I have nothing to say, which I shall now repeat.");
+  }
+  return claim(LCP_SOLVED, res);
+}
+
+/* ---- well-behaved ones with a known cost ------------------------------------------------------*/
+
+/* Scalar problems only: z_i = max(0, -q_i / M_ii), exact on a diagonal matrix. */
+static base_status solve_diagonal(const lcp_problem *p, double *z, lcp_result *res) {
+  lcp_matrix_diagonal(&p->M, z);
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = (p->q[i] < 0.0 && z[i] > 0.0) ? -p->q[i] / z[i] : 0.0;
+  }
+  return claim(LCP_SOLVED, res);
+}
+
+/* The same arithmetic for everybody: a number of rounds, not a time. */
+static void work(double rounds) {
+  volatile double x = 1.0;
+  for (long i = 0; i < (long)rounds; i++) {
+    x = x * 0.999999 + 1e-6;
+  }
+}
+
+enum { ROUNDS_PER_SECOND = 250000000 };
+
+static base_status solve_steady(void *state, const lcp_problem *p, const void *opt,
+                                lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const faulty_options *o = opt;
+  work(o->seconds * ROUNDS_PER_SECOND);
+  return solve_diagonal(p, z, res);
+}
+
+static base_status solve_slower(void *state, const lcp_problem *p, const void *opt,
+                                lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const faulty_options *o = opt;
+  work(1.05 * o->seconds * ROUNDS_PER_SECOND);
+  return solve_diagonal(p, z, res);
+}
+
+/* A planted sleep: in the factorisation, nowhere else. */
+static base_status factor_sleep(void *state, const lcp_problem *p, const void *opt,
+                                base_error *err) {
+  (void)state;
+  (void)p;
+  (void)err;
+  const faulty_options *o = opt;
+  const double until = base_seconds() + o->seconds;
+  while (base_seconds() < until) {
+    (void)usleep(50);
+  }
+  return BASE_OK;
+}
+
+static base_status solve_plain(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                               double *z, lcp_result *res) {
+  UNUSED_;
+  return solve_diagonal(p, z, res);
+}
+
+#define FAULTY(id, text, solve_, factor_)                                                          \
+  static const lcp_solver faulty_##id = {                                                          \
+      .name = "faulty_" #id,                                                                       \
+      .title = (text),                                                                             \
+      .cite = "test",                                                                              \
+      .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX | 1u << LCP_FREE | 1u << LCP_CONE,                 \
+      .storages = 1u << LCP_DENSE | 1u << LCP_CSC | 1u << LCP_FACTORED,                            \
+      .exact = true,                                                                               \
+      .fields = fields,                                                                            \
+      .n_fields = BASE_COUNT(fields),                                                              \
+      .options_size = sizeof(faulty_options),                                                      \
+      .layout = layout,                                                                            \
+      .factor = (factor_),                                                                         \
+      .solve = (solve_),                                                                           \
+  }
+
+FAULTY(liar, "claims success with z = 0", solve_liar, NULL);
+FAULTY(nan, "returns NaN and claims success", solve_nan, NULL);
+FAULTY(crash, "dies by SIGSEGV", solve_crash, NULL);
+FAULTY(hang, "never returns and ignores SIGTERM", solve_hang, NULL);
+FAULTY(hog, "allocates 100 GB", solve_hog, NULL);
+FAULTY(quit, "calls exit(0)", solve_quit, NULL);
+FAULTY(flood, "floods stdout", solve_flood, NULL);
+FAULTY(steady, "fixed work", solve_steady, NULL);
+FAULTY(twin, "the same fixed work", solve_steady, NULL);
+FAULTY(slower, "five per cent more work", solve_slower, NULL);
+FAULTY(sleeper, "sleeps while factoring", solve_plain, factor_sleep);
+
+const lcp_solver *const faulty_solvers[] = {
+    &faulty_liar,  &faulty_nan,    &faulty_crash, &faulty_hang,   &faulty_hog,     &faulty_quit,
+    &faulty_flood, &faulty_steady, &faulty_twin,  &faulty_slower, &faulty_sleeper, NULL};
