@@ -219,6 +219,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   from = base_seconds();
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));
   t->advance += base_seconds() - from;
+  BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
   return series_record(record, s->w, &set, a.impulse, err);
 }
 
@@ -273,7 +274,7 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
       r->finite = false;
       trouble(s, RUN_NUMERICAL, "the state is not finite");
     }
-    BASE_TRY(trajectory_row(s->q->trajectory, s->q->spec, s->w, err));
+    BASE_TRY(trajectory_row(s->q->trajectory, s->w, err));
   }
   return BASE_OK;
 }
@@ -301,8 +302,8 @@ static base_status run_opened(sim *s, series *record, base_error *err) {
   r->steps_planned = lround(ceil(q->duration / q->h - 1e-9));
   BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
   BASE_TRY(series_record(record, s->w, NULL, NULL, err));
-  BASE_TRY(trajectory_header(q->trajectory, err));
-  BASE_TRY(trajectory_row(q->trajectory, q->spec, s->w, err));
+  BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
+  BASE_TRY(trajectory_row(q->trajectory, s->w, err));
   r->n_dof = world_n_dof(s->w);
   r->n_body = world_n_body(s->w);
   const base_status done = run_steps(s, record, err);
