@@ -29,7 +29,7 @@ def load(folder):
     path = pathlib.Path(folder) / "results.csv"
     if not path.exists():
         raise BadRows(f"{path}: no such file; run the campaign first")
-    rows = pd.read_csv(path, dtype={c: "string" for c in TEXT}, float_precision="round_trip", low_memory=False)
+    rows = pd.read_csv(path, dtype={c: "string" for c in TEXT}, low_memory=False)
     if rows.empty:
         raise BadRows(f"{path}: no rows")
     needed = {"cell_id", "problem", "formulation", "solver", "status", "verified"}
