@@ -1,9 +1,10 @@
 #include "formulations/assembly.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FORM_PAIRS_MAX = 1 << 27 };
+enum { FORM_PAIRS_MAX = 1 << 27, MOST_ROWS = 8 };
 
 base_status form_memory(void **mem, void (*layout)(void *, base_arena *), void *state,
                         base_error *err) {
@@ -90,26 +91,39 @@ static base_status grow(form_assembly *a, const contact_set *c, base_error *err)
   return form_memory(&a->mem, layout_rows, a, err);
 }
 
-/* u of the first `rows` rows of group g at velocity v, plus drift. */
-static void group_velocity(const contact_set *c, int g, int rows, const double *v, double *u) {
+/* u of the first `rows` rows of group g at velocity v, plus drift. A value below the rounding error
+ * of the sums it comes from is zero: such noise is no sliding, and a problem whose q has it in some
+ * rows is degenerate at two scales at once. `metres`: rows in m/s, which share one error. */
+static void group_velocity(const contact_set *c, int g, int rows, int metres, const double *v,
+                           double *u) {
   const int first = c->row_start[g];
   const int all = c->row_start[g + 1] - first;
-  const double *jac = c->jac + c->jac_start[g];
+  double size[MOST_ROWS];
   for (int i = 0; i < rows; i++) {
     u[i] = c->u_drift[first + i];
+    size[i] = fabs(u[i]);
   }
+  const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
     const int n = dofs(c, b);
-    if (n > 0) {
-      const double *vb = v + c->dof_start[b];
-      for (int i = 0; i < rows; i++) {
-        for (int k = 0; k < n; k++) {
-          u[i] += jac[i * n + k] * vb[k];
-        }
+    const double *vb = v + ((n > 0) ? c->dof_start[b] : 0);
+    for (int i = 0; i < rows; i++) {
+      for (int k = 0; k < n; k++) {
+        const double term = jac[i * n + k] * vb[k];
+        u[i] += term;
+        size[i] += fabs(term);
       }
     }
-    jac += (size_t)all * (size_t)n;
+    jac += (ptrdiff_t)all * n;
+  }
+  double common = 0;
+  for (int i = 0; i < metres; i++) {
+    common = fmax(common, size[i]);
+  }
+  for (int i = 0; i < rows; i++) {
+    const double error = 4 * DBL_EPSILON * ((i < metres) ? common : size[i]);
+    u[i] = (fabs(u[i]) <= error) ? 0 : u[i];
   }
 }
 
@@ -153,7 +167,7 @@ static void choose(form_assembly *a, const contact_set *c, form_rows rows, const
   a->n_contact = 0;
   a->row[0] = 0;
   for (int i = 0; i < c->n_contact; i++) {
-    group_velocity(c, i, 1, c->v_free, &a->r_normal[i]);
+    group_velocity(c, i, 1, 1, c->v_free, &a->r_normal[i]);
     const double *past = contact_memory_old(memory, i);
     a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[0] > 0);
     a->mode[i] = 0;
@@ -162,7 +176,9 @@ static void choose(form_assembly *a, const contact_set *c, form_rows rows, const
       contact_memory_now(memory, i)[0] = 1;
       a->group[k] = i;
       a->row[k + 1] = a->row[k] + rows_wanted(c, i, rows);
-      group_velocity(c, i, form_rows_of(a, k), c->v_free, a->r + a->row[k]);
+      const int n = form_rows_of(a, k);
+      const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
+      group_velocity(c, i, n, metres, c->v_free, a->r + a->row[k]);
     }
   }
   a->n_joint_group = 0;
@@ -172,7 +188,7 @@ static void choose(form_assembly *a, const contact_set *c, form_rows rows, const
     const int n = c->row_start[g + 1] - c->row_start[g];
     a->group[k] = g;
     a->row[k + 1] = a->row[k] + n;
-    group_velocity(c, g, n, c->v_free, a->r + a->row[k]);
+    group_velocity(c, g, n, 0, c->v_free, a->r + a->row[k]);
     for (int i = 0; i < n; i++) {
       const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
       a->r[a->row[k] + i] += rule->joint_push / c->h * c->joint_error[at];
