@@ -152,7 +152,7 @@ static double total_normal_force(const contact_set *c, const double *impulse) {
 }
 
 base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
-                          base_error *err) {
+                          double stored, base_error *err) {
   if (s->n_row == s->cap) {
     BASE_TRY(reserve(s, 2 * s->cap, err));
   }
@@ -162,7 +162,7 @@ base_status series_record(series *s, world *w, const contact_set *set, const dou
   world_momentum(w, p);
   const int row = s->n_row;
   s->column[SERIES_TIME][row] = world_time(w);
-  s->column[SERIES_ENERGY][row] = world_energy(w);
+  s->column[SERIES_ENERGY][row] = world_energy(w) + stored;
   s->column[SERIES_PENETRATION][row] = 0.0;
   s->column[SERIES_SPEED][row] = world_max_speed(w);
   s->column[SERIES_ANGULAR][row] = norm3(L);

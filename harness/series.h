@@ -43,9 +43,10 @@ base_status series_open(series *s, const scene_spec *spec, int n_step, base_erro
 void series_close(series *s);
 
 /* Appends the world's present state. set and impulse: of the step just taken (NULL: the start, or
- * a step without contact forces to show). False on a quantity that the world does not know. */
+ * a step without contact forces to show); stored: energy in springs of the contact law [J], which is
+ * part of the energy. False on a quantity that the world does not know. */
 base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
-                          base_error *err);
+                          double stored, base_error *err);
 
 /* Deepest penetration of the state about to be left: -min gap over the set, into the last row. */
 void series_penetration(series *s, const contact_set *set);

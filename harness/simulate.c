@@ -220,7 +220,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));
   t->advance += base_seconds() - from;
   BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
-  return series_record(record, s->w, &set, a.impulse, err);
+  return series_record(record, s->w, &set, a.impulse, a.spring_energy, err);
 }
 
 /* Steps of penalty and event-driven formulations, which advance the world themselves. */
@@ -241,7 +241,7 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   if (a.v_next != NULL) {
     s->out->hash = sim_hash(s->out->hash, a.v_next, world_n_dof(s->w));
   }
-  BASE_TRY(series_record(record, s->w, a.set, a.impulse, err));
+  BASE_TRY(series_record(record, s->w, a.set, a.impulse, a.spring_energy, err));
   if (a.set != NULL) {
     series_penetration(record, a.set);
   }
@@ -301,7 +301,7 @@ static base_status run_opened(sim *s, series *record, base_error *err) {
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
   r->steps_planned = lround(ceil(q->duration / q->h - 1e-9));
   BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
-  BASE_TRY(series_record(record, s->w, NULL, NULL, err));
+  BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
   BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
   BASE_TRY(trajectory_row(q->trajectory, s->w, err));
   r->n_dof = world_n_dof(s->w);
