@@ -44,10 +44,17 @@ typedef struct joint_row {
   double error; /* [m] or [rad] */
 } joint_row;
 
+/* Place of a point in the order of ids. */
+typedef struct item_key {
+  uint64_t id;
+  int item;
+} item_key;
+
 /* Arrays behind the contact_set views; they only ever grow. */
 typedef struct set_store {
   size_t cap_item, cap_group, cap_row, cap_jac;
-  contact_item *item, *swap; /* detected points, and room to sort them */
+  contact_item *item;   /* n_item detected points, as found */
+  item_key *key, *swap; /* n_item, by id; and room to sort them */
   int n_item;
   int *row_start, *group_body, *jac_start;
   double *jac, *u_drift, *u_before, *joint_error;
@@ -92,7 +99,7 @@ static inline bool world_has(const world *w, unsigned bit) {
  * caller who updates it. */
 base_status store_grow(void **p, size_t need, size_t size, base_error *err);
 
-/* world_detect.c: fills store.item with points below margin, sorted by id. margin < 0: per pair,
+/* world_detect.c: fills store.item with points below margin, and store.key. margin < 0: per pair,
  * from h and the speeds. */
 base_status world_detect(world *w, double h, double margin, base_error *err);
 /* Least gap over all pairs, HUGE_VAL if there is none. */

@@ -24,6 +24,7 @@ static base_status push_item(world *w, const contact_item *item, base_error *err
   if (need > s->cap_item) {
     const size_t cap = (s->cap_item > 0) ? 2 * s->cap_item : 32;
     BASE_TRY(store_grow((void **)&s->item, cap, sizeof *s->item, err));
+    BASE_TRY(store_grow((void **)&s->key, cap, sizeof *s->key, err));
     BASE_TRY(store_grow((void **)&s->swap, cap, sizeof *s->swap, err));
     s->cap_item = cap;
   }
@@ -90,10 +91,11 @@ static double plane_distance(const body *b, const spec_static *plane) {
 
 /* LSD radix sort by id: stable, linear, deterministic; bytes that are the same everywhere are
  * skipped. */
-static void sort_items(set_store *s) {
+static void sort_keys(set_store *s) {
   const int n = s->n_item;
   uint64_t all = ~(uint64_t)0, any = 0;
   for (int i = 0; i < n; i++) {
+    s->key[i] = (item_key){s->item[i].id, i};
     all &= s->item[i].id;
     any |= s->item[i].id;
   }
@@ -103,16 +105,16 @@ static void sort_items(set_store *s) {
     }
     int count[257] = {0};
     for (int i = 0; i < n; i++) {
-      count[((s->item[i].id >> shift) & 0xFF) + 1]++;
+      count[((s->key[i].id >> shift) & 0xFF) + 1]++;
     }
     for (int k = 0; k < 256; k++) {
       count[k + 1] += count[k];
     }
     for (int i = 0; i < n; i++) {
-      s->swap[count[(s->item[i].id >> shift) & 0xFF]++] = s->item[i];
+      s->swap[count[(s->key[i].id >> shift) & 0xFF]++] = s->key[i];
     }
-    contact_item *t = s->item;
-    s->item = s->swap;
+    item_key *t = s->key;
+    s->key = s->swap;
     s->swap = t;
   }
 }
@@ -153,7 +155,7 @@ base_status world_detect(world *w, double h, double margin, base_error *err) {
       }
     }
   }
-  sort_items(&w->store);
+  sort_keys(&w->store);
   return BASE_OK;
 }
 

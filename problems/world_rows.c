@@ -275,7 +275,7 @@ static base_status index_groups(world *w, int *n_group, base_error *err) {
   s->jac_start[0] = 0;
   int g = 0;
   for (int i = 0; i < s->n_item; i++) {
-    const contact_item *c = &s->item[i];
+    const contact_item *c = &s->item[s->key[i].item];
     const contact_rows r = rows_of(w, c);
     s->rows[i] = r;
     if (s->jac_start[g] > INT32_MAX - 6 * 12) {
@@ -300,7 +300,7 @@ base_status world_assemble(world *w, double h, base_error *err) {
   int g = 0;
   BASE_TRY(index_groups(w, &g, err));
   for (int i = 0; i < s->n_item; i++) {
-    fill_contact(w, &s->item[i], i, h);
+    fill_contact(w, &s->item[s->key[i].item], i, h);
   }
   int group = s->n_item;
   for (int i = 0; i < w->n_joint; i++) {
