@@ -1,5 +1,6 @@
 #include "lcp/solvers/loop.h"
 
+#include "lcp/solvers/loop_rho.h"
 #include "lcp/solvers/sets.h"
 
 #include <float.h>
@@ -39,36 +40,16 @@ static double violation(const lcp_problem *p, lcp_set set, int i, double d, doub
   }
 }
 
-/* tau0_i = |q_i| + sum_j |M_ij||z_j| into s->seen, which is free once a method claims. */
-static void magnitudes(lcp_loop *s, const lcp_problem *p, const double *z) {
-  const int n = p->M.n;
-  for (int i = 0; i < n; i++) {
-    s->seen[i] = fabs(p->q[i]);
-    if (p->M.storage == LCP_FACTORED) { /* zref_i = tau0_i / M_ii */
-      s->seen[i] = fmax(s->seen[i], s->stop.d[i] * s->stop.zref[i]);
-    }
-  }
-  for (int j = 0; p->M.storage != LCP_FACTORED && j < n; j++) {
-    const bool dense = p->M.storage == LCP_DENSE;
-    const int begin = dense ? 0 : p->M.csc.colptr[j], end = dense ? n : p->M.csc.colptr[j + 1];
-    const double *val = dense ? p->M.val + (size_t)j * (size_t)n : p->M.csc.val;
-    for (int k = begin; k < end; k++) {
-      s->seen[dense ? k : p->M.csc.rowind[k]] += fabs(val[k] * z[j]);
-    }
-  }
-}
-
-static bool believable(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z) {
+/* Is the violation small against the data? `noise` 0: before the magnitudes are known. */
+static bool believable(const lcp_loop *s, const lcp_stop *stop, const lcp_problem *p,
+                       const double *z, const double *tau0) {
   const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
   const lcp_block *block = (p->block != NULL) ? p->block : &whole;
   const int n_block = (p->block != NULL) ? p->n_block : 1;
   const double limit = 10.0 * stop->tol * s->q_size;
-  magnitudes(s, p, z);
-  s->tests = 0; /* `seen` was overwritten: cycle detection starts again */
-  s->next = 1;
   for (int b = 0; b < n_block; b++) {
     for (int i = block[b].start; i < block[b].start + block[b].size; i++) {
-      const double r = s->scale[i], noise = 32.0 * DBL_EPSILON * s->seen[i];
+      const double r = s->scale[i], noise = (tau0 != NULL) ? 32.0 * DBL_EPSILON * tau0[i] : 0.0;
       const double seen = violation(p, block[b].set, i, 1.0 / (r * r), z[i], s->stop.w[i]);
       if (!(r * noise <= 1e-3 * s->q_size && r * seen <= limit + r * noise)) {
         return false;
@@ -76,6 +57,24 @@ static bool believable(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, 
     }
   }
   return true;
+}
+
+/* lcp_stop_test bounds rho from one product. Two things can be wrong with its answer: it accepts a z
+ * that ran away, and where the terms of a row cancel (the sigma rows of friction, q_i = 0) it cannot
+ * see how large they were and refuses forever. Both are settled here, at the price of two products. */
+static bool settle(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                   lcp_result *res) {
+  const bool accepted = res->residual <= stop->tol;
+  if (!accepted && !believable(s, stop, p, z, NULL)) {
+    return false;
+  }
+  double *tau0 = s->seen;
+  const double rho = lcp_loop_rho(&s->stop, p, z, tau0);
+  s->tests = 0; /* `seen` was overwritten: cycle detection starts again */
+  s->next = 1;
+  res->work.matvecs += 2;
+  res->residual = accepted ? res->residual : fmin(res->residual, rho);
+  return res->residual <= stop->tol && believable(s, stop, p, z, tau0);
 }
 
 /* True when this z was seen before, bit for bit. */
@@ -103,11 +102,16 @@ bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, con
     return false;
   }
   const bool ended = lcp_stop_test(&s->stop, stop, p, z, trace, res);
-  if (ended && (res->outcome != LCP_SOLVED || believable(s, stop, p, z))) {
+  const lcp_outcome otherwise = last ? LCP_MAX_ITER : res->outcome;
+  if (ended && res->outcome != LCP_SOLVED && res->outcome != LCP_MAX_ITER) {
     return true;
   }
+  if (settle(s, stop, p, z, res)) {
+    res->outcome = LCP_SOLVED;
+    return true;
+  }
+  res->outcome = otherwise;
   if (last) {
-    res->outcome = LCP_MAX_ITER;
     return true;
   }
   if (s->memoryless && repeats(s, p->M.n, z)) {
