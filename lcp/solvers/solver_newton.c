@@ -187,6 +187,20 @@ static void gradient(state *s, const lcp_problem *p) {
   }
 }
 
+/* The accepted z clipped into K, if that passes the test as well. */
+static void clip(state *s, const options *o, const lcp_problem *p, double *z, lcp_result *res) {
+  lcp_result again = *res;
+  for (int i = 0; i < p->M.n; i++) {
+    s->trial[i] = lcp_set_clip(z[i], s->lo[i] * s->s[i], s->hi[i] * s->s[i]);
+  }
+  const lcp_stop now = {o->stop.tol, o->stop.max_iter, 1, o->stop.max_seconds};
+  if (lcp_loop_ended(&s->loop, &now, p, s->trial, NULL, &again, NULL) &&
+      again.outcome == LCP_SOLVED) {
+    memcpy(z, s->trial, (size_t)p->M.n * sizeof *z);
+    *res = again;
+  }
+}
+
 static double dot(int n, const double *a, const double *b) {
   double sum = 0.0;
   for (int i = 0; i < n; i++) {
@@ -273,6 +287,9 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
     if (status != BASE_OK) {
       return status;
     }
+  }
+  if (res->outcome == LCP_SOLVED) {
+    clip(s, o, p, z, res);
   }
   return BASE_OK;
 }
