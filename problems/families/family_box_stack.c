@@ -1,4 +1,4 @@
-#include "problems/families/triplets.h"
+#include "problems/triplets.h"
 #include "problems/family.h"
 
 typedef struct box_stack {
@@ -64,7 +64,7 @@ static base_status build_sparse(const box_stack *p, known_lcp *k, base_error *er
   if (p->n > 4000000) {
     return BASE_FAIL(err, BASE_EINVAL, "n = %d: need at most 4e6 with sparse storage", p->n);
   }
-  BASE_TRY(triplets_open(&t, 4 * p->n, 48 * p->n, err));
+  BASE_TRY(triplets_open(&t, 4 * p->n, 4 * p->n, 48 * p->n, err));
   for (int i = 0; i < p->n; i++) {
     add_interface(p, &t, i);
   }

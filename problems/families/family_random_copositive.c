@@ -1,5 +1,5 @@
 #include "lcp/base/rng.h"
-#include "problems/families/triplets.h"
+#include "problems/triplets.h"
 #include "problems/family.h"
 
 typedef struct random_copositive {

@@ -1,5 +1,5 @@
 #include "lcp/base/rng.h"
-#include "problems/families/triplets.h"
+#include "problems/triplets.h"
 #include "problems/family.h"
 
 #include <math.h>
@@ -49,7 +49,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL, "n = %d with degree = %d: more than 2e8 entries", p->n,
                      p->degree);
   }
-  BASE_TRY(triplets_open(&t, p->n, (int)entries + 8, err));
+  BASE_TRY(triplets_open(&t, p->n, p->n, (int)entries + 8, err));
   const base_status status = fill(p, &t, k, err);
   triplets_free(&t);
   return status;

@@ -1,18 +1,19 @@
-#include "problems/families/triplets.h"
+#include "problems/triplets.h"
 
 #include "lcp/base/rng.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-base_status triplets_open(triplets *t, int n, int cap, base_error *err) {
-  *t = (triplets){.n = n, .cap = cap};
+base_status triplets_open(triplets *t, int n_row, int n_col, int cap, base_error *err) {
+  *t = (triplets){.n_row = n_row, .n_col = n_col, .cap = cap};
   t->row = malloc(((size_t)cap + 1) * sizeof *t->row);
   t->col = malloc(((size_t)cap + 1) * sizeof *t->col);
   t->val = malloc(((size_t)cap + 1) * sizeof *t->val);
   if (t->row == NULL || t->col == NULL || t->val == NULL) {
     triplets_free(t);
-    return BASE_FAIL(err, BASE_ENOMEM, "n = %d: no memory for %d entries", n, cap);
+    return BASE_FAIL(err, BASE_ENOMEM, "matrix %d x %d: no memory for %d entries", n_row, n_col,
+                     cap);
   }
   return BASE_OK;
 }
@@ -59,28 +60,56 @@ static void fill(const triplets *t, const int *order, int *colptr, int *rowind, 
     val[at++] = t->val[e];
     colptr[last_col + 1] = at;
   }
-  for (int j = 0; j < t->n; j++) { /* empty columns */
+  for (int j = 0; j < t->n_col; j++) { /* empty columns */
     colptr[j + 1] = (colptr[j + 1] > colptr[j]) ? colptr[j + 1] : colptr[j];
   }
 }
 
-base_status triplets_compress(const triplets *t, known_lcp *k, base_error *err) {
-  int *colptr, *rowind;
-  double *val, *q;
-  BASE_TRY(known_sparse(k, t->n, t->count, &colptr, &rowind, &val, &q, err));
+/* colptr zeroed, of n_col + 1 entries; rowind and val of t->count. */
+static base_status compress(const triplets *t, int *colptr, int *rowind, double *val,
+                            base_error *err) {
+  const size_t n = (size_t)((t->n_row > t->n_col) ? t->n_row : t->n_col);
   int *by_row = malloc(((size_t)t->count + 1) * sizeof *by_row);
   int *order = malloc(((size_t)t->count + 1) * sizeof *order);
-  int *start = malloc(((size_t)t->n + 1) * sizeof *start);
+  int *start = malloc((n + 1) * sizeof *start);
   const bool ok = by_row != NULL && order != NULL && start != NULL;
   if (ok) {
-    sort_by(t->row, t->n, t->count, NULL, by_row, start);
-    sort_by(t->col, t->n, t->count, by_row, order, start);
+    sort_by(t->row, t->n_row, t->count, NULL, by_row, start);
+    sort_by(t->col, t->n_col, t->count, by_row, order, start);
     fill(t, order, colptr, rowind, val);
   }
   free(by_row);
   free(order);
   free(start);
-  return ok ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "n = %d: no memory to sort", t->n);
+  return ok ? BASE_OK
+            : BASE_FAIL(err, BASE_ENOMEM, "matrix %d x %d: no memory", t->n_row, t->n_col);
+}
+
+base_status triplets_compress(const triplets *t, known_lcp *k, base_error *err) {
+  int *colptr, *rowind;
+  double *val, *q;
+  BASE_TRY(known_sparse(k, t->n_col, t->count, &colptr, &rowind, &val, &q, err));
+  return compress(t, colptr, rowind, val, err);
+}
+
+base_status triplets_to_csc(const triplets *t, lcp_csc *out, base_error *err) {
+  int *colptr = calloc((size_t)t->n_col + 1, sizeof *colptr);
+  int *rowind = malloc(((size_t)t->count + 1) * sizeof *rowind);
+  double *val = malloc(((size_t)t->count + 1) * sizeof *val);
+  base_status status = BASE_ENOMEM;
+  if (colptr != NULL && rowind != NULL && val != NULL) {
+    status = compress(t, colptr, rowind, val, err);
+  } else {
+    (void)BASE_FAIL(err, BASE_ENOMEM, "matrix %d x %d: no memory", t->n_row, t->n_col);
+  }
+  if (status != BASE_OK) {
+    free(colptr);
+    free(rowind);
+    free(val);
+    return status;
+  }
+  *out = (lcp_csc){t->n_row, t->n_col, colptr, rowind, val};
+  return BASE_OK;
 }
 
 base_status plant_random(known_lcp *k, double active, uint64_t seed, known_answer answer,

@@ -1,0 +1,174 @@
+/* W = H' M^-1 H and q = H' M^-1 f + w by sparse Cholesky of M (CHOLMOD). */
+#include "problems/import/friction_problem.h"
+
+#include <suitesparse/cholmod.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Inertia matrices that other codes rotated or printed are symmetric to five or six digits only. */
+static const double ASYMMETRY_MAX = 1e-5;
+
+/* Largest |M_ij - M_ji| over the largest entry; M has sorted columns. */
+static double asymmetry(const lcp_csc *M) {
+  double worst = 0.0, scale = 0.0;
+  for (int j = 0; j < M->n_col; j++) {
+    for (int at = M->colptr[j]; at < M->colptr[j + 1]; at++) {
+      const int i = M->rowind[at];
+      int lo = M->colptr[i], hi = M->colptr[i + 1];
+      while (lo < hi) { /* row j in column i */
+        const int mid = lo + (hi - lo) / 2;
+        if (M->rowind[mid] < j) {
+          lo = mid + 1;
+        } else {
+          hi = mid;
+        }
+      }
+      const double twin = (lo < M->colptr[i + 1] && M->rowind[lo] == j) ? M->val[lo] : 0.0;
+      worst = fmax(worst, fabs(M->val[at] - twin));
+      scale = fmax(scale, fabs(M->val[at]));
+    }
+  }
+  return (scale > 0.0) ? worst / scale : 0.0;
+}
+
+/* A heap copy that CHOLMOD owns, with both triangles. */
+static cholmod_sparse *copy_in(const lcp_csc *A, cholmod_common *c) {
+  const size_t nnz = (size_t)A->colptr[A->n_col];
+  cholmod_sparse *B =
+      cholmod_allocate_sparse((size_t)A->n_row, (size_t)A->n_col, nnz, 1, 1, 0, CHOLMOD_REAL, c);
+  if (B != NULL) {
+    memcpy(B->p, A->colptr, ((size_t)A->n_col + 1) * sizeof(int));
+    memcpy(B->i, A->rowind, nnz * sizeof(int));
+    memcpy(B->x, A->val, nnz * sizeof(double));
+  }
+  return B;
+}
+
+/* (B + B')/2 as an owned matrix: rounding must not make a symmetric problem nonsymmetric. */
+static cholmod_sparse *symmetrised(cholmod_sparse *B, cholmod_common *c) {
+  double half[2] = {0.5, 0.0};
+  cholmod_sparse *T = (B != NULL) ? cholmod_transpose(B, 1, c) : NULL;
+  cholmod_sparse *S = (T != NULL) ? cholmod_add(B, T, half, half, 1, 1, c) : NULL;
+  cholmod_free_sparse(&T, c);
+  return S;
+}
+
+static base_status copy_out(const cholmod_sparse *A, lcp_csc *out, base_error *err) {
+  const int *p = A->p;
+  const size_t nnz = (size_t)p[A->ncol];
+  int *colptr = malloc((A->ncol + 1) * sizeof *colptr);
+  int *rowind = malloc((nnz + 1) * sizeof *rowind);
+  double *val = malloc((nnz + 1) * sizeof *val);
+  if (colptr == NULL || rowind == NULL || val == NULL) {
+    free(colptr);
+    free(rowind);
+    free(val);
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %zu entries of W", nnz);
+  }
+  memcpy(colptr, p, (A->ncol + 1) * sizeof *colptr);
+  memcpy(rowind, A->i, nnz * sizeof *rowind);
+  memcpy(val, A->x, nnz * sizeof *val);
+  *out = (lcp_csc){(int)A->nrow, (int)A->ncol, colptr, rowind, val};
+  return BASE_OK;
+}
+
+typedef struct pieces {
+  cholmod_sparse *M, *H, *X, *HT, *W, *S;
+  cholmod_factor *L;
+  cholmod_dense *f, *v;
+} pieces;
+
+static void release(pieces *k, cholmod_common *c) {
+  cholmod_free_sparse(&k->M, c);
+  cholmod_free_sparse(&k->H, c);
+  cholmod_free_sparse(&k->X, c);
+  cholmod_free_sparse(&k->HT, c);
+  cholmod_free_sparse(&k->W, c);
+  cholmod_free_sparse(&k->S, c);
+  cholmod_free_factor(&k->L, c);
+  cholmod_free_dense(&k->f, c);
+  cholmod_free_dense(&k->v, c);
+}
+
+static base_status factorise(const friction_problem *p, pieces *k, cholmod_common *c,
+                             base_error *err) {
+  cholmod_sparse *M = copy_in(&p->M, c), *S = symmetrised(M, c);
+  k->M = (S != NULL) ? cholmod_copy(S, 1, 1, c) : NULL; /* upper triangle of the symmetric part */
+  cholmod_free_sparse(&M, c);
+  cholmod_free_sparse(&S, c);
+  k->H = copy_in(&p->H, c);
+  k->L = (k->M != NULL) ? cholmod_analyze(k->M, c) : NULL;
+  if (k->H == NULL || k->L == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to analyse", p->M.n_col);
+  }
+  (void)cholmod_factorize(k->M, k->L, c);
+  if (c->status != CHOLMOD_OK || k->L->minor < k->L->n) {
+    return BASE_FAIL(err, BASE_EINVAL, "M is not positive definite (column %zu)", k->L->minor + 1);
+  }
+  return BASE_OK;
+}
+
+static base_status solve(const friction_problem *p, pieces *k, cholmod_common *c, lcp_csc *W,
+                         double *q, base_error *err) {
+  const size_t n_dof = (size_t)p->M.n_col;
+  k->X = cholmod_spsolve(CHOLMOD_A, k->L, k->H, c);
+  k->HT = cholmod_transpose(k->H, 1, c);
+  k->W = (k->X != NULL && k->HT != NULL) ? cholmod_ssmult(k->HT, k->X, 0, 1, 1, c) : NULL;
+  k->S = symmetrised(k->W, c);
+  k->f = cholmod_allocate_dense(n_dof, 1, n_dof, CHOLMOD_REAL, c);
+  if (k->S == NULL || k->f == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for W");
+  }
+  (void)cholmod_sort(k->S, c);
+  memcpy(k->f->x, p->f, n_dof * sizeof(double));
+  k->v = cholmod_solve(CHOLMOD_A, k->L, k->f, c);
+  if (k->v == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the free velocity");
+  }
+  const double *v = k->v->x;
+  for (int j = 0; j < p->H.n_col; j++) {
+    q[j] = p->w[j];
+    for (int at = p->H.colptr[j]; at < p->H.colptr[j + 1]; at++) {
+      q[j] += p->H.val[at] * v[p->H.rowind[at]];
+    }
+  }
+  return copy_out(k->S, W, err);
+}
+
+base_status friction_condense(friction_problem *p, base_error *err) {
+  if (!p->global) {
+    return BASE_OK;
+  }
+  const double skew = asymmetry(&p->M);
+  if (!(skew <= ASYMMETRY_MAX)) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "M is not symmetric: relative difference %.2g", skew);
+  }
+  cholmod_common c;
+  pieces k = {0};
+  lcp_csc W = {0};
+  double *q = malloc(((size_t)p->H.n_col + 1) * sizeof *q);
+  (void)cholmod_start(&c);
+  c.print = 0;
+  base_status status =
+      (q != NULL) ? factorise(p, &k, &c, err) : BASE_FAIL(err, BASE_ENOMEM, "no memory for q");
+  if (status == BASE_OK) {
+    status = solve(p, &k, &c, &W, q, err);
+  }
+  release(&k, &c);
+  (void)cholmod_finish(&c);
+  if (status != BASE_OK) {
+    free(q);
+    return status;
+  }
+  lcp_csc_free(&p->M);
+  lcp_csc_free(&p->H);
+  free(p->f);
+  free(p->w);
+  p->f = p->w = NULL;
+  p->W = W;
+  p->q = q;
+  p->global = false;
+  return BASE_OK;
+}

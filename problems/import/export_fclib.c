@@ -1,0 +1,115 @@
+/* FCLIB's HDF5 layout (FIELD E), matrices as triplets with
+ * x[k] at row i[k], column p[k]. */
+#include "problems/import/friction_problem.h"
+
+#include <hdf5.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct target {
+  hid_t file;
+  bool failed;
+} target;
+
+static void make_group(target *t, const char *name) {
+  const hid_t id = H5Gcreate2(t->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  t->failed = t->failed || id < 0 || H5Gclose(id) < 0;
+}
+
+static void put(target *t, const char *group, const char *name, hid_t file_type, hid_t type,
+                const void *data, int n) {
+  char path[128];
+  const hsize_t dims[1] = {(hsize_t)n};
+  (void)snprintf(path, sizeof path, "%s/%s", group, name);
+  const hid_t space = H5Screate_simple(1, dims, NULL);
+  const hid_t id =
+      H5Dcreate2(t->file, path, file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  t->failed =
+      t->failed || id < 0 || (n > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0);
+  if (id >= 0) {
+    t->failed = H5Dclose(id) < 0 || t->failed;
+  }
+  (void)H5Sclose(space);
+}
+
+static void put_reals(target *t, const char *group, const char *name, const double *x, int n) {
+  put(t, group, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, x, n);
+}
+
+static void put_ints(target *t, const char *group, const char *name, const int *x, int n) {
+  put(t, group, name, H5T_STD_I32LE, H5T_NATIVE_INT, x, n);
+}
+
+static void put_matrix(target *t, const char *group, const lcp_csc *A) {
+  const int nnz = A->colptr[A->n_col];
+  int *col = malloc(((size_t)nnz + 1) * sizeof *col);
+  if (col == NULL) {
+    t->failed = true;
+    return;
+  }
+  for (int j = 0; j < A->n_col; j++) {
+    for (int at = A->colptr[j]; at < A->colptr[j + 1]; at++) {
+      col[at] = j;
+    }
+  }
+  make_group(t, group);
+  put_ints(t, group, "m", &A->n_row, 1);
+  put_ints(t, group, "n", &A->n_col, 1);
+  put_ints(t, group, "nz", &nnz, 1);
+  put_ints(t, group, "nzmax", &nnz, 1);
+  put_ints(t, group, "p", col, nnz);
+  put_ints(t, group, "i", A->rowind, nnz);
+  put_reals(t, group, "x", A->val, nnz);
+  free(col);
+}
+
+static void put_problem(target *t, const friction_problem *p) {
+  const bool rolling = p->rows == 5;
+  const char *top = !p->global ? "/fclib_local"
+                    : rolling  ? "/fclib_global_rolling"
+                               : "/fclib_global";
+  const int n = p->rows * p->n_contact;
+  char vectors[64], matrix[64];
+  make_group(t, top);
+  put_ints(t, top, "spacedim", &p->rows, 1);
+  (void)snprintf(vectors, sizeof vectors, "%s/vectors", top);
+  make_group(t, vectors);
+  put_reals(t, vectors, "mu", p->mu, p->n_contact);
+  if (rolling) {
+    put_reals(t, vectors, "mu_r", p->mu_r, p->n_contact);
+  }
+  if (!p->global) {
+    put_reals(t, vectors, "q", p->q, n);
+    (void)snprintf(matrix, sizeof matrix, "%s/W", top);
+    put_matrix(t, matrix, &p->W);
+    return;
+  }
+  put_reals(t, vectors, "f", p->f, p->M.n_col);
+  put_reals(t, vectors, "w", p->w, n);
+  (void)snprintf(matrix, sizeof matrix, "%s/M", top);
+  put_matrix(t, matrix, &p->M);
+  (void)snprintf(matrix, sizeof matrix, "%s/H", top);
+  put_matrix(t, matrix, &p->H);
+}
+
+base_status friction_write_fclib(const char *path, const friction_problem *p, base_error *err) {
+  BASE_TRY(friction_check(p, err));
+  if (p->rows == 5 && !p->global) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: FCLIB has no local rolling problems", path);
+  }
+  H5E_auto2_t print;
+  void *data;
+  (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
+  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
+  target t = {H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), false};
+  if (t.file >= 0) {
+    put_problem(&t, p);
+    t.failed = H5Fclose(t.file) < 0 || t.failed;
+  }
+  (void)H5Eset_auto2(H5E_DEFAULT, print, data);
+  if (t.file < 0 || t.failed) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  }
+  return BASE_OK;
+}

@@ -1,0 +1,391 @@
+/* Problems of other codes: every shared file is read, two formats of one problem agree, round trips
+ * are exact, and malformed files are refused in one line. */
+#include "tests/support/check.h"
+
+#include "lcp/io/lcp_read.h"
+#include "problems/import/import.h"
+
+#include <hdf5.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char *data(const char *name) {
+  static char path[4][1024];
+  static int turn;
+  const char *shared = getenv("LCPBENCH_SHARED");
+  char *out = path[turn = (turn + 1) % 4];
+  (void)snprintf(out, sizeof path[0], "%s/data/%s", shared != NULL ? shared : "", name);
+  FILE *f = fopen(out, "rb");
+  if (f == NULL) {
+    print_message("no shared file %s here\n", name);
+    skip();
+  }
+  (void)fclose(f);
+  return out;
+}
+
+static const char *scratch(const char *ending) {
+  static char path[256];
+  (void)snprintf(path, sizeof path, "%s/lcpbench_import_%d%s",
+                 getenv("TMPDIR") != NULL ? getenv("TMPDIR") : "/tmp", (int)getpid(), ending);
+  return path;
+}
+
+static const struct {
+  const char *name;
+  int n, n_block;
+  unsigned sets; /* bits of lcp_set */
+} files[] = {
+    {"lcp/lcp_mmc.dat", 26, 0, 1u << LCP_ORTHANT},
+    {"mlcp/PDSym_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
+    {"mlcp/PD_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
+    {"mlcp/RLCD_mlcp.dat", 8, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
+    {"mlcp/diodeBridge_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
+    {"mlcp/m2n1_mlcp.dat", 3, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
+    {"friction/Confeti-ex03-Fc3D-SBM.dat", 162, 54, 1u << LCP_CONE},
+    {"friction/FrictionContactProblem00031.dat", 22, 11, 1u << LCP_CONE},
+    {"friction/GRFC3D_Chute-ndof-768-nc-4-3.dat", 20, 4, 1u << LCP_CONE},
+    {"friction/NESpheres_10_1.dat", 27, 9, 1u << LCP_CONE},
+    {"friction/OneObject-i1028-138.hdf5.dat", 69, 23, 1u << LCP_CONE},
+    {"friction/Rover1039.dat", 12, 4, 1u << LCP_CONE},
+    {"friction/Rover1040.dat", 15, 5, 1u << LCP_CONE},
+    {"friction/fc2d_granularflowonwall_00667_00000.dat", 1334, 667, 1u << LCP_CONE},
+    {"fclib/Box_Stacks-i0122-82-5.hdf5", 246, 82, 1u << LCP_CONE},
+    {"fclib/Capsules-i125-1213.hdf5", 858, 286, 1u << LCP_CONE},
+    {"fclib/Chute-ndof-768-nc-4-3.hdf5", 20, 4, 1u << LCP_CONE},
+    {"fclib/LMGC_100_PR_PerioBox-i00361-60-03000.hdf5", 180, 60, 1u << LCP_CONE},
+    {"fclib/LMGC_GlobalFrictionContactProblem00046.hdf5", 27, 9, 1u << LCP_CONE},
+    {"fclib/Spheres-i099-356-679.hdf5", 1068, 356, 1u << LCP_CONE},
+};
+
+static void every_shared_file_is_read(void **state) {
+  (void)state;
+  for (int i = 0; i < BASE_COUNT(files); i++) {
+    known_lcp k;
+    base_error err = {0};
+    check_ok(import_problem(data(files[i].name), 0, &k, &err), &err);
+    check_ok(lcp_problem_check(&k.p, &err), &err);
+    if (k.p.M.n != files[i].n || k.p.n_block != files[i].n_block ||
+        lcp_problem_sets(&k.p) != files[i].sets) {
+      fail_msg("%s: n = %d, %d blocks, sets %x", files[i].name, k.p.M.n, k.p.n_block,
+               lcp_problem_sets(&k.p));
+    }
+    double *d = calloc((size_t)k.p.M.n, sizeof *d);
+    assert_non_null(d);
+    lcp_matrix_diagonal(&k.p.M, d);
+    for (int j = 0; j < k.p.M.n && files[i].sets == 1u << LCP_CONE; j++) {
+      assert_true(d[j] > 0.0); /* a Delassus matrix */
+    }
+    free(d);
+    known_lcp_free(&k);
+  }
+}
+
+/* The same rolling problem in text (six digits) and HDF5. */
+static void text_and_hdf5_agree(void **state) {
+  (void)state;
+  known_lcp a, b;
+  base_error err = {0};
+  check_ok(import_problem(data("friction/GRFC3D_Chute-ndof-768-nc-4-3.dat"), 0, &a, &err), &err);
+  check_ok(import_problem(data("fclib/Chute-ndof-768-nc-4-3.hdf5"), 0, &b, &err), &err);
+  double A[400], B[400];
+  lcp_matrix_to_dense(&a.p.M, A);
+  lcp_matrix_to_dense(&b.p.M, B);
+  for (int i = 0; i < 400; i++) {
+    check_close(A[i], B[i], 2e-3 * (1.0 + fabs(B[i])));
+    check_close(B[i], B[i % 20 * 20 + i / 20], 0.0); /* exactly symmetric */
+  }
+  for (int i = 0; i < 20; i++) {
+    check_close(a.p.q[i], b.p.q[i], 1e-4);
+  }
+  assert_int_equal(b.p.block[3].n_part, 2);
+  check_close(b.p.block[3].part_mu[1], 0.1, 1e-15);
+  known_lcp_free(&a);
+  known_lcp_free(&b);
+}
+
+static void same_matrix(const lcp_csc *a, const lcp_csc *b) {
+  assert_int_equal(a->n_row, b->n_row);
+  assert_int_equal(a->n_col, b->n_col);
+  if (a->n_col == 0) {
+    return;
+  }
+  const size_t nnz = (size_t)a->colptr[a->n_col];
+  assert_memory_equal(a->colptr, b->colptr, ((size_t)a->n_col + 1) * sizeof(int));
+  assert_memory_equal(a->rowind, b->rowind, nnz * sizeof(int));
+  assert_memory_equal(a->val, b->val, nnz * sizeof(double));
+}
+
+static void same_vector(const double *a, const double *b, int n) {
+  assert_true((a == NULL) == (b == NULL));
+  if (a != NULL) {
+    assert_memory_equal(a, b, (size_t)n * sizeof *a);
+  }
+}
+
+static void same_problem(const friction_problem *a, const friction_problem *b) {
+  const int n = a->rows * a->n_contact;
+  assert_int_equal(a->rows, b->rows);
+  assert_int_equal(a->n_contact, b->n_contact);
+  same_matrix(&a->W, &b->W);
+  same_matrix(&a->M, &b->M);
+  same_matrix(&a->H, &b->H);
+  same_vector(a->q, b->q, n);
+  same_vector(a->w, b->w, n);
+  same_vector(a->f, b->f, a->M.n_col);
+  same_vector(a->mu, b->mu, a->n_contact);
+  same_vector(a->mu_r, b->mu_r, a->n_contact);
+}
+
+static void round_trips_are_exact(void **state) {
+  (void)state;
+  for (int i = 0; i < BASE_COUNT(files); i++) {
+    const char *path = data(files[i].name);
+    const bool fclib = strncmp(files[i].name, "fclib", 5) == 0;
+    friction_problem a, b, c;
+    base_error err = {0};
+    if (files[i].sets != 1u << LCP_CONE || files[i].n > 300) {
+      continue;
+    }
+    check_ok(fclib ? friction_read_fclib(path, &a, &err) : friction_read_siconos(path, &a, &err),
+             &err);
+    check_ok(friction_write_siconos(scratch(".dat"), &a, &err), &err);
+    check_ok(friction_read_siconos(scratch(".dat"), &b, &err), &err);
+    same_problem(&a, &b);
+    check_ok(friction_write_fclib(scratch(".hdf5"), &b, &err), &err);
+    check_ok(friction_read_fclib(scratch(".hdf5"), &c, &err), &err);
+    same_problem(&a, &c);
+    friction_free(&a);
+    friction_free(&b);
+    friction_free(&c);
+  }
+}
+
+/* One contact, W = diag(1, 2, 2) plus coupling: the facet LCP by hand. */
+static void facets_follow_the_formula(void **state) {
+  (void)state;
+  static const char one[] = "3\n1\n0\n3\n3\n3 3\n1 0.25 0\n0.25 2 0\n0 0 2\n-1 2 3\n0.5\n";
+  FILE *f = fopen(scratch(".dat"), "wb");
+  assert_non_null(f);
+  assert_true(fputs(one, f) >= 0);
+  assert_int_equal(fclose(f), 0);
+  known_lcp k;
+  base_error err = {0};
+  check_ok(import_problem(scratch(".dat"), 4, &k, &err), &err);
+  assert_int_equal(k.p.M.n, 6);
+  static const double want[6][6] = {
+      {1, 0.25, 0, -0.25, 0, 0}, {0.25, 2, 0, -2, 0, 1}, {0, 0, 2, 0, -2, 1},
+      {-0.25, -2, 0, 2, 0, 1},   {0, 0, -2, 0, 2, 1},    {0.5, -1, -1, -1, -1, 0},
+  };
+  static const double q[6] = {-1, 2, 3, -2, -3, 0};
+  double M[36];
+  lcp_matrix_to_dense(&k.p.M, M);
+  for (int i = 0; i < 6; i++) {
+    for (int j = 0; j < 6; j++) {
+      check_close(M[6 * j + i], want[i][j], 1e-15);
+    }
+    check_close(k.p.q[i], q[i], 2e-15);
+  }
+  known_lcp_free(&k);
+  friction_problem p;
+  check_ok(friction_read_siconos(scratch(".dat"), &p, &err), &err);
+  double r[3];
+  friction_facet_impulse(&p, 4, (const double[]){2, 0, 0.5, 0.25, 0, 9}, r);
+  check_close(r[0], 2.0, 0.0);
+  check_close(r[1], -0.25, 1e-15);
+  check_close(r[2], 0.5, 1e-15);
+  friction_free(&p);
+}
+
+static void refused(const char *path, const char *says) {
+  known_lcp k;
+  base_error err = {0};
+  const base_status s = import_problem(path, 0, &k, &err);
+  if (s == BASE_OK) {
+    known_lcp_free(&k);
+    fail_msg("accepted where it should say '%s'", says);
+  }
+  if ((s != BASE_EINVAL && s != BASE_EIO && s != BASE_EUNSUPPORTED) ||
+      strstr(err.text, says) == NULL || strchr(err.text, '\n') != NULL) {
+    fail_msg("'%s' should say '%s'", err.text, says);
+  }
+}
+
+static void refused_text(const char *text, const char *says) {
+  FILE *f = fopen(scratch(".dat"), "wb");
+  assert_non_null(f);
+  assert_true(fputs(text, f) >= 0);
+  assert_int_equal(fclose(f), 0);
+  refused(scratch(".dat"), says);
+}
+
+static void malformed_text_is_refused(void **state) {
+  (void)state;
+  refused("/nonexistent.dat", "cannot be opened");
+  /* friction, dense */
+  refused_text("", "neither");
+  refused_text("hello world", "neither");
+  refused_text("4 1 0 4 4", "neither");
+  refused_text("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0", "bytes left");
+  refused_text("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0 0", "mu announces");
+  refused_text("3 1 0 3 3 3 3 1 0 0 0 nan 0 0 0 1 0 0 0 .5", "nan");
+  refused_text("3 1 0 3 3 3 3 1 0 0 0 x 0 0 0 1 0 0 0 .5", "'x'");
+  refused_text("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 0 0 0 -.5", "mu");
+  refused_text("3 1 0 3 3 2 3 1 0 0 0 1 0 0 0 1 0 0 0 .5", "3..3");
+  refused_text("3 1000000 0 3000000 3000000 3000000 3000000 1", "bytes left");
+  refused_text("3 4000000 2 12000000 12000000 1", "bytes left");
+  refused_text("3 99999999999999999999 0 3 3", "neither");
+  /* friction, block-sparse */
+  refused_text("2 1 1 2 2 9 1 1 2 2 2 9 0 9", "bytes left");
+  refused_text("2 1 1 2 2 1 1 1 1 2 2 1 0 1 0 0 1 0 0 1 0 0 .5", "end before");
+  refused_text("2 1 1 2 2 1 1 1 2 2 2 1 0 1 7 0 1 0 0 1 0 0 .5", "column is '7'");
+  refused_text("2 1 1 2 2 1 1 1 2 2 2 1 0 0 0 0 1 0 0 1 0 0 .5", "row index");
+  refused_text("2 1 1 2 2 1 1 1 2 2 2 1 0 1 0 3 1 0 0 1 0 0 .5", "number of a block");
+  /* friction, CSparse */
+  refused_text("2 1 2 2 2 1\nMatlab\n2-by-2", "line of CSparse");
+  refused_text("2 1 2 2 2 1\nCSparse 3\n3-by-2, nzmax: 1 nnz: 1\n", "2-by-2");
+  refused_text("2 1 2 2 2 1\nCSparse 3\ntriplet: 2-by-2, nzmax: 9 nnz: 2000000\n0 0 : 1", "left");
+  refused_text("2 1 2 2 2 1\nCSparse 3\ntriplet: 2-by-2, nzmax: 1 nnz: 1\n0 5 : 1\n0 0 .5",
+               "column");
+  refused_text("2 1 2 2 2 1\nCSparse 3\ntriplet: 2-by-2, nzmax: 1 nnz: 1\n0 0 = 1\n0 0 .5", "':'");
+  /* mixed */
+  refused_text("0 1 1 1 0 1 2 0 1", "flag of the whole");
+  refused_text("1 1 0 0 0", "without unknowns");
+  refused_text("1 1 1 2 0 1 5 0 1", "end of a block");
+  refused_text("1 1 1 2 0 1 3 0 2", "flag of a block");
+  refused_text("1 1 1 2 0 1 3 0 1 0 3 3 3 3 1 2 3", "bytes left");
+  refused_text("1 1 1 2 0 1 3 0 1 0 3 2 3 3", "columns");
+  refused_text("1 1 1 2 0 1 3 0 1 1 3 3 3 3", "storage");
+  refused_text("1 1 1 0 0 1 0 0 1 1 1 1 inf 1", "inf");
+  refused_text("1 1 900000 100000 0 1000000 0 0 1000000 1000000 1000000 1000000", "bytes left");
+  /* LCP */
+  refused_text("2 0 2 2 2 2 1 0 0", "bytes left");
+}
+
+/* ---- HDF5 ----------------------------------------------------------------------------------- */
+
+static void put(hid_t file, const char *name, hid_t type, const void *x, hsize_t n) {
+  const hid_t space = H5Screate_simple(1, &n, NULL);
+  const hid_t id = H5Dcreate2(file, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(id >= 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, x) >= 0);
+  (void)H5Dclose(id);
+  (void)H5Sclose(space);
+}
+
+typedef struct hostile {
+  const char *says;
+  int spacedim, m, n, nz, p[4], i[3], n_p;
+  double mu[1], x[3];
+} hostile;
+
+/* One planar contact, W = [1 .5; .5 1] by rows but for what is wrong. */
+static const hostile hostiles[] = {
+    {"spacedim = 7", 7, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"is 3 x 2", 2, 3, 2, -2, {0, 2, 3, 3}, {0, 1, 1}, 4, {0.5}, {1, 0.5, 1}},
+    {"p has 2 numbers", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 2, {0.5}, {1, 0.5, 1}},
+    {"p must run from 0", 2, 2, 2, -2, {1, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"p must run from 0", 2, 2, 2, -2, {0, 2, 9, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"p decreases", 2, 2, 2, -2, {0, 4, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"outside the matrix", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 9, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"outside the matrix", 2, 2, 2, 3, {0, -1, 1, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"nz = -3", 2, 2, 2, -3, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"m = -2", 2, -2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"need 9", 2, 2, 2, 9, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}},
+    {"mu", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {-0.5}, {1, 0.5, 1}},
+    {"W", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, HUGE_VAL, 1}},
+};
+
+static void write_hostile(const hostile *h, bool with_x) {
+  const hid_t file = H5Fcreate(scratch(".hdf5"), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  static const char *const groups[] = {"/fclib_local", "/fclib_local/W", "/fclib_local/vectors"};
+  for (int g = 0; g < BASE_COUNT(groups); g++) {
+    (void)H5Gclose(H5Gcreate2(file, groups[g], H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  }
+  const double q[2] = {-1.0, 1.0};
+  put(file, "/fclib_local/spacedim", H5T_NATIVE_INT, &h->spacedim, 1);
+  put(file, "/fclib_local/W/m", H5T_NATIVE_INT, &h->m, 1);
+  put(file, "/fclib_local/W/n", H5T_NATIVE_INT, &h->n, 1);
+  put(file, "/fclib_local/W/nz", H5T_NATIVE_INT, &h->nz, 1);
+  put(file, "/fclib_local/W/p", H5T_NATIVE_INT, h->p, (hsize_t)h->n_p);
+  put(file, "/fclib_local/W/i", H5T_NATIVE_INT, h->i, 3);
+  if (with_x) {
+    put(file, "/fclib_local/W/x", H5T_NATIVE_DOUBLE, h->x, 3);
+  } else {
+    put(file, "/fclib_local/W/x", H5T_NATIVE_INT, h->i, 3);
+  }
+  put(file, "/fclib_local/vectors/q", H5T_NATIVE_DOUBLE, q, 2);
+  put(file, "/fclib_local/vectors/mu", H5T_NATIVE_DOUBLE, h->mu, 1);
+  (void)H5Fclose(file);
+}
+
+static void malformed_hdf5_is_refused(void **state) {
+  (void)state;
+  const hostile good = {"", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}};
+  known_lcp k;
+  base_error err = {0};
+  write_hostile(&good, true);
+  check_ok(import_problem(scratch(".hdf5"), 0, &k, &err), &err);
+  known_lcp_free(&k);
+  for (int i = 0; i < BASE_COUNT(hostiles); i++) {
+    write_hostile(&hostiles[i], true);
+    refused(scratch(".hdf5"), hostiles[i].says);
+  }
+  write_hostile(&good, false);
+  refused(scratch(".hdf5"), "need a list of real numbers");
+  /* truncated everywhere */
+  write_hostile(&good, true);
+  unsigned char bytes[32768];
+  FILE *f = fopen(scratch(".hdf5"), "rb");
+  assert_non_null(f);
+  const size_t size = fread(bytes, 1, sizeof bytes, f);
+  (void)fclose(f);
+  for (size_t cut = 16; cut < size; cut += size / 23) {
+    f = fopen(scratch(".hdf5"), "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, cut, f), cut);
+    (void)fclose(f);
+    refused(scratch(".hdf5"), "");
+  }
+  const hid_t empty = H5Fcreate(scratch(".hdf5"), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  (void)H5Fclose(empty);
+  refused(scratch(".hdf5"), "no group");
+}
+
+/* A dataset may announce what was never stored: no memory for it. */
+static void empty_promises_allocate_nothing(void **state) {
+  (void)state;
+  const hostile good = {"", 2, 2, 2, -2, {0, 2, 3, 0}, {0, 1, 1}, 3, {0.5}, {1, 0.5, 1}};
+  write_hostile(&good, true);
+  const hid_t file = H5Fopen(scratch(".hdf5"), H5F_ACC_RDWR, H5P_DEFAULT);
+  (void)H5Ldelete(file, "/fclib_local/vectors/mu", H5P_DEFAULT);
+  const hsize_t n = 100000000;
+  const hid_t space = H5Screate_simple(1, &n, NULL);
+  const hid_t id =
+      H5Dcreate2(file, "/fclib_local/vectors/mu", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT,
+                 H5P_DEFAULT, H5P_DEFAULT); /* late allocation: nothing is stored */
+  (void)H5Dclose(id);
+  (void)H5Sclose(space);
+  (void)H5Fclose(file);
+  refused(scratch(".hdf5"), "does not hold");
+}
+
+static int clean_up(void **state) {
+  (void)state;
+  (void)remove(scratch(".dat"));
+  (void)remove(scratch(".hdf5"));
+  return 0;
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(every_shared_file_is_read),
+      cmocka_unit_test(text_and_hdf5_agree),
+      cmocka_unit_test(round_trips_are_exact),
+      cmocka_unit_test(facets_follow_the_formula),
+      cmocka_unit_test(malformed_text_is_refused),
+      cmocka_unit_test(malformed_hdf5_is_refused),
+      cmocka_unit_test(empty_promises_allocate_nothing),
+  };
+  return cmocka_run_group_tests(tests, NULL, clean_up);
+}
