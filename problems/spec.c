@@ -62,10 +62,6 @@ static bool clone(void *to, const void *from, int n, size_t size) {
 #define CLONE(to, from, n) clone(&(to), (from), (n), sizeof *(from))
 
 base_status spec_copy(const scene_spec *from, scene_spec *to, base_error *err) {
-  if (from->model_param != NULL) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "scene '%s': one with a C model cannot be copied",
-                     from->id);
-  }
   *to = *from;
   bool ok = CLONE(to->body, from->body, from->n_body);
   for (int i = 0; ok && i < to->n_body; i++) {
@@ -91,6 +87,9 @@ base_status spec_copy(const scene_spec *from, scene_spec *to, base_error *err) {
   ok = CLONE(to->no_collision, from->no_collision, from->n_no_collision) & ok;
   ok = CLONE(to->check, from->check, from->n_check) & ok;
   ok = CLONE(to->off, from->off, from->n_off) & ok;
+  ok = clone(&to->model_param, from->model_param, from->model_param_size > 0,
+             from->model_param_size) &
+       ok;
   if (!ok) {
     spec_free(to);
     return BASE_FAIL(err, BASE_ENOMEM, "scene '%s': no memory for a copy", from->id);

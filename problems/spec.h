@@ -238,7 +238,8 @@ typedef struct scene_spec {
   int n_observe;                  /* quantities to report; 0: those of the checks */
   char observe[SPEC_OBSERVE][2 * SPEC_NAME];
   const struct mech_model *model; /* generalised coordinates in C (woodpecker, ...); NULL */
-  void *model_param;              /* owned, freed with free() */
+  void *model_param;              /* owned, freed with free(); plain data without pointers */
+  size_t model_param_size;        /* [bytes]; 0: none */
 } scene_spec;
 
 /* An empty spec with defaults (dim 2, no gravity, multiplicity 1, one step 0.01, friction_kinetic
