@@ -292,7 +292,7 @@ static base_status prepare_scene(measured *m, record *r, base_error *err) {
 /* n_inner solves inside one bracket, each from its own copy of the start point; set-up and
  * factorisation are repeated as often, so that all phases are means over the same count. */
 static base_status time_loop(measured *m, lcp_instance *k, record *r, base_error *err) {
-  const lcp_problem *p = &m->source.file.p;
+  const lcp_problem *p = m->source.p;
   const size_t n = (size_t)p->M.n;
   lcp_times sum = {0};
   const int loops = m->n_inner;
@@ -341,7 +341,7 @@ static void fill_solve(const solve_record *q, record *r) {
 }
 
 static base_status sample_lcp(measured *m, record *r, double *seconds, base_error *err) {
-  const lcp_problem *p = &m->source.file.p;
+  const lcp_problem *p = m->source.p;
   const size_t n = (size_t)p->M.n;
   free(m->z);
   m->z = calloc(n * (size_t)m->n_inner + 1, sizeof *m->z);
@@ -375,7 +375,7 @@ static base_status sample_lcp(measured *m, record *r, double *seconds, base_erro
 
 static base_status prepare_lcp(measured *m, base_error *err) {
   m->sample = sample_lcp;
-  return problem_source_open(m->job->cell->problem, NULL, &m->source, err);
+  return problem_source_open(m->job->cell->problem, NULL, 0, &m->source, err);
 }
 
 /* ---- the cell ---------------------------------------------------------------------------------*/

@@ -5,15 +5,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EQUAL_VARS = 16 };
-
 typedef struct equal_unit {
   sim_request request[2];
-  double t, tol;
-  int n_var;
-  const char *var[2][EQUAL_VARS];
+  const case_equivalence *e;
   check_outcome blank;
 } equal_unit;
+
+static const char *var_of(const equal_unit *u, int side, int i) {
+  return (side == 0) ? u->e->var_a[i] : u->e->var_b[i];
+}
 
 static void emit(isolate_channel *out, const equal_unit *u, const char *check,
                  check_verdict verdict, const char *reason) {
@@ -38,12 +38,12 @@ static bool run_side(const equal_unit *u, int side, double *value, isolate_chann
     emit(out, u, "status", skip ? CHECK_SKIPPED : CHECK_FAILED, r.note);
   } else {
     good = true;
-    for (int i = 0; i < u->n_var; i++) {
+    for (int i = 0; i < u->e->n_var; i++) {
       spec_check c = {.kind = CHECK_STATE};
-      (void)snprintf(c.var, sizeof c.var, "%s", u->var[side][i]);
+      (void)snprintf(c.var, sizeof c.var, "%s", var_of(u, side, i));
       const series_var *v = series_find_var(&record, &c);
-      if (v == NULL || !series_at(&record, v->column, u->t, &value[i])) {
-        emit(out, u, u->var[side][i], CHECK_FAILED, "not recorded at that time");
+      if (v == NULL || !series_at(&record, v->column, u->e->t, &value[i])) {
+        emit(out, u, var_of(u, side, i), CHECK_FAILED, "not recorded at that time");
         good = false;
       }
     }
@@ -54,24 +54,23 @@ static bool run_side(const equal_unit *u, int side, double *value, isolate_chann
 
 static void run_unit(void *ctx, isolate_channel *out) {
   const equal_unit *u = ctx;
-  double value[2][EQUAL_VARS];
+  double value[2][SPEC_OBSERVE];
   if (!run_side(u, 0, value[0], out) || !run_side(u, 1, value[1], out)) {
     return;
   }
-  for (int i = 0; i < u->n_var; i++) {
+  for (int i = 0; i < u->e->n_var; i++) {
     check_outcome o = u->blank;
-    (void)snprintf(o.check, sizeof o.check, "equal %.60s", u->var[0][i]);
+    (void)snprintf(o.check, sizeof o.check, "equal %.60s", var_of(u, 0, i));
     o.got = value[1][i];
     o.expected = value[0][i];
-    o.tolerance = u->tol * fmax(1.0, fabs(o.expected));
+    o.tolerance = u->e->tol * fmax(1.0, fabs(o.expected));
     o.verdict = (fabs(o.got - o.expected) <= o.tolerance) ? CHECK_PASSED : CHECK_FAILED;
     (void)isolate_emit(out, &o);
   }
 }
 
-static const scene_spec *find(const scene_file *file, const json_t *id) {
-  const char *name = json_string_value(id);
-  for (int i = 0; name != NULL && i < file->n_scene; i++) {
+static const scene_spec *find(const scene_file *file, const char *name) {
+  for (int i = 0; i < file->n_scene; i++) {
     if (strcmp(file->scene[i].id, name) == 0) {
       return &file->scene[i];
     }
@@ -83,48 +82,11 @@ static const scene_spec *find(const scene_file *file, const json_t *id) {
 static base_status watch(const scene_spec *from, const equal_unit *u, int side, scene_spec *to,
                          base_error *err) {
   BASE_TRY(spec_copy(from, to, err));
-  for (int i = 0; i < u->n_var; i++) {
+  for (int i = 0; i < u->e->n_var; i++) {
     spec_check *c;
-    BASE_TRY(spec_add_check(to, CHECK_STATE, u->var[side][i], &c, err));
+    BASE_TRY(spec_add_check(to, CHECK_STATE, var_of(u, side, i), &c, err));
   }
   return BASE_OK;
-}
-
-static base_status read_map(const json_t *json, equal_unit *u, base_error *err) {
-  size_t i;
-  const json_t *pair;
-  json_array_foreach(json_object_get(json, "map"), i, pair) {
-    const char *a = json_string_value(json_array_get(pair, 0));
-    const char *b = json_string_value(json_array_get(pair, 1));
-    if (a == NULL || b == NULL || u->n_var == EQUAL_VARS) {
-      return BASE_FAIL(err, BASE_EINVAL, "equivalence %s: map needs at most %d pairs of names",
-                       u->blank.id, EQUAL_VARS);
-    }
-    u->var[0][u->n_var] = a;
-    u->var[1][u->n_var++] = b;
-  }
-  u->t = json_number_value(json_object_get(json, "t"));
-  u->tol = json_number_value(json_object_get(json, "tol"));
-  return BASE_OK;
-}
-
-/* What "override_b" changes: effects, facets, multiplicity. */
-static void apply_override(const json_t *o, scene_spec *spec, unsigned *effects, int *facets) {
-  if (json_is_true(json_object_get(o, "rotation_off"))) {
-    *effects &= ~(unsigned)(EFFECT_ROTATION | EFFECT_GYROSCOPIC);
-  }
-  if (json_is_true(json_object_get(o, "friction_off"))) {
-    *effects &= ~(unsigned)EFFECT_FRICTION;
-  }
-  if (json_is_true(json_object_get(o, "restitution_off"))) {
-    *effects &= ~(unsigned)EFFECT_RESTITUTION;
-  }
-  const json_t *nd = json_object_get(o, "nd");
-  const json_t *multiplicity = json_object_get(o, "multiplicity");
-  *facets = json_is_integer(nd) ? (int)json_integer_value(nd) : *facets;
-  if (json_is_integer(multiplicity)) {
-    spec->contact_multiplicity = (int)json_integer_value(multiplicity);
-  }
 }
 
 static base_status choose_facets(const formulation_choice *given, int facets,
@@ -166,17 +128,15 @@ static base_status run_pairs(const check_plan *plan, equal_unit *u, const int fa
   return done;
 }
 
-base_status check_equivalence(const check_plan *plan, const json_t *json, const scene_file *scenes,
-                              base_error *err) {
-  equal_unit u = {.blank = {.check = "equal"}};
+base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
+                              const scene_file *scenes, base_error *err) {
+  equal_unit u = {.e = e, .blank = {.check = "equal"}};
   u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
-  (void)snprintf(u.blank.id, sizeof u.blank.id, "%.60s",
-                 json_string_value(json_object_get(json, "id")));
-  BASE_TRY(read_map(json, &u, err));
-  const scene_spec *a = find(scenes, json_object_get(json, "a"));
-  const scene_spec *b = find(scenes, json_object_get(json, "b"));
+  (void)snprintf(u.blank.id, sizeof u.blank.id, "%s", e->id);
+  const scene_spec *a = find(scenes, e->a);
+  const scene_spec *b = find(scenes, e->b);
   if (a == NULL || b == NULL) {
-    check_skip(plan, u.blank.id, "one of its scenes could not be read");
+    check_skip(plan, e->id, "one of its scenes could not be read");
     return BASE_OK;
   }
   scene_spec spec[2];
@@ -187,14 +147,16 @@ base_status check_equivalence(const check_plan *plan, const json_t *json, const 
     done = watch(b, &u, 1, &spec[1], err);
   }
   if (done == BASE_OK) {
-    int facets[2] = {a->facets, b->facets};
+    const int facets[2] = {a->facets, e->facets_b > 0 ? e->facets_b : b->facets};
     const double h = (plan->step > 0.0) ? plan->step : a->h[0];
     for (int side = 0; side < 2; side++) {
       u.request[side] = (sim_request){
-          .spec = &spec[side], .effects = spec[side].effects, .h = h, .duration = u.t};
+          .spec = &spec[side], .effects = spec[side].effects, .h = h, .duration = e->t};
     }
-    apply_override(json_object_get(json, "override_b"), &spec[1], &u.request[1].effects,
-                   &facets[1]);
+    u.request[1].effects &= ~e->off_b;
+    if (e->multiplicity_b > 0) {
+      spec[1].contact_multiplicity = e->multiplicity_b;
+    }
     u.blank.step = h;
     done = run_pairs(plan, &u, facets, err);
   }

@@ -2,10 +2,9 @@
 #include "harness/check_run.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 typedef struct lcp_unit {
-  const case_lcp *c;
+  const lcp_case *c;
   const solver_choice *solver;
   check_outcome blank;
 } lcp_unit;
@@ -43,71 +42,68 @@ static void judge_solved(isolate_channel *out, const lcp_unit *u, const solve_re
   }
 }
 
-static void judge_word(isolate_channel *out, const lcp_unit *u, const solve_record *r,
-                       const double *z) {
-  const case_word word = case_lcp_word(u->c, r);
-  char text[160];
-  (void)snprintf(text, sizeof text, "claimed %s", case_word_name(word));
-  if (case_lcp_lists(u->c, "status_false_claim", word)) {
+static void judge_word(isolate_channel *out, const lcp_unit *u, case_status word,
+                       const solve_record *r, const char *note) {
+  const lcp_case *c = u->c;
+  char text[300];
+  (void)snprintf(text, sizeof text, "claimed %s%s%s", case_lcp_name(word), note[0] ? ": " : "",
+                 note);
+  if ((c->false_claim & word) != 0) {
     emit(out, u, "status", CHECK_FAILED, text);
   } else if (word == CASE_INFEASIBLE && !r->certificate_holds) {
     emit(out, u, "status", CHECK_FAILED, "claimed infeasible without a proof that holds");
-  } else if (case_lcp_lists(u->c, "status_correct", word)) {
-    emit(out, u, "status", CHECK_PASSED, text);
   } else if (word == CASE_NOT_APPLICABLE) {
-    emit(out, u, "status", CHECK_SKIPPED, r->note);
-  } else if (case_lcp_lists(u->c, "status_honest_failure", word)) {
-    (void)snprintf(text, sizeof text, "honest failure: %s, rho=%.3g", case_word_name(word),
+    emit(out, u, "status", CHECK_SKIPPED, text);
+  } else if ((c->correct & word) != 0) {
+    emit(out, u, "status", CHECK_PASSED, text);
+  } else if ((c->honest_failure & word) != 0) {
+    (void)snprintf(text, sizeof text, "honest failure: %s, rho=%.3g", case_lcp_name(word),
                    r->verdict.rho);
     emit(out, u, "status", CHECK_SKIPPED, text);
   } else {
     emit(out, u, "status", CHECK_FAILED, text);
   }
-  if (word == CASE_SOLVED) {
-    judge_solved(out, u, r, z);
+}
+
+/* Data that are no problem must be refused before any solver sees them. */
+static bool refused(const lcp_case *c, base_error *why) {
+  if (c->shape_error[0] != '\0') {
+    (void)BASE_FAIL(why, BASE_EINVAL, "%s", c->shape_error);
+    return true;
   }
+  return lcp_problem_check(&c->k.p, why) != BASE_OK;
 }
 
 static void run_unit(void *ctx, isolate_channel *out) {
   const lcp_unit *u = ctx;
   solve_record r = {.status = RUN_ERROR};
-  if (!u->c->valid) {
-    judge_word(out, u, &r, NULL);
+  base_error err = {0};
+  if (refused(u->c, &err)) {
+    judge_word(out, u, CASE_INVALID_INPUT, &r, err.text);
     return;
   }
-  base_error err = {0};
-  double *z = calloc((size_t)u->c->p.M.n + 1, sizeof *z);
+  double *z = calloc((size_t)u->c->k.p.M.n + 1, sizeof *z);
   if (z == NULL) {
     emit(out, u, "run", CHECK_FAILED, "no memory for the answer");
-  } else if (solve_once(&u->c->p, u->solver, z, &r, &err) != BASE_OK) {
+  } else if (solve_once(&u->c->k.p, u->solver, z, &r, &err) != BASE_OK) {
     emit(out, u, "run", CHECK_FAILED, err.text);
   } else {
-    judge_word(out, u, &r, z);
+    const case_status word = case_lcp_word(&r);
+    judge_word(out, u, word, &r, r.note);
+    if (word == CASE_SOLVED) {
+      judge_solved(out, u, &r, z);
+    }
   }
   free(z);
 }
 
-base_status check_lcp_case(const check_plan *plan, const json_t *json, base_error *err) {
-  case_lcp c;
-  base_error why = {0};
-  const base_status read = case_lcp_read(json, &c, &why);
-  if (read == BASE_EUNSUPPORTED) {
-    const char *id = json_string_value(json_object_get(json, "id"));
-    check_skip(plan, id != NULL ? id : "?", why.text);
-    return BASE_OK;
-  }
-  if (read != BASE_OK) {
-    *err = why;
-    return read;
-  }
-  base_status done = BASE_OK;
-  for (int i = 0; done == BASE_OK && i < plan->n_solver && isolate_stop_requested() == 0; i++) {
-    lcp_unit u = {&c, &plan->solver[i], {.check = "run"}};
+base_status check_lcp_case(const check_plan *plan, const lcp_case *c, base_error *err) {
+  for (int i = 0; i < plan->n_solver && isolate_stop_requested() == 0; i++) {
+    lcp_unit u = {c, &plan->solver[i], {.check = "run"}};
     u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
-    (void)snprintf(u.blank.id, sizeof u.blank.id, "%s", c.id);
+    (void)snprintf(u.blank.id, sizeof u.blank.id, "%s", c->id);
     (void)snprintf(u.blank.solver, sizeof u.blank.solver, "%s", plan->solver[i].solver->name);
-    done = check_isolated(plan, &u.blank, run_unit, &u, err);
+    BASE_TRY(check_isolated(plan, &u.blank, run_unit, &u, err));
   }
-  case_lcp_free(&c);
-  return done;
+  return BASE_OK;
 }

@@ -5,7 +5,7 @@
 #include "harness/check_report.h"
 #include "harness/isolate.h"
 #include "harness/registry.h"
-#include "problems/scene.h"
+#include "problems/case_file.h"
 
 enum { CHECK_CHOICES = 48 };
 
@@ -20,15 +20,15 @@ typedef struct check_plan {
 } check_plan;
 
 /* One LCP case (a member of the file's "lcp" list) with every solver of the plan. */
-base_status check_lcp_case(const check_plan *plan, const json_t *json, base_error *err);
+base_status check_lcp_case(const check_plan *plan, const lcp_case *c, base_error *err);
 
 /* One scene with every formulation and solver of the plan, at each of its steps, as declared and
  * with each effect switched off that the scene makes a statement about. */
 base_status check_scene_case(const check_plan *plan, const scene_spec *spec, base_error *err);
 
 /* Two scenes that must agree ("equivalences" of the file). */
-base_status check_equivalence(const check_plan *plan, const json_t *json, const scene_file *scenes,
-                              base_error *err);
+base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
+                              const scene_file *scenes, base_error *err);
 
 /* A skipped case that could not be run at all. */
 void check_skip(const check_plan *plan, const char *id, const char *reason);

@@ -6,7 +6,10 @@
 #include <string.h>
 
 /* One verb: one constant in verb_NAME.c and one word here. */
-#define VERB_LIST(X) X(check) X(list) X(run) X(simulate) X(solve)
+#define VERB_LIST(X)                                                                               \
+  X(list)                                                                                          \
+  X(solve)                                                                                         \
+  X(simulate) X(check) X(run) X(status) X(merge) X(verify) X(compare) X(doctor) X(submit)
 
 #define DECLARE_(name) extern const cli_verb verb_##name;
 VERB_LIST(DECLARE_)

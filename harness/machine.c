@@ -82,6 +82,15 @@ int machine_last_cpu(void) {
   return last;
 }
 
+void machine_pin(int cpu) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (cpu >= 0) {
+    CPU_SET((size_t)cpu, &set);
+    (void)sched_setaffinity(0, sizeof set, &set);
+  }
+}
+
 void machine_utc(char *buf, size_t cap) {
   const time_t now = time(NULL);
   struct tm utc;

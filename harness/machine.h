@@ -15,6 +15,7 @@ void machine_read(machine *m);
 double machine_load(void);               /* 1 minute load average; NaN if unknown */
 double machine_frequency(int cpu);       /* of a logical CPU now [MHz]; NaN if unknown */
 int machine_last_cpu(void);              /* the highest CPU this process may use */
+void machine_pin(int cpu);               /* this process, if the system permits */
 void machine_utc(char *buf, size_t cap); /* 2024-01-31T12:00:00Z */
 
 /* Fixed work of about 5 ms (multiply-add over an array in cache): the canary of a campaign. A drift

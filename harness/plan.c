@@ -97,7 +97,7 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
     sha256 s;
     sha256_begin(&s);
     sha256_text(&s, c->problem);
-    sha256_text(&s, version_of_scene(name));
+    sha256_text(&s, c->formulation[0] != '\0' ? version_of_scene(name) : version_of_family(name));
     sha256_end(&s, hex);
     return BASE_OK;
   }

@@ -69,60 +69,35 @@ static void free_plan(check_plan *plan) {
   }
 }
 
-static base_status run_lcps(const check_plan *plan, const json_t *file, base_error *err) {
-  size_t i;
-  const json_t *one;
-  json_array_foreach(json_object_get(file, "lcp"), i, one) {
-    const char *id = json_string_value(json_object_get(one, "id"));
-    if (id != NULL && check_selected(plan, id)) {
-      BASE_TRY(check_lcp_case(plan, one, err));
+static base_status run_cases(const check_plan *plan, const case_file *f, base_error *err) {
+  for (int i = 0; i < f->n_lcp; i++) {
+    if (check_selected(plan, f->lcp[i].id)) {
+      BASE_TRY(check_lcp_case(plan, &f->lcp[i], err));
+    }
+  }
+  for (int i = 0; i < f->scenes.n_scene; i++) {
+    if (check_selected(plan, f->scenes.scene[i].id)) {
+      BASE_TRY(check_scene_case(plan, &f->scenes.scene[i], err));
+    }
+  }
+  for (int i = 0; i < f->scenes.n_failed; i++) {
+    if (check_selected(plan, f->scenes.failed[i].id)) {
+      check_skip(plan, f->scenes.failed[i].id, f->scenes.failed[i].err.text);
+    }
+  }
+  for (int i = 0; i < f->n_equivalence; i++) {
+    if (check_selected(plan, f->equivalence[i].id)) {
+      BASE_TRY(check_equivalence(plan, &f->equivalence[i], &f->scenes, err));
     }
   }
   return BASE_OK;
-}
-
-static base_status run_scenes(const check_plan *plan, const json_t *file, const scene_file *scenes,
-                              base_error *err) {
-  for (int i = 0; i < scenes->n_scene; i++) {
-    if (check_selected(plan, scenes->scene[i].id)) {
-      BASE_TRY(check_scene_case(plan, &scenes->scene[i], err));
-    }
-  }
-  for (int i = 0; i < scenes->n_failed; i++) {
-    if (check_selected(plan, scenes->failed[i].id)) {
-      check_skip(plan, scenes->failed[i].id, scenes->failed[i].err.text);
-    }
-  }
-  size_t i;
-  const json_t *one;
-  json_array_foreach(json_object_get(file, "equivalences"), i, one) {
-    const char *id = json_string_value(json_object_get(one, "id"));
-    if (id != NULL && check_selected(plan, id)) {
-      BASE_TRY(check_equivalence(plan, one, scenes, err));
-    }
-  }
-  return BASE_OK;
-}
-
-/* The members this file reads itself; a YAML file or a bare scene has none of them. */
-static json_t *load_json(const char *path) {
-  json_error_t why;
-  json_t *file = json_load_file(path, 0, &why);
-  return json_is_object(file) ? file : NULL;
 }
 
 static base_status run_file(const check_plan *plan, const char *path, base_error *err) {
-  json_t *file = load_json(path);
-  scene_file scenes = {0};
-  base_status done = scene_file_read(path, &scenes, err);
-  if (done == BASE_OK) {
-    done = run_lcps(plan, file, err);
-  }
-  if (done == BASE_OK) {
-    done = run_scenes(plan, file, &scenes, err);
-  }
-  scene_file_free(&scenes);
-  json_decref(file);
+  case_file f;
+  BASE_TRY(case_file_read(path, &f, err));
+  const base_status done = run_cases(plan, &f, err);
+  case_file_free(&f);
   return done;
 }
 

@@ -1,10 +1,13 @@
 /* lcpbench list: what this build has. Plain format is bare names, one per line, for scripts. */
 #include "harness/args.h"
+#include "harness/campaign.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
 #include "harness/registry.h"
+#include "problems/family.h"
 #include "problems/scene.h"
 
+#include <glob.h>
 #include <string.h>
 
 /* One component as rows of a table: the first column is its name. */
@@ -81,17 +84,42 @@ static bool effect_row(int i, list_row *out, char *scratch, size_t cap) {
 }
 
 static bool problem_row(int i, list_row *out, char *scratch, size_t cap) {
-  static const char *const files[][3] = {
-      {"x.dat", "Siconos text LCP", "file"},
-      {"NAME.M.mtx", "Matrix Market M, with NAME.q.mtx or --q", "file"},
-  };
-  (void)scratch;
-  (void)cap;
-  if (i >= BASE_COUNT(files)) {
+  int count;
+  const lcp_family *const *all = lcp_families(&count);
+  if (i >= count) {
     return false;
   }
-  *out = (list_row){{files[i][0], files[i][1], files[i][2], "", ""}};
+  const lcp_family *f = all[i];
+  *out = (list_row){
+      {f->name, f->title, "family", describe(f->fields, f->n_fields, scratch, cap), f->cite}};
   return true;
+}
+
+/* Shipped campaigns: the .yaml files of the campaign directory, sorted. */
+static bool campaign_row(int i, list_row *out, char *scratch, size_t cap) {
+  char pattern[600];
+  glob_t found;
+  (void)snprintf(pattern, sizeof pattern, "%s/*.yaml", campaign_directory());
+  if (glob(pattern, 0, NULL, &found) != 0) {
+    return false;
+  }
+  const bool any = (size_t)i < found.gl_pathc;
+  if (any) {
+    const char *path = found.gl_pathv[i];
+    const char *name = strrchr(path, '/') + 1;
+    const size_t len = strlen(name) - strlen(".yaml");
+    (void)snprintf(scratch, cap, "%.*s", (int)len, name);
+    campaign c;
+    char *title = scratch + len + 1;
+    title[0] = '\0';
+    if (campaign_read(scratch, false, &c, NULL) == BASE_OK) {
+      (void)snprintf(title, cap - len - 1, "%s", c.title);
+      campaign_free(&c);
+    }
+    *out = (list_row){{scratch, title}};
+  }
+  globfree(&found);
+  return any;
 }
 
 /* i runs over formulation x solver; the verdict is by declared sets, without a problem. */
@@ -128,6 +156,7 @@ static const list_kind kinds[] = {
     {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row},
     {"formulations", {"name", "title", "kind", "options", "cite"}, formulation_row},
     {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row},
+    {"campaigns", {"name", "title"}, campaign_row},
     {"effects", {"name"}, effect_row},
     {"compat", {"name", "formulation", "solver", "admits"}, compat_row},
 };
@@ -181,8 +210,9 @@ static int print_kind(const list_kind *k, const char *format) {
 static int run(int argc, char **argv) {
   const char *format = "plain";
   const arg_option options[] = {{"--format", ARG_TEXT, &format}};
-  const arg_table table = {options, 1, 1, 1,
-                           "KIND (problems, scenes, formulations, solvers, effects, compat)"};
+  const arg_table table = {
+      options, 1, 1, 1,
+      "KIND (problems, scenes, formulations, solvers, campaigns, effects, compat)"};
   const char *what;
   int n_positional;
   base_error err = {0};

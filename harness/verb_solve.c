@@ -6,9 +6,11 @@
 #include "harness/solve_once.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct solve_options {
-  const char *solver, *q, *tol, *max_iter, *z;
+  const char *solver, *q, *tol, *max_iter, *z, *formulation;
+  int facets;
 } solve_options;
 
 static base_status choose(const solve_options *o, solver_choice *s, base_error *err) {
@@ -22,6 +24,23 @@ static base_status choose(const solve_options *o, solver_choice *s, base_error *
   if (o->max_iter != NULL) {
     BASE_TRY(solver_choice_set(s, "max_iter", o->max_iter, err));
   }
+  return BASE_OK;
+}
+
+/* Friction problems are posed on the exact cone, or as the polyhedral LCP with facets. */
+static base_status choose_pose(solve_options *o, base_error *err) {
+  const bool polyhedral = o->formulation != NULL && strcmp(o->formulation, "velocity") == 0;
+  if (o->formulation != NULL && !polyhedral && strcmp(o->formulation, "coulomb") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--formulation %s: need coulomb or velocity",
+                     o->formulation);
+  }
+  if (o->facets != 0 && o->facets < 2) {
+    return BASE_FAIL(err, BASE_EINVAL, "--facets %d: need at least 2", o->facets);
+  }
+  if (!polyhedral && o->formulation != NULL && o->facets != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--facets: the exact cone has none");
+  }
+  o->facets = (polyhedral && o->facets == 0) ? 4 : o->facets;
   return BASE_OK;
 }
 
@@ -41,9 +60,9 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
   json_t *o = json_object();
   const lcp_work *w = &r->claim.work;
   json_out_text(o, "problem", src->name);
-  json_out_int(o, "n", src->file.p.M.n);
-  json_out_int(o, "nnz", lcp_matrix_entries(&src->file.p.M));
-  json_out_text(o, "storage", storage_name(src->file.p.M.storage));
+  json_out_int(o, "n", src->p->M.n);
+  json_out_int(o, "nnz", lcp_matrix_entries(&src->p->M));
+  json_out_text(o, "storage", storage_name(src->p->M.storage));
   json_out_text(o, "solver", s->solver->name);
   json_out_text(o, "options", s->config);
   json_out_text(o, "variant", r->claim.variant);
@@ -67,13 +86,13 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
 
 static base_status solve_and_print(const problem_source *src, const solver_choice *s,
                                    const char *z_path, int *code, base_error *err) {
-  const int n = src->file.p.M.n;
+  const int n = src->p->M.n;
   double *z = calloc((size_t)n + 1, sizeof *z);
   if (z == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for the answer", src->name);
   }
   solve_record r;
-  base_status done = solve_once(&src->file.p, s, z, &r, err);
+  base_status done = solve_once(src->p, s, z, &r, err);
   if (done == BASE_OK && z_path != NULL && r.has_claim) {
     done = lcp_write_mtx_vector(z_path, n, z, err);
   }
@@ -91,6 +110,8 @@ static int run(int argc, char **argv) {
                                 {"--q", ARG_TEXT, &o.q},
                                 {"--tol", ARG_TEXT, &o.tol},
                                 {"--max-iter", ARG_TEXT, &o.max_iter},
+                                {"--formulation", ARG_TEXT, &o.formulation},
+                                {"--facets", ARG_INT, &o.facets},
                                 {"--z", ARG_TEXT, &o.z}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
@@ -104,7 +125,10 @@ static int run(int argc, char **argv) {
   int code = CLI_INTERNAL;
   base_status done = choose(&o, &s, &err);
   if (done == BASE_OK) {
-    done = problem_source_open(problem, o.q, &src, &err);
+    done = choose_pose(&o, &err);
+  }
+  if (done == BASE_OK) {
+    done = problem_source_open(problem, o.q, o.facets, &src, &err);
   }
   if (done == BASE_OK) {
     done = solve_and_print(&src, &s, o.z, &code, &err);
@@ -118,7 +142,7 @@ extern const cli_verb verb_solve;
 const cli_verb verb_solve = {
     .name = "solve",
     .usage = "solve PROBLEM --solver S[:opt=val,...] [--q FILE] [--tol T] [--max-iter N]"
-             " [--z FILE]",
-    .help = "solves one problem file and prints one JSON object",
+             " [--formulation coulomb|velocity] [--facets N] [--z FILE]",
+    .help = "solves one problem (file or family) and prints one JSON object",
     .run = run,
 };

@@ -32,6 +32,10 @@ const char *version_of_scene(const char *name) {
   return find("scene", name);
 }
 
+const char *version_of_family(const char *name) {
+  return find("family", name);
+}
+
 const char *build_commit(void) {
   return BUILD_COMMIT;
 }

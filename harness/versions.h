@@ -6,6 +6,7 @@
 const char *version_of_solver(const char *name);
 const char *version_of_formulation(const char *name);
 const char *version_of_scene(const char *name);
+const char *version_of_family(const char *name);
 
 const char *build_commit(void); /* git commit, or "unknown" */
 int build_dirty(void);          /* 1: the tree had changes, 0: clean, -1: unknown */

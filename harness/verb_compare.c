@@ -1,0 +1,115 @@
+/* lcpbench compare: is B faster than A, or is it noise? */
+#include "harness/args.h"
+#include "harness/cli.h"
+#include "harness/compare.h"
+#include "harness/json_out.h"
+#include "harness/runner.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct compare_options {
+  const char *solver_a, *solver_b, *column;
+  double noise;
+} compare_options;
+
+static const char *const words[] = {"no difference", "faster", "slower"};
+
+/* The folder's doctor.json, or `found` unchanged. */
+static double doctor_floor(const char *dir, double found) {
+  char path[1100];
+  runner_path(dir, "doctor.json", path, sizeof path);
+  json_t *o = json_load_file(path, 0, NULL);
+  const json_t *floor = json_object_get(o, "noise_floor");
+  const double value = json_is_number(floor) ? json_number_value(floor) : -1.0;
+  json_decref(o);
+  return fmax(found, value);
+}
+
+static base_status read_rows(const char *dir, record_table *t, base_error *err) {
+  char path[1100];
+  runner_path(dir, "results.csv", path, sizeof path);
+  return record_table_read(path, t, err);
+}
+
+static int print_pairs(const compare_pair *pair, int n, double floor, const char *origin) {
+  int count[3] = {0, 0, 0};
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) {
+    const compare_pair *p = &pair[i];
+    (void)printf("%s %s %s -> %s: %.4g s -> %.4g s, ratio %.4f [%.4f, %.4f] %s\n", p->a->problem,
+                 p->a->formulation[0] != '\0' ? p->a->formulation : "-", p->a->solver, p->b->solver,
+                 p->median_a, p->median_b, p->ratio, p->lo, p->hi, words[p->word]);
+    count[p->word]++;
+    sum += log(p->ratio);
+  }
+  if (n > 0) {
+    (void)printf("geometric mean of the ratios %.4f over %d pairs\n", exp(sum / n), n);
+  }
+  (void)printf("noise floor %.2f %% (%s): %d no difference, %d faster, %d slower\n", 100.0 * floor,
+               origin, count[COMPARE_SAME], count[COMPARE_FASTER], count[COMPARE_SLOWER]);
+  return CLI_OK;
+}
+
+static base_status compare(const char *const dir[2], const compare_options *o, int *code,
+                           base_error *err) {
+  record_table t[2] = {{0}, {0}};
+  double floor = o->noise;
+  const char *origin = "as given";
+  if (floor < 0.0) {
+    floor = doctor_floor(dir[1], doctor_floor(dir[0], -1.0));
+    origin = "doctor.json";
+  }
+  if (floor < 0.0) {
+    floor = 0.03;
+    origin = "assumed; run lcpbench doctor --out DIR to measure it";
+  }
+  base_status done = read_rows(dir[0], &t[0], err);
+  if (done == BASE_OK) {
+    done = read_rows(dir[1], &t[1], err);
+  }
+  compare_pair *pair = NULL;
+  int n = 0;
+  if (done == BASE_OK) {
+    const compare_side a = {&t[0], o->solver_a};
+    const compare_side b = {&t[1], o->solver_b};
+    done = compare_sides(&a, &b, o->column, floor, &pair, &n, err);
+  }
+  if (done == BASE_OK) {
+    *code = print_pairs(pair, n, floor, origin);
+  }
+  free(pair);
+  record_table_free(&t[0]);
+  record_table_free(&t[1]);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  compare_options o = {.column = "t_total_s", .noise = -1.0};
+  const arg_option options[] = {{"--solver-a", ARG_TEXT, &o.solver_a},
+                                {"--solver-b", ARG_TEXT, &o.solver_b},
+                                {"--column", ARG_TEXT, &o.column},
+                                {"--noise", ARG_REAL, &o.noise}};
+  const arg_table table = {options, BASE_COUNT(options), 2, 2, "A and B"};
+  const char *dir[2];
+  int n;
+  int code = CLI_INTERNAL;
+  base_error err = {0};
+  base_status done = args_parse(&table, argc, argv, dir, &n, &err);
+  if (done == BASE_OK && (o.solver_a == NULL) != (o.solver_b == NULL)) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--solver-a and --solver-b belong together");
+  }
+  if (done == BASE_OK) {
+    done = compare(dir, &o, &code, &err);
+  }
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_compare;
+const cli_verb verb_compare = {
+    .name = "compare",
+    .usage = "compare A B [--column t_total_s|t_step_s|t_solve_s|t_assemble_s] [--noise X]"
+             " [--solver-a S --solver-b S]",
+    .help = "paired ratios B/A with intervals; inside the noise floor there is no difference",
+    .run = run,
+};
