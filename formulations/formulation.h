@@ -29,6 +29,7 @@ typedef enum formulation_model {
   FORM_POSITION = 1u << 7,        /* normal rows at position level */
   FORM_ACCELERATION = 1u << 8,    /* forces, not impulses */
   FORM_NO_LCP = 1u << 9,          /* implements step itself */
+  FORM_CURVED = 1u << 10,         /* begin wants u_curve (world_contacts_curved) */
 } formulation_model;
 
 typedef enum formulation_start { FORM_COLD, FORM_PREVIOUS } formulation_start;

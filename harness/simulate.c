@@ -200,7 +200,9 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
   sim_times *t = &s->out->time;
   double from = base_seconds();
-  BASE_TRY(world_contacts(s->w, s->q->h, -1.0, &set, err));
+  const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
+  BASE_TRY(curved ? world_contacts_curved(s->w, s->q->h, -1.0, &set, err)
+                  : world_contacts(s->w, s->q->h, -1.0, &set, err));
   t->contacts += base_seconds() - from;
   series_penetration(record, &set);
 
@@ -260,8 +262,8 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
     const double from = sim_total_seconds(r);
     base_error why = {0};
     const base_status done = own ? step_own(s, record, &why) : step_lcp(s, record, &why);
-    if (done == BASE_EUNSUPPORTED) {
-      trouble(s, RUN_UNSUPPORTED, why.text);
+    if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
+      trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
       return BASE_OK;
     }
     if (done != BASE_OK) {

@@ -206,6 +206,14 @@ void world_close(world *w) {
   free(w->piece);
   free(w->vertex);
   free(w->joint);
+  curve_store *const curves[] = {&w->ahead, &w->behind};
+  for (int i = 0; i < BASE_COUNT(curves); i++) {
+    free(curves[i]->id);
+    free(curves[i]->row_start);
+    free(curves[i]->u);
+  }
+  free(w->curve);
+  free(w->displaced);
   spec_free(&w->spec);
   free(w);
 }

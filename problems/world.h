@@ -25,6 +25,12 @@ base_status world_reset(world *w, base_error *err); /* back to t = 0 */
  * number of contacts does (outside the hot loop after the first steps). */
 base_status world_contacts(world *w, double h, double margin, contact_set *out, base_error *err);
 
+/* The same with u_curve, for formulations at acceleration level: central differences of u over two
+ * displaced configurations, so three detections instead of one. A contact that is not found at
+ * both displacements has u_curve from the one side that has it, zero if neither. */
+base_status world_contacts_curved(world *w, double h, double margin, contact_set *out,
+                                  base_error *err);
+
 /* v <- v_next, q <- q + h N v_next, t <- t + h. `impulse` (n_row of the last set) is kept for
  * world_contact_force; NULL: none. */
 base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err);

@@ -68,6 +68,15 @@ typedef struct set_store {
   double *mass, *inv_mass, *v, *v_free;
 } set_store;
 
+/* Velocities of the contacts at a displaced configuration (world_curve.c). */
+typedef struct curve_store {
+  size_t cap_contact, cap_row;
+  int n_contact;
+  uint64_t *id;   /* n_contact, ascending */
+  int *row_start; /* n_contact+1 */
+  double *u;      /* rows */
+} curve_store;
+
 struct world {
   scene_spec spec;
   unsigned effects;
@@ -86,6 +95,9 @@ struct world {
   broad_phase broad;
   set_store store;
   contact_set set; /* the last one */
+  curve_store ahead, behind;
+  double *curve, *displaced; /* u_curve of the last set; scratch of world_contacts_curved */
+  size_t cap_curve;
   /* generalised coordinates */
   const mech_model *model;
   double q[MODEL_DOF_MAX], qv[MODEL_DOF_MAX];

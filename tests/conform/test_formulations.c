@@ -222,7 +222,9 @@ static void run_step(const formulation *f, formulation_run *run, rig *r, bool ze
                    r->rows[i].rolling == 0;
   }
   if (all_friction) {
-    assert_int_equal(n_most, f->dimension(r->dim, r->answer.n_active, opt));
+    const long n = f->dimension(r->dim, r->answer.n_active, opt);
+    /* at acceleration level a sliding contact has only its normal force as an unknown */
+    assert_true((f->model & FORM_ACCELERATION) != 0 ? n_most <= n : n_most == n);
   }
 }
 

@@ -249,6 +249,7 @@ const contact_set *rig_set(rig *r) {
                          .jac = r->jac,
                          .u_drift = r->drift,
                          .u_before = r->before,
+                         .u_curve = r->curve,
                          .id = r->id,
                          .rows = r->rows,
                          .gap = r->gap,

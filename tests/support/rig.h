@@ -39,6 +39,7 @@ typedef struct rig {
   double M[36 * RIG_BODIES], W[36 * RIG_BODIES], v_free[6 * RIG_BODIES];
   int row_start[RIG_GROUPS + 1], body[2 * RIG_GROUPS], jac_start[RIG_GROUPS + 1];
   double jac[RIG_GROUPS * 72], drift[RIG_GROUPS * 6], before[RIG_GROUPS * 6];
+  double curve[RIG_GROUPS * 6]; /* zero: the points keep their offsets */
   double error[RIG_JOINTS * 3];
   uint64_t id[RIG_CONTACTS];
   contact_rows rows[RIG_CONTACTS];

@@ -1,0 +1,232 @@
+/* form_acceleration.c - forces from a complementarity problem between contact forces and contact
+ * accelerations (Loetstedt 1981; Baraff 1991; Glocker & Pfeiffer 1996), stepped by semi-implicit
+ * Euler. What sets it apart from `velocity` is that the direction of sliding friction is that of
+ * the motion at the start of the step and is not an unknown: for large friction the problem may
+ * have no solution or several (Painleve), which ends the step as unsolved, not as something else.
+ *
+ * In impulses lambda = h f and with u- the velocity before the step the rows read
+ *   w = u- + h (J a_free + (dJ/dt) v) + C lambda + b
+ * i.e. h times the acceleration conditions, plus u-, which keeps closed contacts from drifting and
+ * makes approaching ones (b: Newton's law) part of the same problem.
+ *
+ * A contact that would reverse its sliding within the step is posed again as one that sticks or
+ * starts anew (faceted cone), once; every such change is counted.
+ */
+#include "formulations/slip_problem.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct options {
+  int facets;
+  double stick, push, push_speed, rest, joint_push;
+} options;
+
+static const base_field fields[] = {
+    BASE_FIELD(options, facets, BASE_INT, "1", 8, 3, SLIP_FACETS_MAX,
+               "directions of friction where a contact sticks"),
+    BASE_FIELD(options, stick, BASE_REAL, "1", 1e-9, 0, 1,
+               "slower than this share of the step's speeds is rest, not sliding"),
+    BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
+    BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
+    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
+    BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
+};
+
+typedef struct state {
+  form_assembly a;
+  contact_memory memory;
+  slip_problem p;
+  lcp_problem posed;
+  double *u0;     /* n_row: r + u_curve + bias; owned, lambda lies behind it */
+  double *lambda; /* n_row [N s] */
+  int cap_row;
+  bool pending, solved;
+  formulation_answer answer;
+} state;
+
+static void close(void *st) {
+  state *s = st;
+  form_assembly_close(&s->a);
+  contact_memory_close(&s->memory);
+  slip_close(&s->p);
+  free(s->u0);
+}
+
+static void forget(void *st) {
+  contact_memory_forget(&((state *)st)->memory);
+}
+
+static double speed(const double *u, int n) {
+  return (n == 2) ? hypot(u[0], u[1]) : (n == 1 ? fabs(u[0]) : 0.0);
+}
+
+/* Sliding starts from the velocity before the step; a contact at rest gets the cone. What rounding
+ * leaves of a rest is no direction: it is measured against the largest free contact velocity. */
+static void choose_modes(state *s, const contact_set *c, double stick) {
+  double scale = 0.0;
+  for (int r = 0; r < s->a.n_row; r++) {
+    scale = fmax(scale, fabs(s->a.r[r]));
+  }
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], nt = c->rows[g].tangent;
+    const double *u = c->u_before + c->row_start[g] + 1;
+    const double slip = speed(u, nt);
+    if (slip <= stick * scale) {
+      continue;
+    }
+    s->p.mu[i] = c->mu_kinetic[g];
+    for (int t = 0; t < nt; t++) {
+      s->p.direction[2 * i + t] = u[t] / slip;
+    }
+  }
+}
+
+static base_status grow(state *s, base_error *err) {
+  if (s->a.n_row >= s->cap_row) {
+    free(s->u0);
+    s->cap_row = 2 * s->a.n_row + 8;
+    s->u0 = calloc(2 * (size_t)s->cap_row, sizeof *s->u0);
+    if (s->u0 == NULL) {
+      s->cap_row = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "acceleration: no memory for %d rows", s->a.n_row);
+    }
+    s->lambda = s->u0 + s->cap_row;
+  }
+  return BASE_OK;
+}
+
+/* Writes lambda and what follows from it into the assembly's answer arrays. */
+static void finish(state *s) {
+  form_assembly_answer(&s->a, s->lambda);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const bool slips = s->p.direction[2 * i] != 0.0 || s->p.direction[2 * i + 1] != 0.0;
+    s->a.mode[s->a.group[i]] = (s->lambda[s->a.row[i]] > 0.0) ? (slips ? 2 : 1) : 0;
+  }
+}
+
+static base_status begin(void *st, const contact_set *c, const void *opt, formulation_start start,
+                         base_error *err) {
+  (void)start; /* no unknown of the last step is a guess for the next one */
+  state *s = st;
+  const options *o = opt;
+  const form_rule rule = {.level = FORM_LEVEL_VELOCITY,
+                          .activation = FORM_CLOSED,
+                          .newton = true,
+                          .push = o->push,
+                          .push_speed = o->push_speed,
+                          .rest = o->rest,
+                          .joint_push = o->joint_push};
+  if (c->n_contact > 0 && c->u_curve == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "acceleration: needs u_curve of the contacts");
+  }
+  BASE_TRY(contact_memory_begin(&s->memory, 1, c, err));
+  BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
+  BASE_TRY(form_assembly_eliminate(&s->a, err));
+  BASE_TRY(slip_begin(&s->p, &s->a, o->facets, err));
+  BASE_TRY(grow(s, err));
+  choose_modes(s, c, o->stick);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], first = s->a.row[i];
+    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
+      s->u0[first + r] = s->a.r[first + r] + c->u_curve[c->row_start[g] + r];
+    }
+    s->u0[first] += s->a.bias[g];
+  }
+  s->pending = s->a.n_contact > 0;
+  s->solved = true;
+  s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL, .n_active = s->a.n_contact};
+  memset(s->lambda, 0, (size_t)s->a.n_row * sizeof *s->lambda);
+  finish(s);
+  return BASE_OK;
+}
+
+static base_status assemble(void *st, lcp_problem *out, const double **z0, bool *pending,
+                            base_error *err) {
+  (void)err;
+  state *s = st;
+  *pending = s->pending;
+  *z0 = s->p.z0;
+  if (s->pending) {
+    slip_pose(&s->p, &s->a, s->u0, &s->posed);
+    *out = s->posed;
+    s->answer.work.solves++;
+    s->answer.lcp_dim = (s->p.n > s->answer.lcp_dim) ? s->p.n : s->answer.lcp_dim;
+  }
+  return BASE_OK;
+}
+
+/* u at the end of the step along the old sliding direction; below zero: reversed. */
+static bool reverses(const state *s, int i) {
+  const double *d = s->p.direction + 2 * i;
+  const form_assembly *a = &s->a;
+  double along = 0.0;
+  for (int t = 0; t < form_rows_of(a, i) - 1; t++) {
+    double u = s->u0[a->row[i] + 1 + t];
+    for (int j = 0; j < a->n_row; j++) {
+      u += s->p.C[(size_t)j * (size_t)a->n_row + (size_t)(a->row[i] + 1 + t)] * s->lambda[j];
+    }
+    along += d[t] * u;
+  }
+  return along < 0.0;
+}
+
+static base_status recover(void *st, const double *z, lcp_outcome claimed, base_error *err) {
+  (void)err;
+  state *s = st;
+  const contact_set *c = s->a.set;
+  s->pending = false;
+  if (claimed != LCP_SOLVED) {
+    s->solved = false;
+    s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
+    s->answer.residual = 1.0;
+  }
+  slip_impulses(&s->p, &s->a, z, s->lambda);
+  for (int i = 0; s->solved && i < s->a.n_contact; i++) {
+    double *d = s->p.direction + 2 * i;
+    const bool slips = d[0] != 0.0 || d[1] != 0.0;
+    if (slips && s->lambda[s->a.row[i]] > 0.0 && reverses(s, i)) {
+      d[0] = d[1] = 0.0;
+      s->p.mu[i] = c->mu_static[s->a.group[i]];
+      s->answer.work.mode_changes++;
+      s->pending = true; /* each contact at most once: it stays a cone from now on */
+    }
+  }
+  finish(s);
+  return BASE_OK;
+}
+
+static void answer(const void *st, formulation_answer *out) {
+  const state *s = st;
+  *out = s->answer;
+  out->impulse = s->a.impulse;
+  out->v_next = s->a.v_next;
+  out->bias = s->a.bias;
+  out->mode = s->a.mode;
+  out->solved = s->solved;
+}
+
+static long dimension(int dim, int p, const void *opt) {
+  const options *o = opt;
+  return (long)p * ((dim == 2) ? 4 : o->facets + 2);
+}
+
+const formulation form_acceleration = {
+    .name = "acceleration",
+    .title = "Force-acceleration LCP",
+    .cite = "Glocker & Pfeiffer 1996; Baraff 1991",
+    .model =
+        FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_CURVED,
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(state),
+    .dimension = dimension,
+    .close = close,
+    .forget = forget,
+    .begin = begin,
+    .assemble = assemble,
+    .recover = recover,
+    .answer = answer,
+};
