@@ -40,17 +40,22 @@ static double distance(const double *want, const double *z, int n) {
   return (size > 0.0) ? error / size : error;
 }
 
-/* max over rows of |C z - c| / (|c| + sum |C||z|) */
+/* max over rows of |C z - c| / (|c| + max|C| max|z|): an impulse of 1e-12 beside others of one is zero */
 static double invariant_error(const case_invariants *set, const double *z, int n) {
   double worst = 0.0;
+  double size = 0.0;
+  for (int i = 0; i < n; i++) {
+    size = fmax(size, fabs(z[i]));
+  }
   for (int r = 0; r < set->n_row; r++) {
     double sum = -set->c[r];
-    double scale = fabs(set->c[r]);
+    double top = 0.0;
     for (int i = 0; i < n; i++) {
-      const double term = set->C[(size_t)r * (size_t)n + (size_t)i] * z[i];
-      sum += term;
-      scale += fabs(term);
+      const double entry = set->C[(size_t)r * (size_t)n + (size_t)i];
+      sum += entry * z[i];
+      top = fmax(top, fabs(entry));
     }
+    const double scale = fabs(set->c[r]) + top * size;
     worst = fmax(worst, scale > 0.0 ? fabs(sum) / scale : 0.0);
   }
   return worst;
