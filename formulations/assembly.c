@@ -296,6 +296,35 @@ static base_status link_groups(form_assembly *a, const contact_set *c, base_erro
   return BASE_OK;
 }
 
+/* The three kernels below are inlined for the usual 3 and 6 dofs a body, where the length of the
+ * innermost loop is then known. */
+static inline double dot(const double *x, const double *y, int n) {
+  double sum = 0;
+  for (int k = 0; k < n; k++) {
+    sum += x[k] * y[k];
+  }
+  return sum;
+}
+
+/* out = J W: rows x n, W symmetric. */
+static inline void weigh_side(const double *jac, const double *w, int rows, int n, double *out) {
+  for (int r = 0; r < rows; r++) {
+    for (int k = 0; k < n; k++) {
+      out[r * n + k] = dot(jac + (ptrdiff_t)r * n, w + (ptrdiff_t)k * n, n);
+    }
+  }
+}
+
+/* out += (J_i W) J_j' for one shared body. */
+static inline void couple_side(const double *jw, const double *jac, int ri, int rj, int n,
+                               double *out) {
+  for (int p = 0; p < ri; p++) {
+    for (int q = 0; q < rj; q++) {
+      out[p * rj + q] += dot(jw + (ptrdiff_t)p * n, jac + (ptrdiff_t)q * n, n);
+    }
+  }
+}
+
 /* jw = J_i W for both sides of group i: rows x dofs of side 0, then of side 1. */
 static void weigh(form_assembly *a, const contact_set *c, int i) {
   const int g = a->group[i];
@@ -306,15 +335,13 @@ static void weigh(form_assembly *a, const contact_set *c, int i) {
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
     const int n = dofs(c, b);
-    for (int r = 0; r < rows; r++) {
-      for (int k = 0; k < n; k++) {
-        const double *w = c->inv_mass + c->mass_start[b] + (ptrdiff_t)k * n;
-        double sum = 0;
-        for (int m = 0; m < n; m++) {
-          sum += jac[r * n + m] * w[m];
-        }
-        out[r * n + k] = sum;
-      }
+    const double *w = c->inv_mass + ((n > 0) ? c->mass_start[b] : 0);
+    if (n == 6) {
+      weigh_side(jac, w, rows, 6, out);
+    } else if (n == 3) {
+      weigh_side(jac, w, rows, 3, out);
+    } else {
+      weigh_side(jac, w, rows, n, out);
     }
     jac += (ptrdiff_t)all * n;
     out += (ptrdiff_t)rows * n;
@@ -335,19 +362,15 @@ static void couple(const form_assembly *a, const contact_set *c, int i, int j, d
     const int n = dofs(c, b);
     const double *jac = c->jac + c->jac_start[gj];
     for (int t = 0; t < 2 && n > 0; t++) {
-      const int m = dofs(c, c->body[2 * gj + t]);
-      if (c->body[2 * gj + t] == b) {
-        for (int p = 0; p < ri; p++) {
-          for (int q = 0; q < rj; q++) {
-            double sum = 0;
-            for (int k = 0; k < n; k++) {
-              sum += jw[p * n + k] * jac[q * n + k];
-            }
-            out[p * rj + q] += sum;
-          }
-        }
+      const bool shared = c->body[2 * gj + t] == b;
+      if (shared && n == 6) {
+        couple_side(jw, jac, ri, rj, 6, out);
+      } else if (shared && n == 3) {
+        couple_side(jw, jac, ri, rj, 3, out);
+      } else if (shared) {
+        couple_side(jw, jac, ri, rj, n, out);
       }
-      jac += (ptrdiff_t)all * m;
+      jac += (ptrdiff_t)all * dofs(c, c->body[2 * gj + t]);
     }
     jw += (ptrdiff_t)ri * n;
   }

@@ -93,37 +93,46 @@ static void through(const double *block, int ri, int rj, const double *f, double
   }
 }
 
-/* Column of group j into Sigma (lower part), X, Y and A. */
+/* v = C_ij c for compliant row q of group j: for an axis the row of the block as it stands. */
+static const double *row_velocity(const reg_row *q, int first, const double *block, int ri,
+                                  double *v) {
+  const double *row = block + (ptrdiff_t)(q->row - first) * ri;
+  if (q->n == 1) {
+    return row;
+  }
+  for (int p = 0; p < ri; p++) {
+    v[p] = q->c[0] * row[p] + q->c[1] * row[ri + p];
+  }
+  return v;
+}
+
+/* Column of group j into Sigma (lower part), X, Y and A; block is C_ji, j's rows. */
 static void fill_pair(regularized *s, int j, int k) {
   const form_assembly *a = &s->a;
   const int i = a->near[k];
   const int ri = form_rows_of(a, i);
-  const int rj = form_rows_of(a, j);
   const int p = a->n_contact;
   const double *block = a->block + a->block_at[k];
-  double f[MOST_ROWS];
-  double v[MOST_ROWS];
+  double scratch[MOST_ROWS];
   for (int col = s->row_of[j]; col < s->row_of[j + 1]; col++) {
-    memset(f, 0, sizeof f);
-    const reg_row *q = &s->rows[col];
-    for (int m = 0; m < q->n; m++) {
-      f[q->row - a->row[j] + m] = q->c[m];
-    }
-    through(block, ri, rj, f, v);
-    if (i >= j) {
-      double *column = s->sigma + (ptrdiff_t)col * s->n_rows;
-      for (int row = s->row_of[i]; row < s->row_of[i + 1]; row++) {
-        column[row] = along(&s->rows[row], a->row[i], v);
-      }
+    const double *v = row_velocity(&s->rows[col], a->row[j], block, ri, scratch);
+    double *column = s->sigma + (ptrdiff_t)col * s->n_rows;
+    for (int row = s->row_of[i]; i >= j && row < s->row_of[i + 1]; row++) {
+      column[row] = along(&s->rows[row], a->row[i], v);
     }
     s->xyc[(ptrdiff_t)i * s->n_rows + col] = v[0]; /* X = (N C Q')' */
   }
+  if (!s->any_slip) {
+    s->A[(ptrdiff_t)j * p + i] = block[0];
+    return;
+  }
+  double f[MOST_ROWS];
   slip_column(s, j, f);
-  through(block, ri, rj, f, v);
-  s->A[(ptrdiff_t)j * p + i] = v[0];
+  through(block, ri, form_rows_of(a, j), f, scratch);
+  s->A[(ptrdiff_t)j * p + i] = scratch[0];
   double *Y = s->xyc + (ptrdiff_t)(p + j) * s->n_rows;
-  for (int row = s->row_of[i]; row < s->row_of[i + 1] && s->any_slip; row++) {
-    Y[row] = along(&s->rows[row], a->row[i], v);
+  for (int row = s->row_of[i]; row < s->row_of[i + 1]; row++) {
+    Y[row] = along(&s->rows[row], a->row[i], scratch);
   }
 }
 
