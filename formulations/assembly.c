@@ -223,6 +223,12 @@ static void sort_by_body(form_assembly *a, const contact_set *c) {
 
 /* Merges the ascending lists of group i's two bodies; writes them to out unless NULL. */
 static int neighbours(const form_assembly *a, const contact_set *c, int i, int *out) {
+  if (a->own_only) {
+    if (out != NULL) {
+      out[0] = i;
+    }
+    return 1;
+  }
   const int b0 = c->body[2 * a->group[i]];
   const int b1 = c->body[2 * a->group[i] + 1];
   int p = (b0 >= 0) ? a->body_start[b0] : 0;
@@ -398,16 +404,31 @@ static void fill_blocks(form_assembly *a, const contact_set *c) {
   }
 }
 
-base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
-                                const form_rule *rule, contact_memory *memory, base_error *err) {
+static base_status begin(form_assembly *a, const contact_set *c, form_rows rows,
+                         const form_rule *rule, contact_memory *memory, base_error *err) {
   a->set = c;
   BASE_TRY(grow(a, c, err));
   choose(a, c, rows, rule, memory);
-  sort_by_body(a, c);
+  if (!a->own_only) {
+    sort_by_body(a, c);
+  }
   BASE_TRY(link_groups(a, c, err));
   fill_blocks(a, c);
   memset(a->impulse, 0, (size_t)c->n_row * sizeof *a->impulse);
   return BASE_OK;
+}
+
+base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
+                                const form_rule *rule, contact_memory *memory, base_error *err) {
+  a->own_only = false;
+  return begin(a, c, rows, rule, memory, err);
+}
+
+base_status form_assembly_begin_own(form_assembly *a, const contact_set *c, form_rows rows,
+                                    const form_rule *rule, contact_memory *memory,
+                                    base_error *err) {
+  a->own_only = true;
+  return begin(a, c, rows, rule, memory, err);
 }
 
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u) {

@@ -62,6 +62,7 @@ typedef struct form_joints {
 typedef struct form_assembly {
   const contact_set *set; /* borrowed until the next begin */
 
+  bool own_only;  /* only the diagonal blocks of C are filled */
   int n_contact;  /* active contacts */
   int n_group;    /* active contacts, then the joints */
   int n_row;      /* rows of all groups */
@@ -111,6 +112,9 @@ typedef struct form_assembly {
  * step in the same way. Allocates only while larger sets than ever before arrive. */
 base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
                                 const form_rule *rule, contact_memory *memory, base_error *err);
+/* The same without the blocks between different groups: C is then known on its diagonal only. */
+base_status form_assembly_begin_own(form_assembly *a, const contact_set *c, form_rows rows,
+                                    const form_rule *rule, contact_memory *memory, base_error *err);
 void form_assembly_close(form_assembly *a);
 
 static inline int form_rows_of(const form_assembly *a, int i) {

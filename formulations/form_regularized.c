@@ -75,7 +75,7 @@ static base_status grow(regularized *s, base_error *err) {
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
   }
   const size_t p = (size_t)s->a.n_contact;
-  const size_t n = (size_t)s->a.n_row - p; /* most compliant rows */
+  const size_t n = s->by_mass ? 0 : (size_t)s->a.n_row - p; /* most compliant rows */
   if (s->dense_mem == NULL || n * n > s->cap_sigma || n * (2 * p + 1) > s->cap_xyc ||
       p * p > s->cap_A) {
     s->cap_sigma = larger(s->cap_sigma, n * n);
@@ -95,10 +95,23 @@ static void finish(regularized *s, bool solved) {
 
 /* A, b for the current modes; where the compliance matrix is singular the step ends unsolved. */
 static void reduce(regularized *s) {
-  if (!reg_contact_reduce(s)) {
+  reg_rows_collect(s);
+  if (!(s->by_mass ? reg_mass_reduce(s) : reg_contact_reduce(s))) {
     memset(s->lambda, 0, (size_t)s->a.n_row * sizeof *s->lambda);
     finish(s, false);
   }
+}
+
+/* The mass matrix is the cheaper of the two from a few contacts on; contact space takes joints, and
+ * friction so stiff that M_hat would lose the mass in it. */
+static base_status choose_form(regularized *s, const contact_set *c, base_error *err) {
+  const bool joints = c->n_group > c->n_contact;
+  const bool stiff = s->opt.stiffness == 1 || s->opt.ratio > 1e6;
+  s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
+  if (s->by_mass && joints) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "regularized: form=mass has no joints, use contact");
+  }
+  return BASE_OK;
 }
 
 static base_status begin(void *state, const contact_set *c, const void *opt,
@@ -114,8 +127,13 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
                           .rest = s->opt.rest,
                           .joint_push = s->opt.joint_push};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
-  BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
-  BASE_TRY(form_assembly_eliminate(&s->a, err));
+  BASE_TRY(choose_form(s, c, err));
+  if (s->by_mass) {
+    BASE_TRY(form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+  } else {
+    BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+    BASE_TRY(form_assembly_eliminate(&s->a, err));
+  }
   BASE_TRY(grow(s, err));
   const int p = s->a.n_contact;
   s->answer = (formulation_answer){
@@ -124,15 +142,19 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   s->done = false;
   s->best_residual = HUGE_VAL;
   reg_parts_build(s);
+  if (s->by_mass) {
+    BASE_TRY(reg_mass_begin(s, err));
+  }
   for (int i = 0; i < p; i++) {
     s->block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
     const double *past = contact_memory_old(&s->memory, s->a.group[i]);
     const bool known = start == FORM_PREVIOUS && past != NULL && s->memory.h_old > 0;
     s->z0[i] = known ? past[1] * c->h / s->memory.h_old : 0;
   }
-  reduce(s);
-  if (p == 0 && !s->done) {
+  if (p == 0) {
     finish(s, true); /* joints alone are a linear solve, already done */
+  } else {
+    reduce(s);
   }
   return BASE_OK;
 }
@@ -210,8 +232,12 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     reduce(s);
     return BASE_OK;
   }
-  reg_contact_expand(s, z, s->lambda);
-  form_assembly_velocity(&s->a, s->lambda, s->u);
+  if (s->by_mass) {
+    reg_mass_expand(s, z, s->lambda, s->u);
+  } else {
+    reg_contact_expand(s, z, s->lambda);
+    form_assembly_velocity(&s->a, s->lambda, s->u);
+  }
   const double residual = reg_law_residual(s, s->lambda, s->u);
   if (broken || residual <= s->opt.tol) {
     s->answer.residual = residual;
@@ -244,6 +270,7 @@ static void close(void *state) {
   regularized *s = state;
   form_assembly_close(&s->a);
   contact_memory_close(&s->memory);
+  reg_mass_close(&s->mass);
   free(s->mem);
   free(s->dense_mem);
 }

@@ -50,6 +50,7 @@ typedef struct reg_part {
   double d[2], r;        /* slip direction, secant factor of the current mode */
   double tau[2];         /* h tau of the last iterate [N s] */
   double next_r;         /* min(1, mu lambda_n / |h tau|) there */
+  double load;           /* mu lambda_n there, an impulse [N s] */
   unsigned char mode;    /* reg_mode */
   unsigned char sliding; /* mu is the kinetic one */
   unsigned char flips;   /* changes of `sliding` in this step */
@@ -62,6 +63,18 @@ typedef struct reg_row {
   double compliance; /* 1/(r G) [1/kg]; */
   double offset;     /* [m/s] */
 } reg_row;
+
+/* regularized_mass.c: M_hat in its envelope. */
+typedef struct reg_mass {
+  int *place, *order;     /* n_body: first dof in the order of elimination; bodies in that order */
+  int *first;             /* n_dof: first column of each row of L */
+  size_t *at;             /* n_dof+1: where the row starts */
+  int *link_start, *link; /* bodies sharing a friction contact */
+  double *L, *Y, *delta;
+  int cap_body, cap_dof, cap_contact;
+  size_t cap_L, cap_Y;
+  void *mem, *val_mem; /* owned */
+} reg_mass;
 
 typedef struct regularized {
   form_assembly a;
@@ -84,9 +97,13 @@ typedef struct regularized {
   double *t;                 /* n_rows */
   lcp_block *block;
 
+  bool by_mass; /* which of the two forms this step takes */
+  reg_mass mass;
+
   int iteration;
   bool done, claimed_ok;
   double best_residual;
+  double largest; /* impulse of the last iterate [N s] */
   formulation_answer answer;
 
   int cap_contact, cap_group, cap_row;
@@ -105,6 +122,17 @@ void reg_modes_next(regularized *s);
 void reg_commit(regularized *s, double *lambda);
 
 int reg_stride(void); /* doubles remembered per contact */
+
+/* regularized_contact.c: compliant directions and slip columns of the current modes. */
+void reg_rows_collect(regularized *s);
+void reg_slip_column(const regularized *s, int contact, double *f);
+
+/* regularized_mass.c: MATH 2.3.2. Ordering and memory for the contacts of this step; then as below,
+ * expand giving u as well. */
+base_status reg_mass_begin(regularized *s, base_error *err);
+bool reg_mass_reduce(regularized *s);
+void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
+void reg_mass_close(reg_mass *m);
 
 /* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
  * matrix is not positive definite (rigid and redundant friction). */

@@ -44,7 +44,7 @@ static void part_rows(regularized *s, const reg_part *p) {
   }
 }
 
-static void collect_rows(regularized *s) {
+void reg_rows_collect(regularized *s) {
   s->n_rows = 0;
   s->any_slip = false;
   for (int i = 0; i < s->a.n_contact; i++) {
@@ -62,7 +62,7 @@ static double friction_bound(const reg_part *p) {
 }
 
 /* f = column of B of contact j, over its own rows. */
-static void slip_column(const regularized *s, int j, double *f) {
+void reg_slip_column(const regularized *s, int j, double *f) {
   memset(f, 0, MOST_ROWS * sizeof *f);
   f[0] = 1;
   for (int k = s->part_start[j]; k < s->part_start[j + 1]; k++) {
@@ -127,7 +127,7 @@ static void fill_pair(regularized *s, int j, int k) {
     return;
   }
   double f[MOST_ROWS];
-  slip_column(s, j, f);
+  reg_slip_column(s, j, f);
   through(block, ri, form_rows_of(a, j), f, scratch);
   s->A[(ptrdiff_t)j * p + i] = scratch[0];
   double *Y = s->xyc + (ptrdiff_t)(p + j) * s->n_rows;
@@ -139,7 +139,6 @@ static void fill_pair(regularized *s, int j, int k) {
 bool reg_contact_reduce(regularized *s) {
   const form_assembly *a = &s->a;
   const int p = a->n_contact;
-  collect_rows(s);
   const int n = s->n_rows;
   memset(s->A, 0, (size_t)p * (size_t)p * sizeof *s->A);
   memset(s->sigma, 0, (size_t)n * (size_t)n * sizeof *s->sigma);
@@ -193,7 +192,7 @@ void reg_contact_expand(regularized *s, const double *lambda_n, double *lambda) 
   memset(lambda, 0, (size_t)a->n_row * sizeof *lambda);
   for (int i = 0; i < p; i++) {
     double f[MOST_ROWS];
-    slip_column(s, i, f);
+    reg_slip_column(s, i, f);
     for (int m = 0; m < form_rows_of(a, i); m++) {
       lambda[a->row[i] + m] = f[m] * lambda_n[i];
     }

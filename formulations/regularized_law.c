@@ -208,9 +208,16 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
         largest = fmax(largest, fabs(lambda[p->row + m]) / arm);
       }
       p->next_r = scale;
+      p->load = bound / arm;
     }
   }
+  s->largest = largest;
   return (largest > 0) ? worst / largest : 0;
+}
+
+/* Carries nothing that the tolerance can see: its direction is noise (MATH 2.5). */
+static bool is_idle(const regularized *s, const reg_part *p) {
+  return p->load <= s->opt.tol * s->largest;
 }
 
 void reg_modes_next(regularized *s) {
@@ -221,6 +228,9 @@ void reg_modes_next(regularized *s) {
     reg_part *p = &s->part[k];
     const unsigned char was = p->mode;
     const double tau = norm(p->tau, p->dim);
+    if (is_idle(s, p) && tau <= s->opt.tol * s->largest) {
+      continue;
+    }
     p->r = p->next_r;
     p->mode = REG_STICK;
     if (p->next_r < 1 && tau > 0) {
@@ -238,7 +248,7 @@ void reg_modes_next(regularized *s) {
 static void store(regularized *s, const reg_part *p, const double *next) {
   const int g = s->a.group[p->contact];
   double *m = contact_memory_now(&s->memory, g) + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
-  m[PAST_MODE] = (p->next_r < 1) ? REG_SLIP : REG_STICK;
+  m[PAST_MODE] = (p->next_r < 1 && !is_idle(s, p)) ? REG_SLIP : REG_STICK;
   m[PAST_SLIDING] = p->sliding;
   m[PAST_R] = p->next_r;
   const double tau = norm(p->tau, p->dim);
@@ -266,9 +276,10 @@ void reg_commit(regularized *s, double *lambda) {
     const double bound = bound_of(p, ln);
     const double creep = c->h * p->k + p->c;
     double next[2] = {0, 0};
+    const bool idle = is_idle(s, p);
     const bool left = !(ln > 0) && c->gap[g] > 10 * c->tol; /* separated: nothing is kept */
     for (int m = 0; m < p->dim; m++) {
-      const double l = -p->next_r * p->tau[m];
+      const double l = idle ? lambda[p->row + m] : -p->next_r * p->tau[m];
       lambda[p->row + m] = l;
       if (p->next_r < 1) {
         next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;

@@ -1,0 +1,393 @@
+/* regularized_mass.c - the reduced LCP through the mass matrix (MATH 2.3.2).
+ *
+ *   M_hat = M + J' Q' g^-1 Q J,   A = J_n M_hat^-1 J' B,   b = N r + b_n - J_n M_hat^-1 c,
+ *   c = J' Q' g^-1 (Q r + o)
+ *
+ * with the compliant directions Q, compliances g, offsets o and columns B of regularized_contact.c;
+ * the two forms give the same numbers. M_hat couples only bodies that share a contact with
+ * friction. It is factored as L L' inside its envelope (George & Liu 1981, ch. 4), bodies in
+ * reverse Cuthill-McKee order, so that a stack or a wall costs in proportion to its size. All right
+ * sides pass the forward substitution together; nothing of contact space is formed. */
+#include "formulations/regularized.h"
+
+#include <cblas.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_ROWS = 8 };
+
+static void layout(void *state, base_arena *m) {
+  reg_mass *s = state;
+  const size_t n = (size_t)s->cap_dof;
+  s->place = BASE_ARRAY(m, int, s->cap_body + 1);
+  s->order = BASE_ARRAY(m, int, s->cap_body + 1);
+  s->first = BASE_ARRAY(m, int, n);
+  s->at = BASE_ARRAY(m, size_t, n + 1);
+  s->link_start = BASE_ARRAY(m, int, s->cap_body + 2);
+  s->link = BASE_ARRAY(m, int, 2 * (size_t)s->cap_contact);
+  s->delta = BASE_ARRAY(m, double, n);
+}
+
+static void layout_values(void *state, base_arena *m) {
+  reg_mass *s = state;
+  s->L = BASE_ARRAY(m, double, s->cap_L);
+  s->Y = BASE_ARRAY(m, double, s->cap_Y);
+}
+
+void reg_mass_close(reg_mass *s) {
+  free(s->mem);
+  free(s->val_mem);
+}
+
+static int dofs(const contact_set *c, int body) {
+  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
+}
+
+/* Lists, for every body, the bodies it shares a friction contact with. */
+static void find_links(const regularized *s, reg_mass *m) {
+  const contact_set *c = s->a.set;
+  memset(m->link_start, 0, ((size_t)c->n_body + 2) * sizeof *m->link_start);
+  for (int pass = 0; pass < 2; pass++) {
+    for (int i = 0; i < s->a.n_contact; i++) {
+      const int *b = c->body + 2 * (ptrdiff_t)s->a.group[i];
+      if (b[0] < 0 || b[1] < 0 || b[0] == b[1] || s->part_start[i] == s->part_start[i + 1]) {
+        continue;
+      }
+      for (int side = 0; side < 2; side++) {
+        if (pass == 0) {
+          m->link_start[b[side] + 2]++;
+        } else {
+          m->link[m->link_start[b[side] + 1]++] = b[1 - side];
+        }
+      }
+    }
+    for (int k = 0; pass == 0 && k < c->n_body; k++) {
+      m->link_start[k + 2] += m->link_start[k + 1];
+    }
+  }
+}
+
+/* Breadth-first from the first body of each component, reversed; place[b]: its first dof. */
+static void order_bodies(const contact_set *c, reg_mass *m) {
+  int n = 0;
+  for (int b = 0; b < c->n_body; b++) {
+    m->place[b] = -1;
+  }
+  for (int seed = 0; seed < c->n_body; seed++) {
+    if (m->place[seed] >= 0) {
+      continue;
+    }
+    m->place[seed] = 0;
+    m->order[n++] = seed;
+    for (int head = n - 1; head < n; head++) {
+      const int b = m->order[head];
+      for (int k = m->link_start[b]; k < m->link_start[b + 1]; k++) {
+        if (m->place[m->link[k]] < 0) {
+          m->place[m->link[k]] = 0;
+          m->order[n++] = m->link[k];
+        }
+      }
+    }
+  }
+  int at = 0;
+  for (int k = n - 1; k >= 0; k--) {
+    m->place[m->order[k]] = at;
+    at += dofs(c, m->order[k]);
+  }
+}
+
+/* Row i of the envelope holds columns first[i] .. i. */
+static void find_envelope(const contact_set *c, reg_mass *m) {
+  for (int b = 0; b < c->n_body; b++) {
+    int least = m->place[b];
+    for (int k = m->link_start[b]; k < m->link_start[b + 1]; k++) {
+      const int other = m->place[m->link[k]];
+      least = (other < least) ? other : least;
+    }
+    for (int k = 0; k < dofs(c, b); k++) {
+      m->first[m->place[b] + k] = least;
+    }
+  }
+  m->at[0] = 0;
+  for (int i = 0; i < c->n_dof; i++) {
+    m->at[i + 1] = m->at[i] + (size_t)(i - m->first[i] + 1);
+  }
+}
+
+/* Entry (i, j), j <= i. */
+static double *entry(const reg_mass *m, int i, int j) {
+  return m->L + m->at[i] + (j - m->first[i]);
+}
+
+static void add_mass(const contact_set *c, reg_mass *m) {
+  memset(m->L, 0, m->at[c->n_dof] * sizeof *m->L);
+  for (int b = 0; b < c->n_body; b++) {
+    const int n = dofs(c, b);
+    const double *mass = c->mass + c->mass_start[b];
+    for (int i = 0; i < n; i++) {
+      for (int j = 0; j <= i; j++) {
+        *entry(m, m->place[b] + i, m->place[b] + j) = mass[j * n + i];
+      }
+    }
+  }
+}
+
+/* f over the rows of group i times J, added to a vector of dofs with the given stride. */
+static void scatter(const regularized *s, const reg_mass *m, int i, const double *f, double *out,
+                    ptrdiff_t stride) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const int rows = form_rows_of(&s->a, i);
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    for (int r = 0; r < rows; r++) {
+      double *to = out + ((n > 0) ? m->place[b] * stride : 0);
+      for (int k = 0; k < n && f[r] != 0; k++) {
+        to[k * stride] += f[r] * jac[r * n + k];
+      }
+    }
+    jac += (ptrdiff_t)all * n;
+  }
+}
+
+/* e' J of a compliant direction over the dofs of both sides, packed. */
+static void direction(const regularized *s, const reg_row *q, double *out) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[q->group];
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const int row = q->row - s->a.row[q->group];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int n = dofs(c, c->body[2 * g + side]);
+    for (int k = 0; k < n; k++) {
+      out[k] = q->c[0] * jac[row * n + k];
+      if (q->n == 2) {
+        out[k] += q->c[1] * jac[(row + 1) * n + k];
+      }
+    }
+    out += n;
+    jac += (ptrdiff_t)all * n;
+  }
+}
+
+/* M_hat += e e' / compliance for every compliant direction e. */
+static void add_springs(const regularized *s, reg_mass *m) {
+  const contact_set *c = s->a.set;
+  for (int k = 0; k < s->n_rows; k++) {
+    const reg_row *q = &s->rows[k];
+    const int *b = c->body + 2 * (ptrdiff_t)s->a.group[q->group];
+    const int n[2] = {dofs(c, b[0]), dofs(c, b[1])};
+    double *e = m->delta; /* scratch of at least two bodies' dofs */
+    direction(s, q, e);
+    const double *part[2] = {e, e + n[0]};
+    for (int x = 0; x < 2; x++) {
+      for (int y = 0; y < 2; y++) {
+        if (n[x] == 0 || n[y] == 0 || m->place[b[x]] < m->place[b[y]]) {
+          continue; /* the lower triangle only */
+        }
+        for (int i = 0; i < n[x]; i++) {
+          const int last = (m->place[b[x]] == m->place[b[y]]) ? i + 1 : n[y];
+          double *row = entry(m, m->place[b[x]] + i, m->place[b[y]]);
+          const double scaled = part[x][i] / q->compliance;
+          for (int j = 0; j < last; j++) {
+            row[j] += scaled * part[y][j];
+          }
+        }
+      }
+    }
+  }
+}
+
+/* L L' = M_hat in place; false if it is not positive definite. */
+static bool factor(reg_mass *m, int n) {
+  for (int i = 0; i < n; i++) {
+    double *row = entry(m, i, m->first[i]);
+    for (int j = m->first[i]; j <= i; j++) {
+      const int from = (m->first[i] > m->first[j]) ? m->first[i] : m->first[j];
+      const double *a = entry(m, i, from);
+      const double *b = entry(m, j, from);
+      double sum = row[j - m->first[i]];
+      for (int k = 0; k < j - from; k++) {
+        sum -= a[k] * b[k];
+      }
+      if (j < i) {
+        row[j - m->first[i]] = sum / *entry(m, j, j);
+      } else if (sum > 0) {
+        row[j - m->first[i]] = sqrt(sum);
+      } else {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/* Y <- L^-1 Y, Y row-major with `width` right sides. */
+static void forward(const reg_mass *m, int n, int width) {
+  for (int i = 0; i < n; i++) {
+    double *yi = m->Y + (ptrdiff_t)i * width;
+    const double *row = entry(m, i, m->first[i]);
+    for (int k = m->first[i]; k < i; k++) {
+      const double l = row[k - m->first[i]];
+      const double *yk = m->Y + (ptrdiff_t)k * width;
+      if (l == 0) {
+        continue;
+      }
+      for (int c = 0; c < width; c++) {
+        yi[c] -= l * yk[c];
+      }
+    }
+    const double d = 1 / row[i - m->first[i]];
+    for (int c = 0; c < width; c++) {
+      yi[c] *= d;
+    }
+  }
+}
+
+static void backward(const reg_mass *m, int n, double *x) {
+  for (int i = n - 1; i >= 0; i--) {
+    const double *row = entry(m, i, m->first[i]);
+    x[i] /= row[i - m->first[i]];
+    for (int k = m->first[i]; k < i; k++) {
+      x[k] -= row[k - m->first[i]] * x[i];
+    }
+  }
+}
+
+static base_status reserve(regularized *s, base_error *err) {
+  reg_mass *m = &s->mass;
+  const contact_set *c = s->a.set;
+  if (m->mem == NULL || c->n_body > m->cap_body || c->n_dof > m->cap_dof ||
+      c->n_contact > m->cap_contact) {
+    m->cap_body = c->n_body + c->n_body / 2;
+    m->cap_dof = c->n_dof + c->n_dof / 2 + 64; /* delta is also scratch for two bodies */
+    m->cap_contact = c->n_contact + c->n_contact / 2;
+    BASE_TRY(form_memory(&m->mem, layout, m, err));
+  }
+  find_links(s, m);
+  order_bodies(c, m);
+  find_envelope(c, m);
+  const size_t sides = (size_t)c->n_dof * (2 * (size_t)s->a.n_contact + 1);
+  if (m->val_mem == NULL || m->at[c->n_dof] > m->cap_L || sides > m->cap_Y) {
+    m->cap_L = m->at[c->n_dof] + m->at[c->n_dof] / 2;
+    m->cap_Y = sides + sides / 2;
+    BASE_TRY(form_memory(&m->val_mem, layout_values, m, err));
+  }
+  return BASE_OK;
+}
+
+base_status reg_mass_begin(regularized *s, base_error *err) {
+  return reserve(s, err);
+}
+
+/* Right sides [c | J_n' | J' B], the last only where some part slips. */
+static void right_sides(regularized *s, int width) {
+  const reg_mass *m = &s->mass;
+  const int p = s->a.n_contact;
+  memset(m->Y, 0, (size_t)s->a.set->n_dof * (size_t)width * sizeof *m->Y);
+  for (int i = 0; i < p; i++) {
+    double f[MOST_ROWS] = {0};
+    for (int k = s->row_of[i]; k < s->row_of[i + 1]; k++) {
+      const reg_row *q = &s->rows[k];
+      const double *r = s->a.r + q->row;
+      const double speed = q->c[0] * r[0] + ((q->n == 2) ? q->c[1] * r[1] : 0);
+      for (int x = 0; x < q->n; x++) {
+        f[q->row - s->a.row[i] + x] += q->c[x] * (speed + q->offset) / q->compliance;
+      }
+    }
+    scatter(s, m, i, f, m->Y, width);
+    const double one[MOST_ROWS] = {1};
+    scatter(s, m, i, one, m->Y + 1 + i, width);
+    if (s->any_slip) {
+      reg_slip_column(s, i, f);
+      scatter(s, m, i, f, m->Y + 1 + p + i, width);
+    }
+  }
+}
+
+bool reg_mass_reduce(regularized *s) {
+  reg_mass *m = &s->mass;
+  const int n = s->a.set->n_dof;
+  const int p = s->a.n_contact;
+  const int width = 1 + (s->any_slip ? 2 * p : p);
+  add_mass(s->a.set, m);
+  add_springs(s, m);
+  s->answer.work.factorizations++;
+  if (!factor(m, n)) {
+    return false;
+  }
+  right_sides(s, width);
+  forward(m, n, width);
+  for (int i = 0; i < p; i++) {
+    s->b[i] = s->a.r[s->a.row[i]] + s->a.bias[s->a.group[i]];
+  }
+  /* Y row-major with `width` columns is a column-major width x n matrix */
+  const double *N = m->Y + 1;
+  if (s->any_slip) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, width, N + p, width, 0,
+                s->A, p);
+  } else {
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, width, 0, s->A, p);
+    for (int j = 0; j < p; j++) {
+      for (int i = j + 1; i < p; i++) {
+        s->A[(ptrdiff_t)i * p + j] = s->A[(ptrdiff_t)j * p + i];
+      }
+    }
+  }
+  cblas_dgemv(CblasColMajor, CblasNoTrans, p, n, -1, N, width, m->Y, width, 1, s->b, 1);
+  return true;
+}
+
+/* u = r + J delta over the rows in use. */
+static void relative(const regularized *s, const double *delta, double *u) {
+  const contact_set *c = s->a.set;
+  memcpy(u, s->a.r, (size_t)s->a.n_row * sizeof *u);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const int rows = form_rows_of(&s->a, i);
+    const int all = c->row_start[g + 1] - c->row_start[g];
+    const double *jac = c->jac + c->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * g + side];
+      const int n = dofs(c, b);
+      const double *d = delta + ((n > 0) ? s->mass.place[b] : 0);
+      for (int r = 0; r < rows; r++) {
+        for (int k = 0; k < n; k++) {
+          u[s->a.row[i] + r] += jac[r * n + k] * d[k];
+        }
+      }
+      jac += (ptrdiff_t)all * n;
+    }
+  }
+}
+
+/* delta = v - v_free = M_hat^-1 (J' B lambda_n - c); the compliant impulses follow from u. */
+void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u) {
+  const reg_mass *m = &s->mass;
+  const int n = s->a.set->n_dof;
+  const int p = s->a.n_contact;
+  const int width = 1 + (s->any_slip ? 2 * p : p);
+  const double *B = m->Y + 1 + (s->any_slip ? p : 0);
+  cblas_dcopy(n, m->Y, width, m->delta, 1);
+  cblas_dgemv(CblasColMajor, CblasTrans, p, n, 1, B, width, lambda_n, 1, -1, m->delta, 1);
+  backward(m, n, m->delta);
+  relative(s, m->delta, u);
+  memset(lambda, 0, (size_t)s->a.n_row * sizeof *lambda);
+  for (int i = 0; i < p; i++) {
+    double f[MOST_ROWS];
+    reg_slip_column(s, i, f);
+    for (int k = 0; k < form_rows_of(&s->a, i); k++) {
+      lambda[s->a.row[i] + k] = f[k] * lambda_n[i];
+    }
+  }
+  for (int k = 0; k < s->n_rows; k++) {
+    const reg_row *q = &s->rows[k];
+    const double speed = q->c[0] * u[q->row] + ((q->n == 2) ? q->c[1] * u[q->row + 1] : 0);
+    for (int x = 0; x < q->n; x++) {
+      lambda[q->row + x] -= q->c[x] * (speed + q->offset) / q->compliance;
+    }
+  }
+}
