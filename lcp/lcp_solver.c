@@ -34,6 +34,18 @@ static const char *const set_names[] = {"orthant", "box", "free", "cone"};
 static const char *const trait_names[] = {
     "symmetric", "psd", "pd", "copositive", "copositive_plus", "p_matrix", "zero_diagonal"};
 
+/* What is declared, what follows from it, and exact symmetry of the stored numbers where asked. */
+static unsigned known_traits(const lcp_problem *p, unsigned asked) {
+  unsigned t = p->traits;
+  t |= ((t & LCP_PD) != 0) ? (unsigned)(LCP_PSD | LCP_P_MATRIX) : 0u;
+  t |= ((t & LCP_PSD) != 0) ? (unsigned)LCP_COPOSITIVE_PLUS : 0u;
+  t |= ((t & LCP_COPOSITIVE_PLUS) != 0) ? (unsigned)LCP_COPOSITIVE : 0u;
+  if ((asked & ~t & LCP_SYMMETRIC) != 0 && lcp_matrix_is_symmetric(&p->M)) {
+    t |= LCP_SYMMETRIC;
+  }
+  return t;
+}
+
 base_status lcp_solver_admits(const lcp_solver *s, const lcp_problem *p, base_error *err) {
   const unsigned sets = lcp_problem_sets(p) & ~s->sets;
   for (int i = 0; i < BASE_COUNT(set_names); i++) {
@@ -42,7 +54,7 @@ base_status lcp_solver_admits(const lcp_solver *s, const lcp_problem *p, base_er
                        set_names[i]);
     }
   }
-  const unsigned traits = s->needs & ~p->traits;
+  const unsigned traits = s->needs & ~known_traits(p, s->needs);
   for (int i = 0; i < BASE_COUNT(trait_names); i++) {
     if ((traits & (1u << i)) != 0) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: needs a problem known to be %s", s->name,
