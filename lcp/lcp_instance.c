@@ -13,6 +13,7 @@ struct lcp_instance {
   void *state, *mem; /* owned */
   size_t bytes;
   bool prepared; /* third-party handles may be held */
+  bool ready;    /* the last prepare succeeded */
 
   lcp_problem p; /* the problem as the solver reads it: a view, or with converted storage */
   double *dense; /* owned conversion buffers */
@@ -32,6 +33,7 @@ static void release(lcp_instance *k) {
 static base_status fit(lcp_instance *k, const lcp_capacity *cap, base_error *err) {
   release(k);
   memset(k->state, 0, k->solver->state_size);
+  k->cap = (lcp_capacity){.n = -1}; /* holds nothing until the new workspace stands */
   base_arena measure = base_arena_measuring();
   k->solver->layout(k->state, cap, k->opt, &measure);
   void *mem = measure.overflow ? NULL : base_alloc(measure.used);
@@ -112,6 +114,8 @@ static base_status read_storage(lcp_instance *k, const lcp_problem *p, base_erro
 
 base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_error *err) {
   k->times = (lcp_times){0};
+  k->ready = false;
+  BASE_TRY(lcp_solver_admits(k->solver, p, err));
   const double started = base_seconds();
   BASE_TRY(read_storage(k, p, err));
   const lcp_capacity need = lcp_problem_capacity(&k->p);
@@ -129,12 +133,17 @@ base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_err
     BASE_TRY(k->solver->factor(k->state, &k->p, k->opt, err));
     k->times.factor = base_seconds() - set_up;
   }
+  k->ready = true;
   return BASE_OK;
 }
 
 base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp_result *res,
                                base_error *err) {
-  *res = (lcp_result){.outcome = LCP_NUMERICAL, .residual = HUGE_VAL, .variant = ""};
+  *res =
+      (lcp_result){.outcome = LCP_NUMERICAL, .residual = HUGE_VAL, .variant = "", .solutions = -1};
+  if (!k->ready) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: solve without a successful prepare", k->solver->name);
+  }
   const double started = base_seconds();
   const base_status s = k->solver->solve(k->state, &k->p, k->opt, trace, z, res);
   k->times.solve = base_seconds() - started;

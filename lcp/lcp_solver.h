@@ -57,6 +57,7 @@ typedef struct lcp_result {
   lcp_work work;
   lcp_certificate certificate;
   const char *variant; /* which branch of the method ran ("spg", "extragradient"); static or "" */
+  long solutions;      /* isolated solutions found by a method that counts them; -1: not counted */
 } lcp_result;
 
 /* Convergence history, preallocated by the harness. NULL in timed runs: a run

@@ -1,9 +1,10 @@
 /* lcp_stop.c - the stopping test all iterative methods share.
  *
- * The residual is an upper bound of the judge's rho from the one product w = M z + q:
+ * For stored matrices it is the judge's rho in double precision. In the factored form |M| is not at
+ * hand, so the scales are replaced by lower bounds from the one product w = M z + q,
  *   tau0_i >= |q_i| + |d_i z_i| + |w_i - q_i - d_i z_i|,   tau_i >= |q_i| + tau0_i
- * (triangle inequality), so a method that stops by it is never kinder to itself than the judge,
- * and a test costs one product in any storage. */
+ * (triangle inequality): the residual is then an upper bound, and a method that stops by it is
+ * never kinder to itself than the judge. */
 #include "lcp/base/clock.h"
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_solver.h"
@@ -46,17 +47,53 @@ static double column_reference(const lcp_matrix *M, int i, const double *tau0) {
   return empty ? 1.0 : ref;
 }
 
+/* y += |M| |x|, and w += M x where w is given; stored matrices only. */
+static void absolute_apply(const lcp_matrix *M, const double *x, double *w, double *y) {
+  const bool dense = M->storage == LCP_DENSE;
+  for (int j = 0; j < M->n; j++) {
+    const double xj = x[j];
+    if (xj == 0.0) {
+      continue;
+    }
+    const int first = dense ? 0 : M->csc.colptr[j];
+    const int last = dense ? M->n : M->csc.colptr[j + 1];
+    const double *val = dense ? M->val + (size_t)j * (size_t)M->n : M->csc.val;
+    for (int k = first; k < last; k++) {
+      const int i = dense ? k : M->csc.rowind[k];
+      const double term = val[k] * xj;
+      y[i] += fabs(term);
+      if (w != NULL) {
+        w[i] += term;
+      }
+    }
+  }
+}
+
+/* w = M z + q, zref and tau. */
 static void scales(lcp_stop_state *s, const lcp_problem *p, const double *z) {
   const int n = p->M.n;
-  for (int i = 0; i < n; i++) {
-    const double own = s->d[i] * z[i];
-    s->tau[i] = fabs(p->q[i]) + fabs(own) + fabs(s->w[i] - p->q[i] - own);
+  const bool stored = p->M.storage != LCP_FACTORED;
+  if (stored) {
+    for (int i = 0; i < n; i++) {
+      s->w[i] = p->q[i];
+      s->tau[i] = fabs(p->q[i]);
+    }
+    absolute_apply(&p->M, z, s->w, s->tau);
+  } else {
+    lcp_matrix_apply(&p->M, z, p->q, s->w, s->scratch);
+    for (int i = 0; i < n; i++) {
+      const double own = s->d[i] * z[i];
+      s->tau[i] = fabs(p->q[i]) + fabs(own) + fabs(s->w[i] - p->q[i] - own);
+    }
   }
   for (int i = 0; i < n; i++) {
     s->zref[i] = (s->d[i] != 0.0) ? s->tau[i] / fabs(s->d[i]) : column_reference(&p->M, i, s->tau);
   }
   for (int i = 0; i < n; i++) {
-    s->tau[i] += fabs(p->q[i]);
+    s->tau[i] = fabs(p->q[i]) + (stored ? 0.0 : s->tau[i]);
+  }
+  if (stored) {
+    absolute_apply(&p->M, s->zref, NULL, s->tau);
   }
 }
 
@@ -127,9 +164,8 @@ bool lcp_stop_test(lcp_stop_state *s, const lcp_stop *stop, const lcp_problem *p
   if (!at_limit && res->work.iterations % stop->check_every != 0) {
     return false;
   }
-  lcp_matrix_apply(&p->M, z, p->q, s->w, s->scratch);
-  res->work.matvecs++;
   scales(s, p, z);
+  res->work.matvecs++;
   res->residual = residual(s, p, z);
   if (trace != NULL && trace->len < trace->cap) {
     trace->iteration[trace->len] = res->work.iterations;

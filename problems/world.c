@@ -179,12 +179,12 @@ base_status world_open(world **out, const scene_spec *spec, unsigned effects, ba
 }
 
 static void close_store(set_store *s) {
-  void *const owned[] = {s->item,       s->swap,        s->row_start, s->group_body,  s->jac_start,
-                         s->jac,        s->u_drift,     s->u_before,  s->joint_error, s->id,
-                         s->rows,       s->gap,         s->mu_static, s->mu_kinetic,  s->mu_torsion,
-                         s->mu_rolling, s->restitution, s->frame,     s->spin,        s->point,
-                         s->dof_start,  s->mass_start,  s->mass,      s->inv_mass,    s->v,
-                         s->v_free,     s->impulse};
+  void *const owned[] = {s->item,       s->key,        s->swap,        s->row_start, s->group_body,
+                         s->jac_start,  s->jac,        s->u_drift,     s->u_before,  s->joint_error,
+                         s->id,         s->rows,       s->gap,         s->mu_static, s->mu_kinetic,
+                         s->mu_torsion, s->mu_rolling, s->restitution, s->frame,     s->spin,
+                         s->point,      s->dof_start,  s->mass_start,  s->mass,      s->inv_mass,
+                         s->v,          s->v_free,     s->impulse};
   for (int i = 0; i < BASE_COUNT(owned); i++) {
     free(owned[i]);
   }

@@ -3,13 +3,12 @@ import numpy as np
 
 from bench import stats
 from bench.chart import Chart, Line, Panel
-from bench.paper import variants
+from bench.paper import FLOOR, variants
 from bench.section import Cell, Section, Table, error, si
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
 YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
               "algebraic": ("rho", "residual of the complementarity problem")}
-FLOOR = 1e-16  # drawn, not computed: an exact answer has no place on a logarithmic axis
 
 # What a reader comes with, and the scenes of the catalogue that stand for it (first word of the name decides)
 SITUATIONS = {"stack": ("stack", "column", "pile", "wall"), "grasp": ("grip", "grasp", "peg", "squeeze", "wedge"),

@@ -74,6 +74,15 @@ def _axis(ax, panel):
     ax.set_xlabel(panel.xlabel)
 
 
+def _narrow(ax):
+    """Less than two decades: ticks at 1, 2, 5 with plain numbers, or the axis would carry hardly any."""
+    low, high = ax.get_ylim()
+    if ax.get_yscale() == "log" and 0 < low and high / low < 100:
+        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+        ax.yaxis.set_major_formatter(lambda v, _: f"{v:.3g}")
+        ax.yaxis.set_minor_formatter(NullFormatter())
+
+
 def _line(ax, line):
     look = line.look()
     if line.kind == "front":
@@ -105,6 +114,7 @@ def draw(chart):
         _axis(ax, panel)
         for line in panel.lines:
             _line(ax, line)
+        _narrow(ax)
     for i, ax in enumerate(axes.flat):
         if i >= len(chart.panels):
             ax.axis("off")
@@ -130,7 +140,7 @@ def _legend(figure, axes, chart):
         for handle, label in zip(*ax.get_legend_handles_labels()):
             found.setdefault(label, handle)
     if any(line.bad for panel in chart.panels for line in panel.lines):
-        found["claim not verified"] = plt.Line2D([], [], color="#444444", **style.UNVERIFIED)
+        found["not solved or not verified"] = plt.Line2D([], [], color="#444444", **style.UNVERIFIED)
     if found:
         longest = max(len(name) for name in found)
         per_row = max(1, int(chart.width / (0.62 + 0.062 * longest)))
@@ -172,7 +182,7 @@ def _plotly_line(line, axis, shown):
         bx, by = zip(*line.bad)
         out.append({**common, "type": "scatter", "mode": "markers", "x": [_number(v) for v in bx], "y": [_number(v) for v in by],
                     "showlegend": False, "marker": {"symbol": "x-thin", "size": 11, "line": {"width": 2.5, "color": look["color"]}},
-                    "hovertemplate": line.name + ": claim not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"})
+                    "hovertemplate": line.name + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"})
     return out
 
 

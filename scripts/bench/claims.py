@@ -56,13 +56,13 @@ def faster(column, what):
             return None
         ratio, low, high, n = stats.paired_ratio(p[column + "_other"], p[column])
         wins = p[p[column] < p[column + "_other"]]
-        sizes = sorted(p["n_contacts"].dropna().unique())
+        sizes = sorted(p["p"].dropna().unique())
         from_size = next((s for i, s in enumerate(sizes)
-                          if all((p[p["n_contacts"] == t][column] < p[p["n_contacts"] == t][column + "_other"]).mean() > 0.5 for t in sizes[i:])), None)
+                          if all((p[p["p"] == t][column] < p[p["p"] == t][column + "_other"]).mean() > 0.5 for t in sizes[i:])), None)
         share = len(wins) / n if n else math.nan
         word = "holds" if share >= 1 else (f"holds when p ≥ {from_size:g} (in most pairs)" if from_size is not None and from_size > sizes[0]
                                            else "holds in most pairs" if share > 0.5 and low > 1 else "does not hold")
-        big = p[p["n_contacts"] == sizes[-1]] if sizes else p
+        big = p[p["p"] == sizes[-1]] if sizes else p
         at_big = stats.paired_ratio(big[column + "_other"], big[column])
         return word, (f"{what}: velocity / regularized = {interval(ratio, low, high)} (geometric mean of {n} pairs, 95 %), "
                       f"faster in {len(wins)}; at p = {sizes[-1]:g}: {interval(*at_big[:3])}")
@@ -102,7 +102,7 @@ def impacts(cells):
 
 
 def redundancy(cells):
-    some = cells[cells["problem_family"].str.contains("stack|redund|table|duplicate|grid|pile|peg") & (cells["n_contacts"] >= 4) & (cells["formulation"] == "regularized")]
+    some = cells[cells["problem_family"].str.contains("stack|redund|table|duplicate|grid|pile|peg") & (cells["p"] >= 4) & (cells["formulation"] == "regularized")]
     some = some[~some["status"].isin(["unsupported", "skipped"])]
     if some.empty:
         return None

@@ -16,7 +16,7 @@ TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "f
         "err_quantity", "err_source", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
         "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
         "solver_config"]
-NUMBERS = ["step_s", "n_contacts", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
+NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
            "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B"]
 
 
@@ -84,6 +84,15 @@ def combination(form, form_opts, solver, solver_opts):
     return f"{one(form, form_opts)} + {one(solver, solver_opts)}"
 
 
+def sizes(cells):
+    """Contacts of each problem: the median over its good cells of the contacts posed at most, so that a run that fell apart
+    (and touched elsewhere) stands at the size of its problem."""
+    posed = cells["n_active"].where(cells["n_active"] > 0, cells["n_contacts"])
+    good = posed.where(cells["good"])
+    by = good.groupby(cells["problem"]).transform("median")
+    return by.fillna(posed.groupby(cells["problem"]).transform("median"))
+
+
 def cells(rows):
     """One line per cell: worst status, verified only if every repetition is, median time with its interval.
 
@@ -111,6 +120,7 @@ def cells(rows):
     frame = pd.DataFrame(out)
     frame["label"] = [formulation_label(f, o) for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))]
     frame["combination"] = [combination(*r) for r in frame[["formulation", "formulation_options", "solver", "solver_options"]].itertuples(index=False)]
+    frame["p"] = sizes(frame)
     if "n_steps" in frame:
         for c in TIMES[:-1]:
             if c in frame:

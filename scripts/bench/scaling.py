@@ -10,9 +10,9 @@ SIZES_MIN = 4
 
 
 def ladders(cells):
-    some = cells[(cells["n_contacts"] > 0) & (cells["formulation"] != "")]
+    some = cells[(cells["p"] > 0) & (cells["formulation"] != "")]
     for (family, combo, step), g in some.groupby(["problem_family", "combination", "step_s"]):
-        if g[g["good"]]["n_contacts"].nunique() >= SIZES_MIN:
+        if g[g["good"]]["p"].nunique() >= SIZES_MIN:
             yield family, combo, g
 
 
@@ -23,16 +23,16 @@ def section(cells):
     index = variants(cells)
     for family, combo, g in ladders(cells):
         good = g[g["good"]]
-        half = good[good["n_contacts"] >= good["n_contacts"].median()]
-        fit = stats.fit_exponent(half["n_contacts"], half["t_total_step_s"])
+        half = good[good["p"] >= good["p"].median()]
+        fit = stats.fit_exponent(half["p"], half["t_total_step_s"])
         if math.isnan(fit[0]):
-            fit = stats.fit_exponent(good["n_contacts"], good["t_total_step_s"])
-        memory = stats.fit_exponent(good["n_contacts"], good["workspace_B"]) if "workspace_B" in good else (math.nan,) * 4
-        top = good.loc[good["n_contacts"].idxmax()]
+            fit = stats.fit_exponent(good["p"], good["t_total_step_s"])
+        memory = stats.fit_exponent(good["p"], good["workspace_B"]) if "workspace_B" in good else (math.nan,) * 4
+        top = good.loc[good["p"].idxmax()]
         table.append([family, combo, f"{g['n_contacts'].min():g} to {top['n_contacts']:g}", Cell(interval(*fit[:3]), sort=fit[0]),
                       Cell(si(top["t_total_step_s"], "s"), sort=top["t_total_step_s"]), interval(*memory[:3]) if memory[0] == memory[0] else ""])
         lines.setdefault((family, g["solver"].iloc[0]), []).append(
-            from_cells(good.assign(ms=good["t_total_step_s"] * 1e3), g[~g["good"]].assign(ms=g["t_total_step_s"] * 1e3), "n_contacts", "ms",
+            from_cells(good.assign(ms=good["t_total_step_s"] * 1e3), g[~g["good"]].assign(ms=g["t_total_step_s"] * 1e3), "p", "ms",
                        g["label"].iloc[0], variant=index[g["label"].iloc[0]]))
     if not table:
         return None

@@ -1,0 +1,160 @@
+#include "lcp/lcp_column.h"
+
+#include <stdlib.h>
+
+static void carve(lcp_columns *c, base_arena *a) {
+  const size_t n = (size_t)c->M->n;
+  c->row = BASE_ARRAY(a, int, n);
+  c->val = BASE_ARRAY(a, long double, n);
+  if (c->M->storage == LCP_FACTORED) {
+    const lcp_factored *f = c->M->factored;
+    c->group_start = BASE_ARRAY(a, int, f->n_body + 2);
+    c->group = BASE_ARRAY(a, int, 2 * (size_t)f->n_group);
+    c->group_of = BASE_ARRAY(a, int, n);
+    c->marked = BASE_ARRAY(a, unsigned char, n);
+    c->sum = BASE_ARRAY(a, long double, n);
+    c->wj = BASE_ARRAY(a, long double, f->dof_start[f->n_body]);
+  }
+}
+
+/* Counting sort of the groups by body. */
+static void list_groups(lcp_columns *c) {
+  const lcp_factored *f = c->M->factored;
+  for (int b = 0; b < f->n_body + 2; b++) {
+    c->group_start[b] = 0;
+  }
+  for (int k = 0; k < 2 * f->n_group; k++) {
+    if (f->body[k] >= 0) {
+      c->group_start[f->body[k] + 2]++;
+    }
+  }
+  for (int b = 2; b < f->n_body + 2; b++) {
+    c->group_start[b] += c->group_start[b - 1];
+  }
+  for (int k = 0; k < 2 * f->n_group; k++) {
+    if (f->body[k] >= 0) {
+      c->group[c->group_start[f->body[k] + 1]++] = k / 2;
+    }
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      c->group_of[i] = g;
+      c->marked[i] = 0;
+      c->sum[i] = 0;
+    }
+  }
+}
+
+base_status lcp_columns_open(lcp_columns *c, const lcp_matrix *M, base_error *err) {
+  *c = (lcp_columns){.M = M};
+  base_arena need = base_arena_measuring();
+  carve(c, &need);
+  void *mem = need.overflow ? NULL : base_alloc(need.used);
+  if (mem == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "matrix columns: scratch for %d rows", M->n);
+  }
+  base_arena a = base_arena_over(mem, need.used);
+  carve(c, &a);
+  c->mem = mem;
+  if (M->storage == LCP_FACTORED) {
+    list_groups(c);
+  }
+  return BASE_OK;
+}
+
+void lcp_columns_close(lcp_columns *c) {
+  free(c->mem);
+  *c = (lcp_columns){0};
+}
+
+/* First row of J of group g that belongs to body b (which g touches), and the stride. */
+static const double *rows_on(const lcp_factored *f, int g, int b) {
+  const int a = f->body[2 * g];
+  const int da = (a >= 0) ? f->dof_start[a + 1] - f->dof_start[a] : 0;
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  return f->jac + f->jac_start[g] + ((a == b) ? 0 : (ptrdiff_t)rows * da);
+}
+
+static void add_entry(lcp_columns *c, int i, long double v, int *count) {
+  if (!c->marked[i]) {
+    c->marked[i] = 1;
+    c->row[(*count)++] = i;
+  }
+  c->sum[i] += v;
+}
+
+static void add_body(lcp_columns *c, int j, int b, int *count) {
+  const lcp_factored *f = c->M->factored;
+  const int d = f->dof_start[b + 1] - f->dof_start[b];
+  const int gj = c->group_of[j];
+  const double *jj = rows_on(f, gj, b) + (ptrdiff_t)(j - f->row_start[gj]) * d;
+  const double *w = f->weight + f->weight_start[b];
+  bool zero = true;
+  for (int k = 0; k < d; k++) {
+    c->wj[k] = 0;
+    zero = zero && jj[k] == 0;
+    for (int l = 0; l < d; l++) {
+      c->wj[k] += (long double)w[(ptrdiff_t)l * d + k] * jj[l];
+    }
+  }
+  for (int s = c->group_start[b]; !zero && s < c->group_start[b + 1]; s++) {
+    const int g = c->group[s];
+    const double *ji = rows_on(f, g, b);
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, ji += d) {
+      long double sum = 0;
+      for (int k = 0; k < d; k++) {
+        sum += ji[k] * c->wj[k];
+      }
+      add_entry(c, i, sum, count);
+    }
+  }
+}
+
+static int ascending(const void *a, const void *b) {
+  const int x = *(const int *)a;
+  const int y = *(const int *)b;
+  return (x > y) - (x < y);
+}
+
+static lcp_column factored_at(lcp_columns *c, int j) {
+  const lcp_factored *f = c->M->factored;
+  int count = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = f->body[2 * c->group_of[j] + side];
+    if (b >= 0) {
+      add_body(c, j, b, &count);
+    }
+  }
+  for (int k = (f->shift != NULL) ? f->shift->colptr[j] : 0;
+       f->shift != NULL && k < f->shift->colptr[j + 1]; k++) {
+    add_entry(c, f->shift->rowind[k], f->shift->val[k], &count);
+  }
+  qsort(c->row, (size_t)count, sizeof *c->row, ascending);
+  for (int k = 0; k < count; k++) {
+    const int i = c->row[k];
+    c->val[k] = c->sum[i];
+    c->sum[i] = 0;
+    c->marked[i] = 0;
+  }
+  return (lcp_column){count, c->row, c->val};
+}
+
+lcp_column lcp_columns_at(lcp_columns *c, int j) {
+  const lcp_matrix *M = c->M;
+  if (M->storage == LCP_FACTORED) {
+    return factored_at(c, j);
+  }
+  int count = 0;
+  if (M->storage == LCP_DENSE) {
+    for (count = 0; count < M->n; count++) {
+      c->row[count] = count;
+      c->val[count] = M->val[(ptrdiff_t)j * M->n + count];
+    }
+  } else {
+    for (int k = M->csc.colptr[j]; k < M->csc.colptr[j + 1]; k++, count++) {
+      c->row[count] = M->csc.rowind[k];
+      c->val[count] = M->csc.val[k];
+    }
+  }
+  return (lcp_column){count, c->row, c->val};
+}

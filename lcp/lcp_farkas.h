@@ -1,0 +1,12 @@
+/* lcp/lcp_farkas.h - proof that a problem has no feasible point: y >= 0, M'y <= 0, q'y < 0
+ * (Farkas; free rows: y_i of any sign and (M'y)_i = 0). */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+
+/* True only when the three hold exactly for the binary numbers of the problem: sums are kept as
+ * head + tail with a bound on what was lost, and an undecided sign counts as a failure. y is first
+ * rounded to a multiple of max|y|/k, k <= 256, where it is one up to 1e-9, so that rounded
+ * directions of problems with plain data become exact. DENSE and CSC, orthant and free blocks;
+ * no allocation. `kind` has n entries, 0 orthant, 1 free (NULL: all orthant). */
+bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char *kind, double *y);

@@ -1,0 +1,438 @@
+/* solver_ppm.c - symmetric principal pivoting of Keller (1973; Cottle, Pang & Stone 1992, algorithm
+ * 4.2.11), for symmetric M with orthant, free and box rows.
+ *
+ * F: basic z with M_FF positive definite, factored as L L'. A row r whose w_r has the wrong sign
+ * drives: z_r moves along d = (-M_FF^-1 M_Fr, 1), w_r rises at the rate s = M_rr - M_rF M_FF^-1 M_Fr
+ * (the Schur complement) and w_F stays zero. Either w_r reaches zero, and r joins F, or some z_i
+ * reaches a bound, and i leaves F. For M = M' >= 0 a row with s = 0 can only be stopped by a z_i,
+ * whose removal makes s positive again: singular matrices need no special pivot. The energy
+ * z'Mz/2 + q'z falls strictly from one driving row to the next, so no F returns and ties need no
+ * rule. When nothing blocks, d >= 0 with Md = 0 and q'd < 0: no feasible point.
+ * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
+#include "lcp/base/clock.h"
+#include "lcp/lcp_farkas.h"
+#include "lcp/lcp_solver.h"
+#include "lcp/linear/packed_chol.h"
+
+#include <float.h>
+
+typedef struct options {
+  lcp_stop stop;
+} options;
+
+typedef enum place { AT_LO, AT_HI, BASIC } place;
+
+typedef struct ppm {
+  lcp_stop_state stop;
+  int m;                /* |F| */
+  int *order, *pos;     /* F in the order of L; place of i in F or -1 */
+  unsigned char *where; /* place of z_i */
+  unsigned char *is_free;
+  unsigned char *tries; /* times a violation near round-off was driven */
+  double *L, *cs;
+  double *d, *unit;  /* diagonal; sqrt |M_ii| (1 where zero) */
+  double *lo, *hi;   /* bounds of every row */
+  double *w, *bound; /* M z + q; |q| + |M||z| */
+  double *x, *y;     /* L^-1 M_Fr; direction of z_F, by place */
+  double *ray;       /* by row */
+  long double *sum;  /* n */
+} ppm;
+
+/* Relative sizes, all in the metric of unit: below RANK a Schur complement is zero, below FAINT a
+ * direction is; a violation below SURE is driven at most twice. */
+static const double RANK = 2e-13;
+static const double FAINT = 1e-12;
+static const double SURE = 1e-11;
+static const double ROUND = 16 * DBL_EPSILON;
+
+static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
+  (void)opt;
+  ppm *s = state;
+  lcp_stop_layout(&s->stop, cap, a);
+  s->order = BASE_ARRAY(a, int, cap->n);
+  s->pos = BASE_ARRAY(a, int, cap->n);
+  s->where = BASE_ARRAY(a, unsigned char, cap->n);
+  s->is_free = BASE_ARRAY(a, unsigned char, cap->n);
+  s->tries = BASE_ARRAY(a, unsigned char, cap->n);
+  s->L = BASE_ARRAY(a, double, lin_chol_row(cap->n));
+  s->cs = BASE_ARRAY(a, double, 2 * (size_t)cap->n);
+  s->d = BASE_ARRAY(a, double, cap->n);
+  s->unit = BASE_ARRAY(a, double, cap->n);
+  s->lo = BASE_ARRAY(a, double, cap->n);
+  s->hi = BASE_ARRAY(a, double, cap->n);
+  s->w = BASE_ARRAY(a, double, cap->n);
+  s->bound = BASE_ARRAY(a, double, cap->n);
+  s->x = BASE_ARRAY(a, double, cap->n);
+  s->y = BASE_ARRAY(a, double, cap->n);
+  s->ray = BASE_ARRAY(a, double, cap->n);
+  s->sum = BASE_ARRAY(a, long double, cap->n);
+}
+
+static void set_rows(ppm *s, const lcp_problem *p, int first, int end, lcp_set set) {
+  for (int i = first; i < end; i++) {
+    s->lo[i] = (set == LCP_FREE) ? -HUGE_VAL : ((set == LCP_BOX) ? p->lo[i] : 0);
+    s->hi[i] = (set == LCP_BOX) ? p->hi[i] : HUGE_VAL;
+    s->is_free[i] = s->lo[i] == -HUGE_VAL && s->hi[i] == HUGE_VAL;
+  }
+}
+
+static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
+  (void)opt;
+  ppm *s = state;
+  if ((p->traits & LCP_SYMMETRIC) == 0 && !lcp_matrix_is_symmetric(&p->M)) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "ppm: needs a symmetric matrix");
+  }
+  set_rows(s, p, 0, p->M.n, LCP_ORTHANT);
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    set_rows(s, p, p->block[k].start, p->block[k].start + p->block[k].size, p->block[k].set);
+  }
+  lcp_matrix_diagonal(&p->M, s->d);
+  for (int i = 0; i < p->M.n; i++) {
+    s->unit[i] = (s->d[i] != 0) ? sqrt(fabs(s->d[i])) : 1;
+  }
+  return BASE_OK;
+}
+
+/* x = M_Fr by place in F. */
+static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
+  if (M->storage == LCP_DENSE) {
+    const double *col = M->val + (ptrdiff_t)r * M->n;
+    for (int k = 0; k < s->m; k++) {
+      x[k] = col[s->order[k]];
+    }
+    return;
+  }
+  for (int k = 0; k < s->m; k++) {
+    x[k] = 0;
+  }
+  for (int k = M->csc.colptr[r]; k < M->csc.colptr[r + 1]; k++) {
+    const int at = s->pos[M->csc.rowind[k]];
+    if (at >= 0) {
+      x[at] = M->csc.val[k];
+    }
+  }
+}
+
+/* w = M z + q and |q| + |M||z|. */
+static void evaluate(const ppm *s, const lcp_problem *p, const double *z) {
+  const int n = p->M.n;
+  for (int i = 0; i < n; i++) {
+    s->w[i] = p->q[i];
+    s->bound[i] = fabs(p->q[i]);
+  }
+  for (int j = 0; j < n; j++) {
+    const double zj = z[j];
+    if (zj == 0) {
+      continue;
+    }
+    if (p->M.storage == LCP_DENSE) {
+      const double *col = p->M.val + (ptrdiff_t)j * n;
+      for (int i = 0; i < n; i++) {
+        const double term = col[i] * zj;
+        s->w[i] += term;
+        s->bound[i] += fabs(term);
+      }
+    } else {
+      for (int k = p->M.csc.colptr[j]; k < p->M.csc.colptr[j + 1]; k++) {
+        const double term = p->M.csc.val[k] * zj;
+        s->w[p->M.csc.rowind[k]] += term;
+        s->bound[p->M.csc.rowind[k]] += fabs(term);
+      }
+    }
+  }
+}
+
+static double violation(const ppm *s, int i) {
+  if (s->is_free[i]) {
+    return fabs(s->w[i]);
+  }
+  return (s->where[i] == AT_HI) ? s->w[i] : -s->w[i];
+}
+
+/* The nonbasic row to drive, -1: none left. Free rows first, then the largest violation in the
+ * energy metric. */
+static int choose(ppm *s, int n) {
+  int best = -1;
+  double top = 0;
+  for (int i = 0; i < n; i++) {
+    if (s->where[i] == BASIC || s->lo[i] == s->hi[i]) {
+      continue;
+    }
+    const double v = violation(s, i);
+    const bool sure = v > SURE * s->bound[i];
+    if (!(v > ROUND * s->bound[i]) || (!sure && s->tries[i] >= 2)) {
+      continue;
+    }
+    const double score = s->is_free[i] ? HUGE_VAL : v / s->unit[i];
+    if (best < 0 || score > top) {
+      best = i;
+      top = score;
+    }
+  }
+  if (best >= 0 && !(violation(s, best) > SURE * s->bound[best])) {
+    s->tries[best]++;
+  }
+  return best;
+}
+
+/* Corrects the drift of z_F: z_F -= M_FF^-1 w_F where w_F left round-off. */
+static void correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
+  double worst = 0;
+  for (int k = 0; k < s->m; k++) {
+    s->y[k] = -s->w[s->order[k]];
+    worst = fmax(worst, fabs(s->y[k]) / s->bound[s->order[k]]);
+  }
+  if (!(worst > 1e-12)) {
+    return;
+  }
+  lin_chol_forward(s->L, s->m, s->y);
+  lin_chol_backward(s->L, s->m, s->y);
+  for (int k = 0; k < s->m; k++) {
+    z[s->order[k]] += s->y[k];
+  }
+  evaluate(s, p, z);
+  work->refinements++;
+  work->matvecs++;
+}
+
+static void leave(ppm *s, int k) {
+  const int out = s->order[k];
+  lin_chol_remove(s->L, s->m, k, s->cs);
+  s->m--;
+  for (int j = k; j < s->m; j++) {
+    s->order[j] = s->order[j + 1];
+    s->pos[s->order[j]] = j;
+  }
+  s->pos[out] = -1;
+}
+
+/* Smallest step along sign * (y, 1) at which a basic z meets a bound; ties: the largest pivot. */
+static int first_block(const ppm *s, const double *z, int r, double sign, double *step) {
+  double top = s->unit[r];
+  for (int k = 0; k < s->m; k++) {
+    top = fmax(top, fabs(s->y[k]) * s->unit[s->order[k]]);
+  }
+  int best = -1;
+  double size = 0;
+  for (int k = 0; k < s->m; k++) {
+    const int i = s->order[k];
+    const double rate = sign * s->y[k];
+    const double scaled = fabs(rate) * s->unit[i];
+    const double room = (rate < 0) ? z[i] - s->lo[i] : s->hi[i] - z[i];
+    if (s->is_free[i] || !(scaled > FAINT * top) || room == HUGE_VAL) {
+      continue;
+    }
+    const double t = fmax(room, 0.0) / fabs(rate);
+    if (best < 0 || t < *step || (t == *step && scaled > size)) {
+      best = k;
+      *step = t;
+      size = scaled;
+    }
+  }
+  return best;
+}
+
+typedef enum end { JOINED, BOUNDED, UNBLOCKED, SPENT } end;
+
+static void advance(const ppm *s, double *z, int r, double move) {
+  for (int k = 0; k < s->m; k++) {
+    z[s->order[k]] += move * s->y[k];
+  }
+  z[r] += move;
+}
+
+/* Drives row r until w_r = 0, a bound of z_r, or nothing blocks. */
+static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp_work *work) {
+  const double sign = (s->w[r] < 0) ? 1 : -1;
+  for (;;) {
+    if (work->pivots >= limit) {
+      return SPENT;
+    }
+    gather(s, &p->M, r, s->x);
+    lin_chol_forward(s->L, s->m, s->x);
+    double schur = s->d[r];
+    for (int k = 0; k < s->m; k++) {
+      schur -= s->x[k] * s->x[k];
+      s->y[k] = -s->x[k];
+    }
+    lin_chol_backward(s->L, s->m, s->y);
+    work->backsolves += 2;
+    work->pivots++;
+    const bool positive = schur > RANK * fabs(s->d[r]);
+    const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
+    double t = HUGE_VAL;
+    const int k = first_block(s, z, r, sign, &t);
+    const double join = positive ? fabs(s->w[r]) / schur : HUGE_VAL;
+    if (join <= t && join <= own && join < HUGE_VAL) {
+      advance(s, z, r, sign * join);
+      lin_chol_append(s->L, s->m, s->x, sqrt(schur));
+      s->order[s->m] = r;
+      s->pos[r] = s->m++;
+      s->where[r] = BASIC;
+      return JOINED;
+    }
+    if (own <= t && own < HUGE_VAL) {
+      advance(s, z, r, sign * own);
+      z[r] = (sign > 0) ? s->hi[r] : s->lo[r];
+      s->where[r] = (sign > 0) ? AT_HI : AT_LO;
+      return BOUNDED;
+    }
+    if (k < 0) {
+      return UNBLOCKED;
+    }
+    const int out = s->order[k];
+    const bool low = sign * s->y[k] < 0;
+    advance(s, z, r, sign * t);
+    s->w[r] += sign * t * schur;
+    z[out] = low ? s->lo[out] : s->hi[out];
+    s->where[out] = low ? AT_LO : AT_HI;
+    leave(s, k);
+  }
+}
+
+/* The direction of the last drive as a proof, when it is one. */
+static bool proves_infeasible(ppm *s, const lcp_problem *p, int r) {
+  if ((lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {
+    return false;
+  }
+  const double sign = (s->w[r] < 0) ? 1 : -1;
+  for (int i = 0; i < p->M.n; i++) {
+    s->ray[i] = 0;
+  }
+  for (int k = 0; k < s->m; k++) {
+    const double v = sign * s->y[k];
+    s->ray[s->order[k]] = s->is_free[s->order[k]] ? v : fmax(v, 0.0);
+  }
+  s->ray[r] = sign;
+  return lcp_farkas_prove(&p->M, p->q, s->is_free, s->ray);
+}
+
+/* Two steps of iterative refinement of z_F, residuals in long double. */
+static void refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
+  const int n = p->M.n;
+  long double *sum = s->sum;
+  for (int round = 0; round < 2; round++) {
+    for (int i = 0; i < n; i++) {
+      sum[i] = p->q[i];
+    }
+    for (int j = 0; j < n; j++) {
+      const long double zj = z[j];
+      const bool dense = p->M.storage == LCP_DENSE;
+      const int first = dense ? 0 : p->M.csc.colptr[j];
+      const int last = dense ? n : p->M.csc.colptr[j + 1];
+      for (int k = first; zj != 0 && k < last; k++) {
+        sum[dense ? k : p->M.csc.rowind[k]] +=
+            zj * (dense ? p->M.val[(ptrdiff_t)j * n + k] : p->M.csc.val[k]);
+      }
+    }
+    for (int k = 0; k < s->m; k++) {
+      s->y[k] = (double)-sum[s->order[k]];
+    }
+    lin_chol_forward(s->L, s->m, s->y);
+    lin_chol_backward(s->L, s->m, s->y);
+    for (int k = 0; k < s->m; k++) {
+      const int i = s->order[k];
+      z[i] = fmin(fmax(z[i] + s->y[k], s->lo[i]), s->hi[i]); /* on K; the residual decides */
+    }
+    work->refinements++;
+  }
+}
+
+/* Nonbasic start: every z at its bound nearest to zero, F empty. */
+static void start(ppm *s, int n, double *z) {
+  s->m = 0;
+  for (int i = 0; i < n; i++) {
+    const bool high = s->hi[i] < 0 || (s->lo[i] == -HUGE_VAL && s->hi[i] < HUGE_VAL);
+    s->where[i] = high ? AT_HI : AT_LO;
+    z[i] = s->is_free[i] ? 0 : (high ? s->hi[i] : s->lo[i]);
+    s->pos[i] = -1;
+    s->tries[i] = 0;
+  }
+}
+
+/* Ends with LCP_SOLVED only as a candidate: the residual has the last word. */
+static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
+                         lcp_trace *trace, lcp_result *res) {
+  for (;;) {
+    evaluate(s, p, z);
+    res->work.matvecs++;
+    correct(s, p, z, &res->work);
+    if (trace != NULL && trace->len < trace->cap) {
+      double worst = 0;
+      for (int i = 0; i < p->M.n; i++) {
+        const double v = (s->where[i] == BASIC) ? fabs(s->w[i]) : violation(s, i);
+        worst = (v > worst * s->bound[i]) ? v / s->bound[i] : worst;
+      }
+      trace->iteration[trace->len] = res->work.pivots;
+      trace->residual[trace->len++] = worst;
+    }
+    const int r = choose(s, p->M.n);
+    if (r < 0) {
+      return LCP_SOLVED;
+    }
+    const bool sure = violation(s, r) > SURE * s->bound[r];
+    const end e = drive(s, p, z, r, stop->max_iter, &res->work);
+    res->work.iterations++;
+    if (e == SPENT) {
+      return LCP_MAX_ITER;
+    }
+    if (e == UNBLOCKED && !sure) {
+      s->tries[r] = 2; /* round-off in a dependent row: nothing to gain, nothing proved */
+    } else if (e == UNBLOCKED) {
+      return proves_infeasible(s, p, r) ? LCP_INFEASIBLE : LCP_RAY;
+    }
+    if (res->work.iterations % 32 == 0 && base_seconds() - s->stop.started > stop->max_seconds) {
+      return LCP_TIME_LIMIT;
+    }
+  }
+}
+
+static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  ppm *s = state;
+  const lcp_stop *stop = &((const options *)opt)->stop;
+  lcp_stop_begin(&s->stop, p);
+  start(s, p->M.n, z);
+  res->outcome = pivot(s, p, stop, z, trace, res);
+  res->work.iterations = res->work.pivots;
+  if (res->outcome == LCP_SOLVED) {
+    refine(s, p, z, &res->work);
+  }
+  const lcp_stop once = {
+      .tol = stop->tol, .max_iter = stop->max_iter, .check_every = 1, .max_seconds = HUGE_VAL};
+  const lcp_outcome ended = res->outcome;
+  const bool met = lcp_stop_test(&s->stop, &once, p, z, NULL, res) && res->outcome == LCP_SOLVED;
+  if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
+    res->outcome = ended;
+    res->certificate = (lcp_certificate){
+        .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
+  } else if (met) {
+    for (int i = 0; i < p->M.n; i++) {
+      s->tries[i] = s->where[i] == BASIC;
+    }
+    res->outcome = LCP_SOLVED;
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->tries};
+  } else {
+    res->outcome = (ended == LCP_SOLVED) ? LCP_NUMERICAL : ended;
+  }
+  return BASE_OK;
+}
+
+static const base_field fields[] = {LCP_STOP_FIELDS(options, 1e-10, 1000000)};
+
+const lcp_solver lcp_solver_ppm = {
+    .name = "ppm",
+    .title = "principal pivoting",
+    .cite = "Keller 1973; Cottle, Pang & Stone 1992, algorithm 4.2.11",
+    .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE) | (1u << LCP_BOX),
+    .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
+    .needs = LCP_SYMMETRIC,
+    .exact = true,
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(ppm),
+    .layout = layout,
+    .prepare = prepare,
+    .solve = solve,
+};
