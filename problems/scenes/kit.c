@@ -136,6 +136,57 @@ base_status kit_rigid_only(spec_check *c, base_error *err) {
   return spec_check_only(c, "position", err);
 }
 
+base_status kit_expect(scene_spec *s, const char *var, double t, double value, double h_coef,
+                       const char *source, base_error *err) {
+  BASE_TRY(spec_add_state(s, var, t, value, 1e-8 * (1.0 + fabs(value)), h_coef, err));
+  kit_source(kit_last(s), source);
+  return BASE_OK;
+}
+
+base_status kit_rests(scene_spec *s, const char *var, double abs, const char *source,
+                      base_error *err) {
+  BASE_TRY(kit_drift(s, var, abs, 0.0, NULL, err));
+  kit_source(kit_last(s), source);
+  return kit_rigid_only(kit_last(s), err);
+}
+
+base_status kit_moves(scene_spec *s, const char *var, double value, const char *source,
+                      base_error *err) {
+  spec_check *c;
+  BASE_TRY(spec_add_check(s, CHECK_MIN_CHANGE, var, &c, err));
+  c->t = s->duration;
+  c->value = value;
+  kit_source(c, source);
+  return BASE_OK;
+}
+
+base_status kit_finite(scene_spec *s, base_error *err) {
+  spec_check *c;
+  return spec_add_check(s, CHECK_FINITE, NULL, &c, err);
+}
+
+base_status kit_penetration(scene_spec *s, double abs, double h_coef, base_error *err) {
+  spec_check *c;
+  BASE_TRY(spec_add_check(s, CHECK_MAX_PENETRATION, NULL, &c, err));
+  c->tol.abs = abs;
+  c->tol.h = h_coef;
+  return BASE_OK;
+}
+
+void kit_integrate(double (*f)(double y, double rate, const void *ctx), const void *ctx, double t,
+                   double y[2]) {
+  enum { STEPS = 20000 };
+  const double h = t / STEPS;
+  for (int i = 0; i < STEPS; i++) {
+    const double a1 = f(y[0], y[1], ctx), v2 = y[1] + 0.5 * h * a1;
+    const double a2 = f(y[0] + 0.5 * h * y[1], v2, ctx), v3 = y[1] + 0.5 * h * a2;
+    const double a3 = f(y[0] + 0.5 * h * v2, v3, ctx), v4 = y[1] + h * a3;
+    const double a4 = f(y[0] + h * v3, v4, ctx);
+    y[0] += h / 6.0 * (y[1] + 2.0 * v2 + 2.0 * v3 + v4);
+    y[1] += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
+  }
+}
+
 void kit_name(char name[SPEC_NAME], const char *prefix, int k) {
   (void)snprintf(name, SPEC_NAME, "%s%d", prefix, k);
 }

@@ -50,5 +50,39 @@ base_status kit_energy(scene_spec *s, double abs, double h_coef, base_error *err
 base_status kit_rigid_only(spec_check *c, base_error *err);
 void kit_source(spec_check *c, const char *text);
 
+/* State check with |got - value| <= 1e-8 (1 + |value|) + h_coef h. */
+base_status kit_expect(scene_spec *s, const char *var, double t, double value, double h_coef,
+                       const char *source, base_error *err);
+/* No motion of var beyond abs, for the formulations with rigid friction. */
+base_status kit_rests(scene_spec *s, const char *var, double abs, const char *source,
+                      base_error *err);
+/* Moves: |var(T) - var(0)| >= value. */
+base_status kit_moves(scene_spec *s, const char *var, double value, const char *source,
+                      base_error *err);
+base_status kit_finite(scene_spec *s, base_error *err);
+/* No bodies leave through others: penetration <= abs + h_coef h. */
+base_status kit_penetration(scene_spec *s, double abs, double h_coef, base_error *err);
+
+/* The check added last. */
+static inline spec_check *kit_last(scene_spec *s) {
+  return &s->check[s->n_check - 1];
+}
+
+/* y'' = f(y, y') from y[2] = {y, y'} over time t by 20000 classical Runge-Kutta steps: the
+ * references of scenes without a closed form (error far below every tolerance). */
+void kit_integrate(double (*f)(double y, double rate, const void *ctx), const void *ctx, double t,
+                   double y[2]);
+
+/* A scene's constant: its parameters are the fields of struct TYPE. */
+#define KIT_SCENE(TYPE, title_, cite_, about_)                                                     \
+  const scene scene_##TYPE = {.name = #TYPE,                                                       \
+                              .title = title_,                                                     \
+                              .cite = cite_,                                                       \
+                              .about = about_,                                                     \
+                              .fields = fields,                                                    \
+                              .n_fields = BASE_COUNT(fields),                                      \
+                              .param_size = sizeof(TYPE),                                          \
+                              .build = build}
+
 /* "PREFIXk" */
 void kit_name(char name[SPEC_NAME], const char *prefix, int k);
