@@ -43,7 +43,7 @@ static base_status predict_stick(scene_spec *s, const incline *p, double theta, 
   c->tol.reg_d = 1.05 * share;
   kit_source(c, "stick: creep v_s tan/mu or sag delta tan/mu");
   BASE_TRY(spec_check_only(c, "regularized", err));
-  BASE_TRY(spec_add_state(s, "block.vel", T, 0.0, 1e-9, 0.0, err));
+  BASE_TRY(spec_add_state(s, "block.vel", T, 0.0, 1e-7, 0.0, err));
   c = &s->check[s->n_check - 1];
   downhill(s, theta, c);
   c->tol.reg_v = 1.02 * share;
