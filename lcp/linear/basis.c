@@ -20,7 +20,7 @@ void lin_basis_layout(lin_basis *b, int n, int nnz, base_arena *a) {
   b->work = BASE_ARRAY(a, double, m);
   b->active = BASE_ARRAY(a, double, m);
   lin_lu_layout(&b->lu, n, nnz + n, (dense < sparse) ? dense : sparse, a);
-  b->cap_eta = m * LIN_ETA_MAX;
+  b->cap_eta = m * LIN_ETA_MAX + 1; /* one entry may be written ahead */
   b->eta_first = BASE_ARRAY(a, size_t, LIN_ETA_MAX + 1);
   b->eta_pos = BASE_ARRAY(a, int, LIN_ETA_MAX);
   b->eta_pivot = BASE_ARRAY(a, double, LIN_ETA_MAX);
@@ -115,6 +115,13 @@ bool lin_basis_factor(lin_basis *b) {
   return true;
 }
 
+/* y <- y - t x */
+static void subtract(int n, double t, const double *restrict x, double *restrict y) {
+  for (int i = 0; i < n; ++i) {
+    y[i] -= t * x[i];
+  }
+}
+
 /* x += t * column(var). */
 static void add_column(const lin_system *s, int var, double t, double *x) {
   if (var < s->n) {
@@ -130,9 +137,7 @@ static void add_column(const lin_system *s, int var, double t, double *x) {
     const double *val = s->val + first;
     const int *row = s->rowind + first;
     if (count == s->n) { /* a full column needs no index */
-      for (int i = 0; i < count; ++i) {
-        x[i] -= t * val[i];
-      }
+      subtract(count, t, val, x);
     } else {
       for (int p = 0; p < count; ++p) {
         x[row[p]] -= t * val[p];
@@ -167,6 +172,11 @@ void lin_basis_solve(lin_basis *b, double *x) {
       continue;
     }
     const double t = x[pos] / b->eta_pivot[e];
+    if (b->eta_first[e + 1] - b->eta_first[e] == (size_t)b->sys->n) {
+      subtract(b->sys->n, t, b->eta_value + b->eta_first[e], x);
+      x[pos] = t;
+      continue;
+    }
     for (size_t p = b->eta_first[e]; p < b->eta_first[e + 1]; ++p) {
       x[b->eta_index[p]] -= b->eta_value[p] * t;
     }
@@ -205,10 +215,13 @@ void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   const int e = b->n_eta++;
   size_t at = b->eta_first[e];
   for (int i = 0; i < n; ++i) {
-    if (d[i] != 0 && i != p) {
-      b->eta_index[at] = i;
-      b->eta_value[at++] = d[i];
-    }
+    b->eta_index[at] = i;
+    b->eta_value[at] = d[i];
+    at += d[i] != 0 && i != p;
+  }
+  if (at - b->eta_first[e] > (size_t)(n / 3)) { /* full enough to be kept without an index */
+    at = b->eta_first[e] + (size_t)n;
+    memcpy(b->eta_value + b->eta_first[e], d, sizeof(double) * (size_t)n);
   }
   b->eta_first[e + 1] = at;
   b->eta_pos[e] = p;
@@ -219,7 +232,9 @@ void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   b->where[var] = p;
 }
 
+/* Product-form columns are streamed, a factorisation jumps about: the weights are measured times of
+ * an operation of each kind in units of a streamed one. */
 bool lin_basis_due(const lin_basis *b) {
-  return b->n_eta == LIN_ETA_MAX ||
-         b->eta_flops > b->lu.flops + 4 * (double)b->lu.fill + 50 * (double)b->sys->n;
+  const double factor = 4 * b->lu.flops + 16 * (double)b->kcolptr[b->kernel_size];
+  return b->n_eta == LIN_ETA_MAX || b->eta_flops > factor + 50 * (double)b->sys->n;
 }

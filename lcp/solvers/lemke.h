@@ -48,19 +48,22 @@ typedef struct lemke_path {
   lin_basis basis;
   const lemke_system *system;
   lemke_tolerance tol;
-  double *x;            /* rows: basic values by position */
-  double *d;            /* rows: column of the entering variable; the ray after LEMKE_RAY */
-  double *lex;          /* rows: one column of the lexicographic matrix */
-  double *cover;        /* rows */
-  bool generic;         /* delta takes part */
-  double *delta;        /* rows: B^-1 delta_rhs */
-  double *delta_rhs;    /* rows */
-  long double *sum;     /* rows */
-  int *first;           /* rows: variable of pair i in the first basis: the lexicographic columns */
-  int *tied;            /* rows */
-  unsigned char *in_z;  /* rows: first basis on entry, last basis on return */
-  int entering;         /* variable that drives */
-  uint64_t hash, noted; /* of the present basis, of one met before */
+  double *x;         /* rows: basic values by position */
+  double *d;         /* rows: column of the entering variable; the ray after LEMKE_RAY */
+  double *lex;       /* rows: one column of the lexicographic matrix */
+  double *cover;     /* rows */
+  bool generic;      /* delta takes part */
+  double *delta;     /* rows: B^-1 delta_rhs */
+  double *delta_rhs; /* rows */
+  long double *sum;  /* rows */
+  int *first;        /* rows: variable of pair i in the first basis: the lexicographic columns */
+  int *tied;         /* rows */
+  unsigned char *may_leave; /* rows: by position, false where the basic variable is free */
+  unsigned char *tried;     /* rows: pairs already used in repairing the first basis */
+  unsigned char *in_z;      /* rows: first basis on entry, last basis on return */
+  double size_d;            /* max |d| */
+  int entering;             /* variable that drives */
+  uint64_t hash, noted;     /* of the present basis, of one met before */
   long period, until_note;
   double deadline; /* [s] */
   long pivot_limit;

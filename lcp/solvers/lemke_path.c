@@ -8,6 +8,7 @@
 #include <string.h>
 
 enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
+enum { REPAIRS = 64 };      /* rounds of repairing a singular first basis */
 enum { GENERIC_FROM = 64 }; /* rows from which ties are first compared by the generic column */
 static const double DOUBTFUL = 1e-7; /* a pivot this small is computed afresh before use [1] */
 static const double LEX_TIE = 1e-12; /* round-off of a lexicographic column [1] */
@@ -25,6 +26,8 @@ void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a) {
   t->sum = BASE_ARRAY(a, long double, n);
   t->first = BASE_ARRAY(a, int, n);
   t->tied = BASE_ARRAY(a, int, n);
+  t->may_leave = BASE_ARRAY(a, unsigned char, n);
+  t->tried = BASE_ARRAY(a, unsigned char, n);
   t->in_z = BASE_ARRAY(a, unsigned char, n);
 }
 
@@ -38,12 +41,30 @@ static bool bounded(const lemke_path *t, int pos) {
   return var == 2 * n || !t->system->is_free[var % n];
 }
 
+static double larger(double a, double b) { /* fmax, without its care for NaN */
+  return (a > b) ? a : b;
+}
+
 static double largest(const double *x, int n) {
-  double top = 0;
-  for (int i = 0; i < n; ++i) {
-    top = fmax(top, fabs(x[i]));
+  double top[4] = {0, 0, 0, 0}; /* four chains run side by side */
+  int i = 0;
+  for (; i + 4 <= n; i += 4) {
+    top[0] = larger(fabs(x[i]), top[0]);
+    top[1] = larger(fabs(x[i + 1]), top[1]);
+    top[2] = larger(fabs(x[i + 2]), top[2]);
+    top[3] = larger(fabs(x[i + 3]), top[3]);
   }
-  return top;
+  for (; i < n; ++i) {
+    top[0] = larger(fabs(x[i]), top[0]);
+  }
+  return larger(larger(top[0], top[1]), larger(top[2], top[3]));
+}
+
+/* y <- y - t x */
+static void subtract(int n, double t, const double *restrict x, double *restrict y) {
+  for (int i = 0; i < n; ++i) {
+    y[i] -= t * x[i];
+  }
 }
 
 /* x <- B^-1 r with one step of refinement. */
@@ -65,6 +86,9 @@ static bool refactor(lemke_path *t) {
   if (!lin_basis_factor(&t->basis)) {
     return false;
   }
+  for (int i = 0; i < t->sys.n; ++i) {
+    t->may_leave[i] = bounded(t, i);
+  }
   solve_refined(t, t->system->q, t->x);
   if (t->generic) {
     memcpy(t->delta, t->delta_rhs, sizeof(double) * (size_t)t->sys.n);
@@ -79,7 +103,7 @@ static int keep_smallest(lemke_path *t, const double *v, int count) {
   double low = HUGE_VAL;
   int keep = 0;
   for (int k = 0; k < count; ++k) {
-    low = fmin(low, (v[t->tied[k]] + noise) / t->d[t->tied[k]]);
+    low = -larger(-low, -(v[t->tied[k]] + noise) / t->d[t->tied[k]]);
   }
   for (int k = 0; k < count; ++k) {
     if (v[t->tied[k]] <= low * t->d[t->tied[k]]) {
@@ -116,57 +140,58 @@ static int break_ties(lemke_path *t, int count) {
   return tied[0];
 }
 
-/* Position of the basic variable that blocks the entering one, or -1 for a ray. */
+/* Position of the basic variable that blocks the entering one, or -1 for a ray. Ratios that agree
+ * up to the round-off in x are ties (the bound of Harris 1973). */
 static int ratio_test(lemke_path *t) {
   const int n = t->sys.n;
-  const double small = t->tol.pivot * largest(t->d, n);
-  const double slack = t->tol.tie * fmax(1, largest(t->x, n));
+  const double small = t->tol.pivot * t->size_d;
+  const double slack = t->tol.tie * larger(1, largest(t->x, n));
+  int *tied = t->tied;
   double bound = HUGE_VAL;
-  for (int i = 0; i < n; ++i) {
-    if (t->d[i] > small && (fmax(t->x[i], 0) + slack) < bound * t->d[i] && bounded(t, i)) {
-      bound = (fmax(t->x[i], 0) + slack) / t->d[i];
-    }
-  }
-  if (!(bound < HUGE_VAL)) {
-    return -1;
-  }
-  double top = 0;
   int count = 0;
   for (int i = 0; i < n; ++i) {
-    if (t->d[i] > small && t->x[i] <= bound * t->d[i] && bounded(t, i)) {
+    if (t->d[i] > small && t->may_leave[i]) {
+      const double room = larger(t->x[i], 0) + slack;
+      bound = (room < bound * t->d[i]) ? room / t->d[i] : bound;
+      tied[count++] = i;
+    }
+  }
+  double top = 0;
+  int keep = 0;
+  for (int k = 0; k < count; ++k) {
+    const int i = tied[k];
+    if (t->x[i] <= bound * t->d[i]) {
       if (t->basis.head[i] == 2 * n) {
         return i;
       }
-      top = fmax(top, t->d[i]);
-      t->tied[count++] = i;
+      top = larger(t->d[i], top);
+      tied[keep++] = i;
     }
   }
-  int keep = 0;
+  count = keep;
+  keep = 0;
   for (int k = 0; k < count; ++k) {
-    if (t->d[t->tied[k]] >= KEEP * top) {
-      t->tied[keep++] = t->tied[k];
+    if (t->d[tied[k]] >= KEEP * top) {
+      tied[keep++] = tied[k];
     }
   }
-  return (keep == 1) ? t->tied[0] : break_ties(t, keep);
+  return (keep == 0) ? -1 : (keep == 1) ? tied[0] : break_ties(t, keep);
 }
 
 /* Enters `entering` at position p; returns the variable that left. */
 static int pivot(lemke_path *t, int p) {
   const int n = t->sys.n;
   const double step = t->x[p] / t->d[p];
-  for (int i = 0; i < n; ++i) {
-    t->x[i] -= step * t->d[i];
-  }
+  subtract(n, step, t->d, t->x);
   t->x[p] = step;
   if (t->generic) {
     const double shift = t->delta[p] / t->d[p];
-    for (int i = 0; i < n; ++i) {
-      t->delta[i] -= shift * t->d[i];
-    }
+    subtract(n, shift, t->d, t->delta);
     t->delta[p] = shift;
   }
   const int left = t->basis.head[p];
   lin_basis_replace(&t->basis, p, t->entering, t->d);
+  t->may_leave[p] = bounded(t, p);
   t->pivots++;
   return left;
 }
@@ -176,7 +201,7 @@ static int pivot(lemke_path *t, int p) {
 static bool enter_cover(lemke_path *t) {
   const int n = t->sys.n;
   int count = 0;
-  double low = -t->tol.tie * fmax(1, largest(t->x, n));
+  double low = -t->tol.tie * larger(1, largest(t->x, n));
   const double slack = -low;
   bool any = false;
   for (int i = 0; i < n; ++i) {
@@ -216,8 +241,9 @@ static bool choose(lemke_path *t, int *p) {
   for (int again = 0; again < 2; ++again) {
     lin_basis_column(&t->basis, t->entering, t->d);
     lin_basis_solve(&t->basis, t->d);
+    t->size_d = largest(t->d, n);
     *p = ratio_test(t);
-    const bool sure = *p >= 0 && t->d[*p] > DOUBTFUL * largest(t->d, n);
+    const bool sure = *p >= 0 && t->d[*p] > DOUBTFUL * t->size_d;
     if (sure || t->basis.n_eta == 0) {
       return true;
     }
@@ -303,13 +329,52 @@ static void start_generic(lemke_path *t) {
   }
 }
 
+/* Row with the largest entry in column j that could join the basis to make column j independent. */
+static int helper_row(const lemke_path *t, int j) {
+  int best = -1;
+  double size = 0;
+  for (int p = t->sys.colptr[j]; p < t->sys.colptr[j + 1]; ++p) {
+    const int i = t->sys.rowind[p];
+    if (!t->system->is_free[i] && !t->in_z[i] && !t->tried[i] && fabs(t->sys.val[p]) > size) {
+      size = fabs(t->sys.val[p]);
+      best = i;
+    }
+  }
+  return best;
+}
+
+/* Factors the first basis. Dependent columns are repaired: a bounded z gives way to its w; a free
+ * one is helped by a pair (i, z_i) that makes it independent (rows of M_FF alone may be dependent)
+ * or, where there is none, stays at zero as a redundant constraint, its w_i = 0 left to the
+ * residual test. */
+static bool factor_first(lemke_path *t) {
+  memset(t->tried, 0, (size_t)t->sys.n);
+  for (int round = 0; round < REPAIRS; ++round) {
+    lin_basis_start(&t->basis, &t->sys, t->in_z);
+    if (refactor(t)) {
+      return true;
+    }
+    const lin_lu *lu = &t->basis.lu;
+    for (int k = lu->n - lu->deficient; k < lu->n; ++k) {
+      const int j = t->basis.kernel_var[lu->col[k]] - t->sys.n;
+      const int help = t->system->is_free[j] ? helper_row(t, j) : -1;
+      const int change = (help >= 0) ? help : j;
+      t->in_z[change] = help >= 0;
+      t->tried[change] = 1;
+    }
+    if (t->basis.full) {
+      return false;
+    }
+  }
+  return false;
+}
+
 lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
   t->system = s;
   t->tol = tol;
   t->sys = (lin_system){s->rows, s->colptr, s->rowind, s->val, t->cover};
-  lin_basis_start(&t->basis, &t->sys, t->in_z);
   t->generic = false;
-  if (!refactor(t)) {
+  if (!factor_first(t)) {
     return LEMKE_BROKEN;
   }
   for (int i = 0; i < s->rows; ++i) {

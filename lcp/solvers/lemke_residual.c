@@ -3,10 +3,12 @@
  *
  * Of a factored M only S is known entry by entry; of P = J W J' the product g = P z and the diagonal
  * are. There tau uses |P_ii z_i| + |g_i - P_ii z_i| <= sum_j |P_ij||z_j|, so rho comes out larger,
- * never smaller, than with P formed. */
+ * never smaller, than with P formed. Rows that this makes look bad have their row of P formed. */
 #include "lcp/solvers/lemke.h"
 
 #include <math.h>
+
+static const double LOOKS_BAD = 1e-15;
 
 /* Diagonal of P: what S does not account for. Into zref for the time being. */
 static void product_diagonal(const lemke_system *s) {
@@ -79,14 +81,46 @@ static double over(double v, double scale) {
   return (scale > 0) ? v / scale : (v == 0) ? 0 : copysign(HUGE_VAL, v);
 }
 
+/* sum_j |P_ij z_j| by forming row i of P as column i, scaled back: P is symmetric as given. */
+static double row_size(const lemke_system *s, int i, const double *z) {
+  double size = 0;
+  for (int j = 0; j < s->n; ++j) {
+    s->row_sum[j] = 0;
+  }
+  for (int p = s->colptr[i]; p < s->colptr[i + 1]; ++p) {
+    const int u = s->rowind[p];
+    const int last = s->colptr[u + 1] - 1;
+    for (int k = s->colptr[u]; u >= s->n && k < last; ++k) {
+      s->row_sum[s->rowind[k]] -= (long double)s->val[p] / s->val[last] * s->val[k];
+    }
+  }
+  for (int j = 0; j < s->n; ++j) {
+    if (z[j] != 0) {
+      const int e = s->row_exp[i] + s->col_exp[j] - s->row_exp[j] - s->col_exp[i];
+      size += fabs(ldexp((double)s->row_sum[j] * z[j], e));
+    }
+  }
+  return size;
+}
+
+static double row_residual(const lemke_system *s, int i, double z, double zref, double tau) {
+  const double x = over(z, zref);
+  const double y = over((double)s->w[i], tau);
+  return s->is_free[i] ? fabs(y) : fabs(fmin(x, y));
+}
+
 double lemke_residual(const lemke_system *s, const double *z) {
   double rho = 0;
   products(s, z);
   scales(s);
   for (int i = 0; i < s->n; ++i) {
-    const double x = over(z[i], s->zref[i]);
-    const double y = over((double)s->w[i], s->tau0[i]);
-    const double r = s->is_free[i] ? fabs(y) : fabs(fmin(x, y));
+    double r = row_residual(s, i, z[i], s->zref[i], s->tau0[i]);
+    if (r > LOOKS_BAD && s->rows > s->n && s->diagonal[i] != 0) {
+      /* tau_i >= |P_ii| zref_i = tau0_i >= the true row, S left out */
+      const double size = row_size(s, i, z);
+      r = fmin(r, row_residual(s, i, z[i], fmax(s->zref[i], size / fabs(s->diagonal[i])),
+                               fmax(s->tau0[i], size)));
+    }
     if (!(r < HUGE_VAL)) {
       return HUGE_VAL;
     }

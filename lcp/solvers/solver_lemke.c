@@ -14,13 +14,16 @@ static const base_field FIELDS[] = {
     LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
 };
 
+enum { RESTARTS = 4 }; /* other first bases tried after a ray */
+
 typedef struct lemke_state {
   lemke_system system;
   lemke_path path;
-  double *best;         /* n: point with the smallest residual so far */
-  double *trial;        /* rows, scaled */
-  double *proof;        /* n: Farkas vector or ray */
-  unsigned char *basis; /* n */
+  double *best;                    /* n: point with the smallest residual so far */
+  double *trial;                   /* rows, scaled */
+  double *proof;                   /* n: Farkas vector or ray */
+  unsigned char *used, *ray_basis; /* n */
+  unsigned char *basis;            /* n */
 } lemke_state;
 
 /* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
@@ -40,6 +43,8 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   k->best = BASE_ARRAY(a, double, n);
   k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
   k->proof = BASE_ARRAY(a, double, n);
+  k->used = BASE_ARRAY(a, unsigned char, n);
+  k->ray_basis = BASE_ARRAY(a, unsigned char, n);
   k->basis = BASE_ARRAY(a, unsigned char, n);
 }
 
@@ -121,6 +126,62 @@ static void certify_ray(lemke_state *k, const lcp_problem *p, lcp_result *res) {
       (lcp_certificate){.kind = proved ? LCP_CERT_FARKAS : LCP_CERT_RAY, .vector = k->proof};
 }
 
+/* Row j with the largest |M_ij M_ji| among those not yet used, or -1. */
+static int partner(lemke_state *k, int i) {
+  const lemke_system *s = &k->system;
+  double *column = s->tau0;
+  int best = -1;
+  double size = 0;
+  memset(column, 0, sizeof(double) * (size_t)s->n);
+  for (int p = s->colptr[i]; p < s->colptr[i + 1]; ++p) {
+    column[s->rowind[p]] = s->val[p];
+  }
+  for (int j = 0; j < s->n; ++j) {
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      const double product = fabs(s->val[p] * column[j]);
+      if (s->rowind[p] == i && product > size && !k->used[j] && !k->ray_basis[j]) {
+        size = product;
+        best = j;
+      }
+    }
+  }
+  return best;
+}
+
+/* After a ray that proves nothing: the same method on the principal transforms of the problem that
+ * have the blocked pair and one partner basic (a bimatrix game ends every path from the origin on a
+ * ray, but not from there). */
+static bool restart_after_ray(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+  const lemke_system *s = &k->system;
+  const int pair = k->path.entering % s->rows;
+  if (s->rows > s->n) {
+    return false;
+  }
+  memset(k->used, 0, (size_t)s->n);
+  memcpy(k->ray_basis, k->path.in_z, (size_t)s->n);
+  for (int round = 0; round < RESTARTS; ++round) {
+    const int j = partner(k, pair);
+    if (j < 0) {
+      return false;
+    }
+    k->used[j] = 1;
+    memcpy(k->path.in_z, k->ray_basis, (size_t)s->n);
+    k->path.in_z[pair] = 1;
+    k->path.in_z[j] = 1;
+    res->work.fallbacks++;
+    const lemke_end end = lemke_path_run(&k->path, s, ATTEMPTS[0]);
+    if (accept(k, stop, res) || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* A ray is then a proof, though not always one that survives rounding. */
+static bool ray_is_final(const lcp_problem *p) {
+  return (p->traits & (LCP_PSD | LCP_PD | LCP_COPOSITIVE_PLUS)) != 0;
+}
+
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lcp_stop *stop, double *z,
                          lcp_result *res) {
@@ -135,6 +196,9 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lcp_stop *s
       res->outcome = outcome_of(end);
     }
     if (accept(k, stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
+      break;
+    }
+    if (end == LEMKE_RAY && a == 0 && !ray_is_final(p) && restart_after_ray(k, stop, res)) {
       break;
     }
     a += !warm;

@@ -152,9 +152,11 @@ static void contact_lcps_are_solved(void **state) {
   }
 }
 
-static const char *const FILES[] = {
-    "lcp_CPS_1", "lcp_CPS_2", "lcp_Pang_isolated_sol", "lcp_exp_murty", "lcp_inf_sol_perturbed",
-    "lcp_mmc",   "lcp_ortiz", "lcp_tobenna",           "lcp_trivial"};
+static const char *const FILES[] = {"lcp_CPS_1",     "lcp_CPS_2",
+                                    "lcp_CPS_3",     "lcp_Pang_isolated_sol",
+                                    "lcp_exp_murty", "lcp_inf_sol_perturbed",
+                                    "lcp_mmc",       "lcp_ortiz",
+                                    "lcp_tobenna",   "lcp_trivial"};
 
 static void files_of_another_code_are_solved(void **state) {
   (void)state;
