@@ -1,0 +1,431 @@
+/* Gauss-Seidel methods: rates and cycles that theory fixes, local problems solved to rounding, and the
+ * matrix-free sweep against a plain one. */
+#include "tests/support/check.h"
+
+#include "lcp/base/rng.h"
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+#include "lcp/solvers/cone_block.h"
+#include "lcp/solvers/contact_sweep.h"
+#include "lcp/solvers/small_lemke.h"
+#include "tests/support/plain_sweep.h"
+
+#include <string.h>
+
+enum { OPT_MAX = 256 };
+
+/* Options "a=b,..." of the solver called name, in buf. */
+static const lcp_solver *solver(const char *name, const char *options, void *buf) {
+  const lcp_solver *s = lcp_solver_find(name);
+  base_error err = {0};
+  assert_non_null(s);
+  assert_true(s->options_size <= OPT_MAX);
+  base_fields_default(s->fields, s->n_fields, buf);
+  check_ok(base_fields_parse(s->fields, s->n_fields, buf, options, &err), &err);
+  return s;
+}
+
+static lcp_result run(const char *name, const char *options, const lcp_problem *p, double *z,
+                      lcp_trace *trace) {
+  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+  const lcp_solver *s = solver(name, options, opt);
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  base_error err = {0};
+  lcp_instance *k;
+  lcp_result res = {0};
+  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
+  check_ok(lcp_instance_prepare(k, p, &err), &err);
+  const long heap_before = check_heap_calls;
+  check_ok(lcp_instance_solve(k, trace, z, &res, &err), &err);
+  if (!s->allocates) {
+    assert_int_equal(check_heap_calls, heap_before);
+  }
+  lcp_instance_close(k);
+  return res;
+}
+
+static lcp_problem dense(int n, const double *M, const double *q) {
+  return (lcp_problem){.M = {.storage = LCP_DENSE, .n = n, .val = M}, .q = q};
+}
+
+/* ---- theory -------------------------------------------------------------------------------- */
+
+/* Tower of n equal masses: the sweep contracts by cos^2(pi / (2 n)) (Jacobi's spectral radius of
+ * tridiag(-1, 2, -1) with a free end, squared). Measured between residuals far in the tail. */
+static void pgs_contracts_on_a_tower_as_theory_says(void **state) {
+  (void)state;
+  enum { N = 10, LEN = 500 };
+  double M[N * N] = {0}, q[N] = {-9.81}, z[N] = {0}, residual[LEN];
+  long iteration[LEN];
+  for (int i = 0; i < N; i++) {
+    M[i * N + i] = (i == 0) ? 1.0 : 2.0;
+    if (i > 0) {
+      M[i * N + i - 1] = M[(i - 1) * N + i] = -1.0;
+    }
+  }
+  const lcp_problem p = dense(N, M, q);
+  lcp_trace trace = {.cap = LEN, .iteration = iteration, .residual = residual};
+  const lcp_result r = run("pgs", "tol=1e-9,max_iter=2000", &p, z, &trace);
+  assert_int_equal(r.outcome, LCP_SOLVED);
+  const double pi = 3.14159265358979323846, half = cos(pi / (2 * N));
+  const double rate = pow(residual[400] / residual[300], 0.01);
+  check_close(rate, half * half, 1e-5); /* the second mode is 0.79^100 smaller there */
+}
+
+/* A heavy body (ratio R) on a light one: R / (1 + R), exactly, from the second sweep on. */
+static void pgs_contracts_by_the_mass_ratio(void **state) {
+  (void)state;
+  const double ratio = 37.0, M[4] = {1.0, -1.0, -1.0, 1.0 + 1.0 / ratio}, q[2] = {-9.81, 0.0};
+  double z[2] = {0}, before[2];
+  const lcp_problem p = dense(2, M, q);
+  (void)run("pgs", "tol=0,max_iter=50", &p, z, NULL);
+  memcpy(before, z, sizeof z);
+  memset(z, 0, sizeof z);
+  (void)run("pgs", "tol=0,max_iter=51", &p, z, NULL);
+  const double top = 9.81 * ratio, base = top + 9.81; /* z = (base, top) */
+  check_close((top - z[1]) / (top - before[1]), ratio / (1.0 + ratio), 1e-12);
+  check_close((base - z[0]) / (base - before[0]), ratio / (1.0 + ratio), 1e-12);
+}
+
+/* cases A5.01 and A9.01: exact cycles, which must be found out and never claimed. */
+static void pgs_says_stalled_where_it_cycles(void **state) {
+  (void)state;
+  const double A[9] = {1, 0, 2, 2, 1, 0, 0, 2, 1}, a[3] = {-1, -1, -1};
+  const double B[4] = {1, 3, -3, 1}, b[2] = {2, -4};
+  double z[3] = {0};
+  const lcp_problem kostreva = dense(3, A, a), rotation = dense(2, B, b);
+  assert_string_equal(lcp_outcome_name(run("pgs", "", &kostreva, z, NULL).outcome), "stalled");
+  memset(z, 0, sizeof z);
+  const lcp_result r = run("pgs", "", &rotation, z, NULL);
+  assert_string_equal(lcp_outcome_name(r.outcome), "stalled");
+  assert_true(r.work.iterations < 20);
+}
+
+static void infeasible_problems_are_never_claimed(void **state) {
+  (void)state;
+  const char *names[] = {
+      "pgs",    "projected_gradient", "jacobi", "apgd", "nncg", "nsgs", "prox", "newton",
+      "pgs_sm", "interior_point",     "sqp"};
+  /* A4.01, and A4.05: by a hair, whose iterates can run away along the null space. */
+  const double M[4] = {1, -1, -1, 1}, q[2][2] = {{-1, -1}, {-1, 0.9999990463256836}};
+  for (int c = 0; c < 2; c++) {
+    const lcp_problem p = dense(2, M, q[c]);
+    for (int i = 0; i < BASE_COUNT(names); i++) {
+      double z[2] = {0};
+      const lcp_result r = run(names[i], "max_iter=3000", &p, z, NULL);
+      if (r.outcome == LCP_SOLVED || r.outcome == LCP_INFEASIBLE) {
+        fail_msg("%s claims %s on q=(-1, %g)", names[i], lcp_outcome_name(r.outcome), q[c][1]);
+      }
+    }
+  }
+}
+
+static void zero_diagonals_are_refused_without_blocks(void **state) {
+  (void)state;
+  const char *names[] = {"pgs", "nncg", "pgs_sm", "jacobi", "nsgs", "prox"};
+  const double M[4] = {0, 1, 1, 0}, q[2] = {-1, -1};
+  const lcp_problem p = dense(2, M, q);
+  for (int i = 0; i < BASE_COUNT(names); i++) {
+    _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+    const lcp_solver *s = solver(names[i], "", opt);
+    const lcp_capacity cap = lcp_problem_capacity(&p);
+    base_error err = {0};
+    lcp_instance *k;
+    check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
+    assert_int_equal(lcp_instance_prepare(k, &p, &err), BASE_EUNSUPPORTED);
+    assert_non_null(strstr(err.text, "diagonal"));
+    lcp_instance_close(k);
+  }
+}
+
+/* case A15.01 as one block: zero diagonal in sigma's row, one sweep is exact. */
+static void pgs_solves_a_contact_block_in_one_sweep(void **state) {
+  (void)state;
+  const double M[16] = {0.5, 0, 0, 0.5, 0, 0.5, -0.5, -1, 0, -0.5, 0.5, -1, 0, 1, 1, 0};
+  const double q[4] = {-0.15625, 0.03125, -0.03125, 0};
+  const lcp_block block = {.start = 0, .size = 4, .set = LCP_ORTHANT};
+  lcp_problem p = dense(4, M, q);
+  p.block = &block;
+  p.n_block = 1;
+  double z[4] = {0};
+  const lcp_result r = run("pgs", "", &p, z, NULL);
+  assert_int_equal(r.outcome, LCP_SOLVED);
+  assert_string_equal(r.variant, "block");
+  assert_int_equal(r.work.iterations, 1);
+  check_close(z[0], 0.3125, 1e-15);
+  check_close(z[1] - z[2], -0.0625, 1e-15);
+}
+
+/* ---- local problems ------------------------------------------------------------------------ */
+
+static void random_spd(base_rng *r, int n, double *A) {
+  double B[LCP_CONE_MAX * LCP_CONE_MAX];
+  for (int i = 0; i < n * n; i++) {
+    B[i] = base_rng_between(r, -1.0, 1.0);
+  }
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      A[i + j * n] = (i == j) ? 0.05 : 0.0;
+      for (int k = 0; k < n; k++) {
+        A[i + j * n] += B[k + i * n] * B[k + j * n];
+      }
+    }
+  }
+}
+
+/* Coulomb's law, part by part. */
+static void check_law(const lcp_block *k, const double *A, const double *b, const double *r) {
+  double w[LCP_CONE_MAX], size = 0.0;
+  for (int i = 0; i < k->size; i++) {
+    w[i] = b[i];
+    size += fabs(b[i]);
+    for (int j = 0; j < k->size; j++) {
+      w[i] += A[i + j * k->size] * r[j];
+      size += fabs(A[i + j * k->size] * r[j]);
+    }
+  }
+  assert_true(r[0] >= 0.0 && w[0] >= -1e-13 * size);
+  check_close(fmin(r[0], fabs(w[0])), 0.0, 1e-13 * size);
+  for (int p = 0, at = 1; p < k->n_part; at += k->part_dim[p++]) {
+    const int two = k->part_dim[p] == 2;
+    const double rt = hypot(r[at], two ? r[at + 1] : 0.0), wt = hypot(w[at], two ? w[at + 1] : 0.0);
+    const double bound = k->part_mu[p] * r[0];
+    const double along = r[at] * w[at] + (two ? r[at + 1] * w[at + 1] : 0.0);
+    assert_true(rt <= bound * (1.0 + 1e-12) + 1e-300);
+    if (r[0] > 0.0 && rt < bound * (1.0 - 1e-9)) {
+      check_close(wt, 0.0, 1e-11 * size);
+    } else if (r[0] > 0.0) {
+      check_close(along, -rt * wt, 1e-11 * size * (rt + 1e-3));
+    }
+  }
+}
+
+static void the_cone_block_obeys_coulomb(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(11);
+  const lcp_block kinds[] = {
+      {.size = 3, .set = LCP_CONE, .n_part = 1, .part_dim = {2}},
+      {.size = 2, .set = LCP_CONE, .n_part = 1, .part_dim = {1}},
+      {.size = 1, .set = LCP_CONE, .n_part = 0},
+      {.size = 6, .set = LCP_CONE, .n_part = 3, .part_dim = {2, 1, 2}},
+  };
+  int modes[3] = {0}; /* open, stick, slip of the first kind */
+  for (int c = 0; c < 4000; c++) {
+    lcp_block k = kinds[c % 4];
+    double A[LCP_CONE_MAX * LCP_CONE_MAX], b[LCP_CONE_MAX], x[LCP_CONE_MAX];
+    for (int p = 0; p < k.n_part; p++) {
+      k.part_mu[p] = (c % 28 == 0) ? 0.0 : base_rng_between(&r, 0.01, (p == 0) ? 1.0 : 0.2);
+    }
+    random_spd(&r, k.size, A);
+    for (int i = 0; i < k.size; i++) {
+      b[i] = base_rng_between(&r, -1.0, 0.5);
+    }
+    lcp_cone_solve(&k, A, b, x);
+    check_law(&k, A, b, x);
+    if (c % 4 == 0) {
+      const double slack = k.part_mu[0] * x[0] - hypot(x[1], x[2]);
+      modes[(x[0] == 0.0) ? 0 : ((slack > 1e-9 * x[0]) ? 1 : 2)]++;
+    }
+  }
+  assert_true(modes[0] > 100 && modes[1] > 30 && modes[2] > 100);
+}
+
+/* Planted: z and w >= 0 with z'w = 0 chosen first, M positive definite, q = w - M z. */
+static void small_lemke_finds_planted_solutions(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(5);
+  double work[1000];
+  assert_true(lcp_small_work(LCP_CONE_MAX) <= 1000);
+  for (int c = 0; c < 2000; c++) {
+    const int n = 1 + c % LCP_CONE_MAX;
+    double A[LCP_CONE_MAX * LCP_CONE_MAX], q[LCP_CONE_MAX], want[LCP_CONE_MAX], z[LCP_CONE_MAX];
+    random_spd(&r, n, A);
+    for (int i = 0; i < n; i++) {
+      want[i] = fmax(0.0, base_rng_between(&r, -1.0, 1.0));
+    }
+    for (int i = 0; i < n; i++) {
+      q[i] = (want[i] > 0.0) ? 0.0 : base_rng_between(&r, 0.0, 1.0);
+      for (int j = 0; j < n; j++) {
+        q[i] -= A[i + j * n] * want[j];
+      }
+    }
+    assert_true(lcp_small_lemke(n, A, q, z, work));
+    for (int i = 0; i < n; i++) {
+      check_close(z[i], want[i], 1e-10); /* condition up to 1e3 or so */
+    }
+  }
+}
+
+static void small_lemke_reports_rays(void **state) {
+  (void)state;
+  const double M[4] = {1, -1, -1, 1}, q[2] = {-1, -1};
+  double z[2] = {2.385, 2.385}, work[64];
+  assert_false(lcp_small_lemke(2, M, q, z, work));
+  check_close(z[0], 2.385, 0.0);
+}
+
+/* ---- the matrix-free sweep ------------------------------------------------------------------- */
+
+typedef struct fixture {
+  contact_bed bed;
+  lcp_gs gs;
+  lcp_contact_sweep fast;
+  void *memory;
+} fixture;
+
+static void carve(fixture *f, base_arena *a) {
+  const lcp_capacity cap = lcp_problem_capacity(&f->bed.p);
+  lcp_gs_layout(&f->gs, &cap, a);
+  lcp_contact_sweep_layout(&f->fast, &cap, a);
+}
+
+static void fixture_open(fixture *f, int contacts) {
+  base_error err = {0};
+  f->bed = contact_bed_open(contacts, 3);
+  assert_non_null(f->bed.memory);
+  check_ok(lcp_problem_check(&f->bed.p, &err), &err);
+  base_arena a = base_arena_measuring();
+  carve(f, &a);
+  f->memory = base_alloc(a.used);
+  assert_non_null(f->memory);
+  a = base_arena_over(f->memory, a.used);
+  carve(f, &a);
+  check_ok(lcp_gs_prepare(&f->gs, &f->bed.p, &err), &err);
+}
+
+static void fixture_close(fixture *f) {
+  contact_bed_close(&f->bed);
+  free(f->memory);
+}
+
+/* Ten sweeps in batches against ten plain sweeps in the same order. */
+static void batches_equal_a_plain_sweep(int contacts, double least_batched) {
+  fixture f;
+  fixture_open(&f, contacts);
+  assert_true(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p));
+  assert_true(4.0 * f.fast.n_full >= least_batched * contacts);
+  const size_t n = (size_t)f.bed.p.M.n;
+  double *z = calloc(n, sizeof *z), *v = calloc(6 * ((size_t)f.bed.n_body + 1), sizeof *v);
+  unsigned char *met = calloc((size_t)contacts, 1);
+  plain_contact_rows *rows = calloc((size_t)contacts, sizeof *rows);
+  assert_true(z != NULL && v != NULL && met != NULL && rows != NULL);
+  for (int k = 0; k < contacts; k++) { /* a permutation */
+    assert_false(met[f.fast.order[k]]);
+    met[f.fast.order[k]] = 1;
+  }
+  plain_rows_fill(&f.bed, f.fast.order, rows);
+  lcp_contact_sweep_import(&f.fast, &f.bed.p, z);
+  lcp_contact_sweep_run(&f.fast, 1.0, 10);
+  lcp_contact_sweep_export(&f.fast, &f.bed.p, z);
+  double moved = 0.0;
+  for (int k = 0; k < 10; k++) {
+    plain_rows_sweep(rows, contacts, v);
+  }
+  for (int k = 0; k < contacts; k++) {
+    for (int r = 0; r < 3; r++) {
+      check_close(z[3 * f.fast.order[k] + r], rows[k].z[r], 1e-12);
+      moved += fabs(rows[k].z[r]);
+    }
+  }
+  assert_true(moved > 0.1 * contacts);
+  free(z);
+  free(v);
+  free(met);
+  free(rows);
+  fixture_close(&f);
+}
+
+static void batches_sweep_as_a_plain_loop_does(void **state) {
+  (void)state;
+  batches_equal_a_plain_sweep(1, 0.0);
+  batches_equal_a_plain_sweep(7, 0.0);
+  batches_equal_a_plain_sweep(40, 0.8);
+  batches_equal_a_plain_sweep(3001, 0.98);
+}
+
+/* The two plain sweeps of the fixture agree, so the baseline is no straw man with another answer. */
+static void plain_sweeps_agree(void **state) {
+  (void)state;
+  enum { N = 200 };
+  contact_bed bed = contact_bed_open(N, 3);
+  assert_non_null(bed.memory);
+  const size_t bodies = (size_t)bed.n_body + 1;
+  plain_contact_rows *rows = calloc(N, sizeof *rows);
+  plain_contact_frames *frames = calloc(N, sizeof *frames);
+  plain_body *body = calloc(bodies, sizeof *body);
+  double *v = calloc(6 * bodies, sizeof *v), *u = calloc(6 * bodies, sizeof *u);
+  assert_true(rows != NULL && frames != NULL && body != NULL && v != NULL && u != NULL);
+  plain_rows_fill(&bed, NULL, rows);
+  plain_frames_fill(&bed, NULL, frames, body);
+  for (int k = 0; k < 10; k++) {
+    plain_rows_sweep(rows, N, v);
+    plain_frames_sweep(frames, N, body, u);
+  }
+  for (int k = 0; k < N; k++) {
+    for (int r = 0; r < 3; r++) {
+      check_close(frames[k].z[r], rows[k].z[r], 1e-12);
+    }
+  }
+  free(rows);
+  free(frames);
+  free(body);
+  free(v);
+  free(u);
+  contact_bed_close(&bed);
+}
+
+static void pgs_on_the_factored_form_solves_the_bed(void **state) {
+  (void)state;
+  const char *names[] = {"pgs", "projected_gradient", "apgd", "nncg", "jacobi", "nsgs"};
+  const char *variants[] = {"batches", "spg", "", "point", "", ""};
+  contact_bed bed = contact_bed_open(300, 3);
+  assert_non_null(bed.memory);
+  double *z = calloc((size_t)bed.p.M.n, sizeof *z);
+  assert_non_null(z);
+  for (int i = 0; i < BASE_COUNT(names); i++) {
+    memset(z, 0, (size_t)bed.p.M.n * sizeof *z);
+    const lcp_result r = run(names[i], "tol=1e-8,check_every=10", &bed.p, z, NULL);
+    lcp_verdict verdict;
+    base_error err = {0};
+    check_ok(lcp_judge(&bed.p, z, &verdict, &err), &err);
+    assert_string_equal(lcp_outcome_name(r.outcome), "ok");
+    assert_string_equal(r.variant != NULL ? r.variant : "", variants[i]);
+    check_close(verdict.rho, 0.0, 1e-8);
+  }
+  free(z);
+  contact_bed_close(&bed);
+}
+
+/* Bodies that spin with the contact direction, or a missing row, are not what the batches read. */
+static void batches_refuse_other_forms(void **state) {
+  (void)state;
+  fixture f;
+  fixture_open(&f, 40);
+  f.gs.lo[1] = -0.1; /* asymmetric friction bound */
+  assert_false(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p));
+  f.gs.lo[1] = -f.gs.hi[1];
+  assert_true(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p));
+  f.gs.sweep.G[f.bed.p.M.factored->jac_start[39]] *= 1.01; /* the two sides push unequally */
+  const bool admitted = lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p);
+  assert_true(admitted == (f.bed.p.M.factored->body[79] < 0));
+  fixture_close(&f);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(pgs_contracts_on_a_tower_as_theory_says),
+      cmocka_unit_test(pgs_contracts_by_the_mass_ratio),
+      cmocka_unit_test(pgs_says_stalled_where_it_cycles),
+      cmocka_unit_test(infeasible_problems_are_never_claimed),
+      cmocka_unit_test(zero_diagonals_are_refused_without_blocks),
+      cmocka_unit_test(pgs_solves_a_contact_block_in_one_sweep),
+      cmocka_unit_test(the_cone_block_obeys_coulomb),
+      cmocka_unit_test(small_lemke_finds_planted_solutions),
+      cmocka_unit_test(small_lemke_reports_rays),
+      cmocka_unit_test(batches_sweep_as_a_plain_loop_does),
+      cmocka_unit_test(plain_sweeps_agree),
+      cmocka_unit_test(pgs_on_the_factored_form_solves_the_bed),
+      cmocka_unit_test(batches_refuse_other_forms),
+  };
+  return cmocka_run_group_tests_name("sweep", tests, NULL, NULL);
+}
