@@ -88,37 +88,17 @@ static int n_translations(const body *b) {
   return n;
 }
 
-/* Inverse of the SPD m x m matrix A (m <= 3), row-major = column-major. */
+/* Inverse of the SPD m x m matrix A, m = 1 or 2. */
 static base_status invert_small(const double *A, int m, double *inv, base_error *err) {
-  double L[9] = {0};
-  for (int i = 0; i < m; i++) {
-    for (int j = 0; j <= i; j++) {
-      double s = A[i * m + j];
-      for (int k = 0; k < j; k++) {
-        s -= L[i * m + k] * L[j * m + k];
-      }
-      if (i == j && !(s > 0.0)) {
-        return BASE_FAIL(err, BASE_EINVAL, "inertia: need positive definite, pivot %d is %g", i, s);
-      }
-      L[i * m + j] = (i == j) ? sqrt(s) : s / L[j * m + j];
-    }
+  const double det = (m == 1) ? A[0] : A[0] * A[3] - A[1] * A[2];
+  if (!(A[0] > 0.0) || !(det > 0.0)) {
+    return BASE_FAIL(err, BASE_EINVAL, "inertia: need positive definite, determinant is %g", det);
   }
-  for (int c = 0; c < m; c++) {
-    double y[3] = {0};
-    for (int i = 0; i < m; i++) {
-      double s = (i == c) ? 1.0 : 0.0;
-      for (int k = 0; k < i; k++) {
-        s -= L[i * m + k] * y[k];
-      }
-      y[i] = s / L[i * m + i];
-    }
-    for (int i = m - 1; i >= 0; i--) {
-      double s = y[i];
-      for (int k = i + 1; k < m; k++) {
-        s -= L[k * m + i] * inv[c * m + k];
-      }
-      inv[c * m + i] = s / L[i * m + i];
-    }
+  inv[0] = ((m == 1) ? 1.0 : A[3]) / det;
+  if (m == 2) {
+    inv[1] = -A[1] / det;
+    inv[2] = -A[2] / det;
+    inv[3] = A[0] / det;
   }
   return BASE_OK;
 }
@@ -137,7 +117,7 @@ base_status body_mass_block(const body *b, int dim, double *mass, double *invers
   if (nr == 0) {
     return BASE_OK;
   }
-  double I[9], block[9], inv[9];
+  double I[9], block[9] = {0}, inv[9] = {0};
   body_inertia(b, dim, I);
   for (int i = 0; i < nr; i++) {
     for (int j = 0; j < nr; j++) {

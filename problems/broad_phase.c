@@ -65,27 +65,25 @@ static unsigned bucket_of(const broad_phase *bp, const int *c) {
   return h & (unsigned)(bp->cap_bucket - 1);
 }
 
-/* Balls later in the chain of cell c that really are in it, against ball i. */
+/* Balls below i in the chain of cell c that really are in it, against ball i. */
 static base_status test_cell(broad_phase *bp, int i, const int *c, base_error *err) {
   for (int j = bp->head[bucket_of(bp, c)]; j >= 0; j = bp->next[j]) {
-    const int *at = bp->cell + (ptrdiff_t)(3 * j);
-    if (j < i && at[0] == c[0] && at[1] == c[1] && at[2] == c[2]) {
-      BASE_TRY(test_pair(bp, i, j, err));
+    const int *at = &bp->cell[(ptrdiff_t)3 * j];
+    const bool same = at[0] == c[0] && at[1] == c[1] && at[2] == c[2];
+    const base_status status = same ? test_pair(bp, i, j, err) : BASE_OK;
+    if (status != BASE_OK) {
+      return status;
     }
   }
   return BASE_OK;
 }
 
 static base_status test_neighbours(broad_phase *bp, int i, int dim, base_error *err) {
-  const int *own = bp->cell + (ptrdiff_t)(3 * i);
-  const int deep = (dim == 3) ? 1 : 0;
-  for (int dz = -deep; dz <= deep; dz++) {
-    for (int dy = -1; dy <= 1; dy++) {
-      for (int dx = -1; dx <= 1; dx++) {
-        const int c[3] = {own[0] + dx, own[1] + dy, own[2] + dz};
-        BASE_TRY(test_cell(bp, i, c, err));
-      }
-    }
+  const int *own = &bp->cell[(ptrdiff_t)3 * i];
+  const int first = (dim == 3) ? 0 : 9, end = (dim == 3) ? 27 : 18; /* planar: own layer only */
+  for (int k = first; k < end; k++) {
+    const int c[3] = {own[0] + k % 3 - 1, own[1] + k / 3 % 3 - 1, own[2] + k / 9 - 1};
+    BASE_TRY(test_cell(bp, i, c, err));
   }
   return BASE_OK;
 }
@@ -100,44 +98,62 @@ static double split_radius(const broad_phase *bp) {
   return 4.0 * sum / bp->n;
 }
 
+/* Lists the large balls and returns the radius of the widest other one. */
+static base_status classify(broad_phase *bp, double limit, int *n_large, double *widest,
+                            base_error *err) {
+  *n_large = 0;
+  *widest = 0.0;
+  for (int i = 0; i < bp->n; i++) {
+    const broad_ball *b = &bp->ball[i];
+    if (!isfinite(b->r + b->x[0] + b->x[1] + b->x[2])) {
+      return BASE_FAIL(err, BASE_EINVAL, "body %d: position or speed is not finite", i);
+    }
+    if (b->r > limit) {
+      bp->large[(*n_large)++] = i;
+    } else {
+      *widest = fmax(*widest, b->r);
+    }
+  }
+  return BASE_OK;
+}
+
+/* Ball i against the large ones; two large ones meet once. */
+static base_status test_large(broad_phase *bp, int i, bool is_large, int n_large, base_error *err) {
+  for (int k = 0; k < n_large; k++) {
+    const int j = bp->large[k];
+    if (j == i || (is_large && j > i)) {
+      continue;
+    }
+    BASE_TRY(test_pair(bp, i, j, err));
+  }
+  return BASE_OK;
+}
+
 base_status broad_find(broad_phase *bp, int dim, base_error *err) {
   bp->n_pair = 0;
   if (bp->n < 2) {
     return BASE_OK;
   }
   const double limit = split_radius(bp);
-  double widest = 0.0;
-  int n_large = 0;
-  for (int i = 0; i < bp->n; i++) {
-    const double r = bp->ball[i].r;
-    if (!isfinite(r + bp->ball[i].x[0] + bp->ball[i].x[1] + bp->ball[i].x[2])) {
-      return BASE_FAIL(err, BASE_EINVAL, "body %d: position or speed is not finite", i);
-    }
-    if (r > limit) {
-      bp->large[n_large++] = i;
-    } else {
-      widest = fmax(widest, r);
-    }
-  }
+  double widest;
+  int n_large;
+  BASE_TRY(classify(bp, limit, &n_large, &widest, err));
   const double inv = (widest > 0.0) ? 0.5 / widest : 1.0;
   for (int i = 0; i < bp->cap_bucket; i++) {
     bp->head[i] = -1;
   }
   for (int i = 0; i < bp->n; i++) {
-    for (int k = 0; k < n_large; k++) {
-      const int j = bp->large[k];
-      if (j != i && (bp->ball[i].r <= limit || j < i)) {
-        BASE_TRY(test_pair(bp, i, j, err));
-      }
-    }
-    if (bp->ball[i].r > limit) {
+    const bool is_large = bp->ball[i].r > limit;
+    BASE_TRY(test_large(bp, i, is_large, n_large, err));
+    if (is_large) {
       continue;
     }
-    for (int k = 0; k < 3; k++) { /* far out the cells wrap: more tests, same pairs */
-      bp->cell[3 * i + k] = (int)fmod(floor(bp->ball[i].x[k] * inv), 0x1p30);
+    int *cell = &bp->cell[(ptrdiff_t)3 * i];
+    for (int k = 0; k < 3; k++) { /* beyond 2^30 cells all share the last one: slow, not wrong */
+      cell[k] = (int)fmin(fmax(floor(bp->ball[i].x[k] * inv), -0x1p30), 0x1p30);
     }
     BASE_TRY(test_neighbours(bp, i, dim, err));
-    const unsigned b = bucket_of(bp, bp->cell + (ptrdiff_t)(3 * i));
+    const unsigned b = bucket_of(bp, cell);
     bp->next[i] = bp->head[b];
     bp->head[b] = i;
   }

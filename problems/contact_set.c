@@ -95,28 +95,31 @@ base_status contact_set_check(const contact_set *c, base_error *err) {
   return BASE_OK;
 }
 
+/* u += A v for the rows x n row-major matrix A; returns the end of A. */
+static const double *add_product(const double *A, int rows, int n, const double *v, double *u) {
+  for (int r = 0; r < rows; r++, A += n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) {
+      sum += A[k] * v[k];
+    }
+    u[r] += sum;
+  }
+  return A;
+}
+
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u) {
   for (int g = 0; g < c->n_group; g++) {
     const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
     const double *jac = c->jac + c->jac_start[g];
-    for (int r = 0; r < rows; r++) {
-      u[first + r] = (u_drift != NULL) ? u_drift[first + r] : 0.0;
+    for (int r = first; r < first + rows; r++) {
+      u[r] = (u_drift != NULL) ? u_drift[r] : 0.0;
     }
     for (int s = 0; s < 2; s++) {
       const int b = c->body[2 * g + s];
-      if (b < 0) {
-        continue;
-      }
-      const int n = c->dof_start[b + 1] - c->dof_start[b];
-      const double *vb = v + c->dof_start[b];
-      for (int r = 0; r < rows; r++) {
-        double sum = 0.0;
-        for (int k = 0; k < n; k++) {
-          sum += jac[k] * vb[k];
-        }
-        u[first + r] += sum;
-        jac += n;
+      if (b >= 0) {
+        const int d = c->dof_start[b];
+        jac = add_product(jac, rows, c->dof_start[b + 1] - d, v + d, u + first);
       }
     }
   }

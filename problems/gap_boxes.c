@@ -53,9 +53,8 @@ static obox place(const piece *p, const pose *at) {
     v3_cross(d, e, u);
     v3_scale(1.0 / v3_norm(u), u, u);
     v3_cross(d, u, v);
-    for (int k = 0; k < 3; k++) {
-      o.R[3 * k] = d[k], o.R[3 * k + 1] = u[k], o.R[3 * k + 2] = v[k];
-    }
+    const double R[9] = {d[0], u[0], v[0], d[1], u[1], v[1], d[2], u[2], v[2]};
+    memcpy(o.R, R, sizeof R);
   }
   m3_mul_vec(at->R, centre, o.c);
   v3_add_scaled(at->x, 1.0, o.c, o.c);

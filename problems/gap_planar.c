@@ -21,8 +21,8 @@ static void place(const piece *p, const pose *at, poly *out) {
   out->r = p->r;
   out->size = 0.0;
   for (int i = 0; i < p->n_vertex; i++) {
-    double *x = out->v + 3 * i;
-    m3_mul_vec(at->R, p->vertex + 3 * i, x);
+    double *x = out->v + (ptrdiff_t)3 * i;
+    m3_mul_vec(at->R, p->vertex + (ptrdiff_t)3 * i, x);
     v3_add_scaled(at->x, 1.0, x, x);
     const double *first = out->v;
     out->size = fmax(out->size, hypot(x[0] - first[0], x[1] - first[1]));
@@ -56,13 +56,14 @@ static void add(gap_point *out, int *n_out, const double *on_a, const double *on
   g->feature = (uint32_t)feature;
 }
 
-/* Core points p of a and q of b at distance `core` along n: surfaces follow from the radii. */
+/* Core points p of a and q of b, apart along n: surfaces follow from the radii. */
 static void add_cores(gap_point *out, int *n_out, const poly *a, const poly *b, const double *p,
-                      const double *q, const double *n, double core, int feature) {
-  double on_a[3], on_b[3];
+                      const double *q, const double *n, int feature) {
+  double on_a[3], on_b[3], d[3];
+  v3_sub(p, q, d);
   v3_add_scaled(p, -a->r, n, on_a);
   v3_add_scaled(q, b->r, n, on_b);
-  add(out, n_out, on_a, on_b, n, core - a->r - b->r, feature);
+  add(out, n_out, on_a, on_b, n, v3_dot(n, d) - a->r - b->r, feature);
 }
 
 /* Vertex p of a against vertex q of b; coinciding ones take `fallback` as their normal. */
@@ -80,7 +81,7 @@ static int vertex_vertex(const poly *a, const double *p, const poly *b, const do
     v3_copy(fallback, d);
   }
   int n = 0;
-  add_cores(out, &n, a, b, p, q, d, core, feature);
+  add_cores(out, &n, a, b, p, q, d, feature);
   return n;
 }
 
@@ -127,9 +128,9 @@ static void vertex_edge(const poly *ref, int i, const poly *other, int k, bool r
   v3_add_scaled(p, -core, n, foot);
   if (ref_is_a) { /* normal must point from b (other) to a (ref) */
     v3_scale(-1.0, n, n);
-    add_cores(out, n_out, ref, other, foot, p, n, core, VERTEX_OF_B + k);
+    add_cores(out, n_out, ref, other, foot, p, n, VERTEX_OF_B + k);
   } else {
-    add_cores(out, n_out, other, ref, p, foot, n, core, k);
+    add_cores(out, n_out, other, ref, p, foot, n, k);
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include "problems/vec.h"
 
+#include <stddef.h>
+
 int shape_pieces(const spec_shape *s) {
   if (s->kind != SPEC_COMPOUND) {
     return 1;
@@ -41,14 +43,14 @@ int shape_vertices(const spec_shape *s, int dim) {
  * along axis k. */
 static void box_corners(const spec_shape *s, int dim, double *v) {
   static const double ring[4][2] = {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}};
-  for (int i = 0; i < ((dim == 2) ? 4 : 8); i++) {
+  for (int i = 0; i < ((dim == 2) ? 4 : 8); i++, v += 3) {
     if (dim == 2) {
-      v[3 * i] = ring[i][0] * s->half[0];
-      v[3 * i + 1] = ring[i][1] * s->half[1];
-      v[3 * i + 2] = 0.0;
+      v[0] = ring[i][0] * s->half[0];
+      v[1] = ring[i][1] * s->half[1];
+      v[2] = 0.0;
     } else {
       for (int k = 0; k < 3; k++) {
-        v[3 * i + k] = ((i >> k) & 1) ? s->half[k] : -s->half[k];
+        v[k] = ((i >> k) & 1) ? s->half[k] : -s->half[k];
       }
     }
   }
@@ -79,7 +81,7 @@ static void split_simple(const spec_shape *s, int dim, piece *out, double **vert
   case SPEC_POLYGON:
     out->kind = PIECE_POLYGON;
     for (int i = 0; i < s->n_vertex; i++) {
-      v[3 * i] = s->vertex[i][0];
+      v[(ptrdiff_t)3 * i] = s->vertex[i][0];
       v[3 * i + 1] = s->vertex[i][1];
     }
     break;
@@ -92,14 +94,15 @@ static void split_simple(const spec_shape *s, int dim, piece *out, double **vert
     out->kind = PIECE_POINT;
     break;
   }
-  *vertex = v + 3 * out->n_vertex;
+  *vertex = v + (ptrdiff_t)3 * out->n_vertex;
 }
 
 /* Moves a finished piece by the pose (pos, R) of the part that holds it. */
 static void move_piece(piece *p, const double *pos, const double *R) {
   for (int i = 0; i < p->n_vertex; i++) {
-    m3_mul_vec(R, p->vertex + 3 * i, p->vertex + 3 * i);
-    v3_add_scaled(pos, 1.0, p->vertex + 3 * i, p->vertex + 3 * i);
+    double *v = p->vertex + (ptrdiff_t)3 * i;
+    m3_mul_vec(R, v, v);
+    v3_add_scaled(pos, 1.0, v, v);
   }
   double old[9], at[3];
   memcpy(old, p->rot, sizeof old);
@@ -138,7 +141,7 @@ double piece_bound(const piece *p) {
   }
   double far = 0.0;
   for (int i = 0; i < p->n_vertex; i++) {
-    far = fmax(far, v3_norm(p->vertex + 3 * i));
+    far = fmax(far, v3_norm(p->vertex + (ptrdiff_t)3 * i));
   }
   return far + p->r;
 }
@@ -200,7 +203,7 @@ int gap_halfspace(const piece *p, const pose *at, const double *normal, double o
   int n = 0;
   for (int i = 0; i < p->n_vertex; i++) {
     double x[3];
-    m3_mul_vec(at->R, p->vertex + 3 * i, x);
+    m3_mul_vec(at->R, p->vertex + (ptrdiff_t)3 * i, x);
     v3_add_scaled(at->x, 1.0, x, x);
     const double gap = v3_dot(normal, x) - offset - p->r;
     if (gap < margin) {

@@ -69,7 +69,7 @@ int gap_spatial(const piece *a, const pose *pa, const piece *b, const pose *pb, 
                 gap_point *out);
 
 /* Box against box (spatial), part of gap_spatial. */
-int gap_boxes(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
+int gap_boxes(const piece *pa, const pose *at_a, const piece *pb, const pose *at_b, double margin,
               gap_point *out);
 
 /* Closest points of the segments p0 p1 and q0 q1. */

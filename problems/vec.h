@@ -63,9 +63,9 @@ static inline void m3_tmul_vec(const double *R, const double *x, double *y) {
 
 /* C = A B, no aliasing */
 static inline void m3_mul(const double *A, const double *B, double *C) {
-  for (int i = 0; i < 3; i++) {
+  for (int i = 0; i < 3; i++, A += 3, C += 3) {
     for (int j = 0; j < 3; j++) {
-      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+      C[j] = A[0] * B[j] + A[1] * B[3 + j] + A[2] * B[6 + j];
     }
   }
 }

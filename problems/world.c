@@ -26,23 +26,33 @@ static base_status check_spec(const scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
+/* Kinds of pieces seen so far, with a body that has one. */
+typedef struct kind_holder {
+  int body[PIECE_DISC + 1];
+} kind_holder;
+
+static base_status check_kind(const world *w, int i, piece_kind kind, const kind_holder *seen,
+                              base_error *err) {
+  for (int other = 0; other <= PIECE_DISC; other++) {
+    const int j = seen->body[other];
+    if (j >= 0 && j != i && !gap_known(w->dim, kind, (piece_kind)other) &&
+        pair_value(&w->apart, i, j) == 0.0) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED, "bodies %.32s and %.32s: no gap function",
+                       w->spec.body[j].name, w->spec.body[i].name);
+    }
+  }
+  return BASE_OK;
+}
+
 /* Every pair of piece kinds that may meet needs a gap function; found out before the first step. */
 static base_status check_gaps(const world *w, base_error *err) {
-  int holder[PIECE_DISC + 1];
-  memset(holder, -1, sizeof holder);
-  for (int i = 0; i < w->n_body; i++) {
-    for (int k = 0; k < w->body[i].n_piece; k++) {
-      const piece_kind kind = w->piece[w->body[i].first_piece + k].kind;
-      for (int other = 0; other <= PIECE_DISC; other++) {
-        if (holder[other] >= 0 && holder[other] != i && world_has(w, EFFECT_CONTACT) &&
-            !gap_known(w->dim, kind, (piece_kind)other) &&
-            pair_value(&w->apart, i, holder[other]) == 0.0) {
-          return BASE_FAIL(err, BASE_EUNSUPPORTED, "bodies %.32s and %.32s: no gap function",
-                           w->spec.body[holder[other]].name, w->spec.body[i].name);
-        }
-      }
-      holder[kind] = i;
-    }
+  kind_holder seen;
+  memset(&seen, -1, sizeof seen);
+  int i = 0;
+  for (int k = 0; k < w->n_piece; k++) { /* pieces are stored body by body */
+    i += k == w->body[i].first_piece + w->body[i].n_piece;
+    BASE_TRY(check_kind(w, i, w->piece[k].kind, &seen, err));
+    seen.body[w->piece[k].kind] = i;
   }
   return BASE_OK;
 }
@@ -108,10 +118,9 @@ static double size_of(const world *w) {
   return (path > 0.0) ? path : 1.0;
 }
 
-/* Numbers the dofs and sizes the arrays that depend on them. */
-static base_status open_dofs(world *w, base_error *err) {
-  set_store *s = &w->store;
-  int n_mass = 0;
+/* Numbers the dofs; returns the entries of all mass blocks. */
+static size_t number_dofs(world *w) {
+  size_t n_mass = 0;
   w->n_free = 0;
   w->n_dof = 0;
   for (int i = 0; i < w->n_body; i++) {
@@ -119,15 +128,21 @@ static base_status open_dofs(world *w, base_error *err) {
     b->index = (b->n_dof > 0) ? w->n_free : -1;
     b->dof = w->n_dof;
     w->n_dof += b->n_dof;
-    n_mass += b->n_dof * b->n_dof;
+    n_mass += (size_t)b->n_dof * b->n_dof;
     w->n_free += b->n_dof > 0;
   }
-  const size_t n = (size_t)w->n_dof, free_n = (size_t)w->n_free;
-  BASE_TRY(store_grow((void **)&w->free_body, free_n + 1, sizeof *w->free_body, err));
-  BASE_TRY(store_grow((void **)&s->dof_start, free_n + 1, sizeof *s->dof_start, err));
-  BASE_TRY(store_grow((void **)&s->mass_start, free_n + 1, sizeof *s->mass_start, err));
-  BASE_TRY(store_grow((void **)&s->mass, (size_t)n_mass + 1, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->inv_mass, (size_t)n_mass + 1, sizeof(double), err));
+  return n_mass;
+}
+
+/* Sizes the arrays that depend on the dofs and fills the offsets. */
+static base_status open_dofs(world *w, base_error *err) {
+  set_store *s = &w->store;
+  const size_t n_mass = number_dofs(w), n = (size_t)w->n_dof, blocks = (size_t)w->n_free + 1;
+  BASE_TRY(store_grow((void **)&w->free_body, blocks, sizeof *w->free_body, err));
+  BASE_TRY(store_grow((void **)&s->dof_start, blocks, sizeof *s->dof_start, err));
+  BASE_TRY(store_grow((void **)&s->mass_start, blocks, sizeof *s->mass_start, err));
+  BASE_TRY(store_grow((void **)&s->mass, n_mass + 1, sizeof(double), err));
+  BASE_TRY(store_grow((void **)&s->inv_mass, n_mass + 1, sizeof(double), err));
   BASE_TRY(store_grow((void **)&s->v, n + 1, sizeof(double), err));
   BASE_TRY(store_grow((void **)&s->v_free, n + 6 * (size_t)w->n_body + 1, sizeof(double), err));
   s->dof_start[0] = 0;
@@ -151,7 +166,9 @@ static base_status open_parts(world *w, base_error *err) {
   BASE_TRY(store_grow((void **)&w->joint, (size_t)w->spec.n_joint + 1, sizeof *w->joint, err));
   BASE_TRY(open_tables(w, err));
   BASE_TRY(open_pieces(w, err));
-  BASE_TRY(check_gaps(w, err));
+  if (world_has(w, EFFECT_CONTACT)) {
+    BASE_TRY(check_gaps(w, err));
+  }
   BASE_TRY(loads_check(w, err));
   return world_reset(w, err);
 }

@@ -66,9 +66,9 @@ void world_contact_pair(const world *w, uint64_t id, const char **a, const char 
 
 /* Body poses for trajectories and pictures. */
 int world_n_body(const world *w);
-void world_body_pose(const world *w, int body, double pos[3], double quat[4]);
-void world_body_velocity(const world *w, int body, double vel[3], double omega[3]);
-const char *world_body_name(const world *w, int body);
+void world_body_pose(const world *w, int i, double pos[3], double quat[4]);
+void world_body_velocity(const world *w, int i, double vel[3], double omega[3]);
+const char *world_body_name(const world *w, int i);
 
 /* World point of a contact of the last set, and the mean force on its side 0 over the step after
  * world_advance [N]: for arrows. */

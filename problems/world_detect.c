@@ -42,9 +42,13 @@ static base_status push_points(world *w, int a, int b, int pieces, const gap_poi
     const uint64_t base = ((uint64_t)a << ID_SIDE_A_SHIFT) | ((uint64_t)b << ID_SIDE_B_SHIFT) |
                           ((uint64_t)pieces << (ID_FEATURE_BITS + ID_COPY_BITS)) |
                           ((uint64_t)g[i].feature << ID_COPY_BITS);
-    for (int c = 0; c < copies; c++) {
+    base_status status = BASE_OK;
+    for (int c = 0; c < copies && status == BASE_OK; c++) {
       item.id = base | (uint64_t)c;
-      BASE_TRY(push_item(w, &item, err));
+      status = push_item(w, &item, err);
+    }
+    if (status != BASE_OK) {
+      return status;
     }
   }
   return BASE_OK;
@@ -71,11 +75,11 @@ static int n_pieces(const world *w, int side) {
 
 static base_status narrow(world *w, int a, int b, double margin, base_error *err) {
   gap_point point[GAP_MAX];
-  for (int i = 0; i < n_pieces(w, a); i++) {
-    for (int k = 0; k < n_pieces(w, b); k++) {
-      const int n = pair_points(w, a, i, b, k, margin, point);
-      BASE_TRY(push_points(w, a, b, (i << ID_PIECE_BITS) | k, point, n, err));
-    }
+  const int n_b = n_pieces(w, b), pairs = n_pieces(w, a) * n_b;
+  for (int p = 0; p < pairs; p++) {
+    const int i = p / n_b, k = p % n_b;
+    const int n = pair_points(w, a, i, b, k, margin, point);
+    BASE_TRY(push_points(w, a, b, (i << ID_PIECE_BITS) | k, point, n, err));
   }
   return BASE_OK;
 }
@@ -132,6 +136,22 @@ static base_status fill_balls(world *w, double h, double margin, base_error *err
   return BASE_OK;
 }
 
+static base_status against_planes(world *w, int a, double margin, base_error *err) {
+  for (int i = 0; i < w->spec.n_static; i++) {
+    const int b = w->n_body + i;
+    if (plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin || !may_collide(w, a, b)) {
+      continue;
+    }
+    BASE_TRY(narrow(w, a, b, margin, err));
+  }
+  return BASE_OK;
+}
+
+/* What is added to the bounding radius of body a for this step. */
+static double widened(const world *w, int a) {
+  return w->broad.ball[a].r - w->body[a].bound;
+}
+
 base_status world_detect(world *w, double h, double margin, base_error *err) {
   w->store.n_item = 0;
   if (!world_has(w, EFFECT_CONTACT)) {
@@ -139,21 +159,15 @@ base_status world_detect(world *w, double h, double margin, base_error *err) {
   }
   BASE_TRY(fill_balls(w, h, margin, err));
   BASE_TRY(broad_find(&w->broad, w->dim, err));
-  const broad_ball *ball = w->broad.ball;
   for (int k = 0; k < w->broad.n_pair; k++) {
-    const int a = w->broad.pair[k].a, b = w->broad.pair[k].b;
-    if (may_collide(w, a, b)) {
-      const double m = (ball[a].r - w->body[a].bound) + (ball[b].r - w->body[b].bound);
-      BASE_TRY(narrow(w, a, b, m, err));
+    const broad_pair p = w->broad.pair[k];
+    if (!may_collide(w, p.a, p.b)) {
+      continue;
     }
+    BASE_TRY(narrow(w, p.a, p.b, widened(w, p.a) + widened(w, p.b), err));
   }
   for (int a = 0; a < w->n_body; a++) {
-    const double m = (margin >= 0.0) ? margin : ball[a].r - w->body[a].bound;
-    for (int i = 0; i < w->spec.n_static; i++) {
-      if (plane_distance(&w->body[a], &w->spec.fixed[i]) < m && may_collide(w, a, w->n_body + i)) {
-        BASE_TRY(narrow(w, a, w->n_body + i, m, err));
-      }
-    }
+    BASE_TRY(against_planes(w, a, (margin >= 0.0) ? margin : widened(w, a), err));
   }
   sort_keys(&w->store);
   return BASE_OK;

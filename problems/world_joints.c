@@ -106,7 +106,8 @@ typedef struct joint_place {
 } joint_place;
 
 static void place_joint(const world *w, const joint_data *j, joint_place *p) {
-  double xa[3], xb[3];
+  double xa[3] = {0}, xb[3] = {0};
+  *p = (joint_place){0};
   frame_of(w, j->a, xa, p->Ra, &p->angle_a);
   frame_of(w, j->b, xb, p->Rb, &p->angle_b);
   m3_mul_vec(p->Ra, j->anchor_a, p->pa);
@@ -162,7 +163,7 @@ static void rotation_rows(const world *w, const joint_data *j, const joint_place
 
 int joint_rows(const world *w, const joint_data *j, joint_row *row) {
   joint_place p;
-  double axis_a[3], axis_b[3], u[3], v[3], c[3];
+  double axis_a[3] = {0}, axis_b[3] = {0}, u[3] = {0}, v[3] = {0}, c[3];
   int n = 0;
   place_joint(w, j, &p);
   switch (j->kind) {

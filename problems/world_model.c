@@ -38,9 +38,8 @@ void model_start(world *w) {
   w->model->start(w->spec.model_param, w->q, w->qv);
 }
 
-/* inv = A^-1 for the SPD n x n matrix A, by Cholesky; false if A is not. */
-static bool invert_spd(const double *A, int n, double *inv) {
-  double L[MODEL_DOF_MAX * MODEL_DOF_MAX];
+/* A = L L', lower triangle by columns; false if A is not positive definite. */
+static bool cholesky(const double *A, int n, double *L) {
   for (int j = 0; j < n; j++) {
     for (int i = j; i < n; i++) {
       double s = A[j * n + i];
@@ -53,22 +52,34 @@ static bool invert_spd(const double *A, int n, double *inv) {
       L[j * n + i] = (i == j) ? sqrt(s) : s / L[j * n + j];
     }
   }
+  return true;
+}
+
+/* x = (L L')^-1 e_c */
+static void inverse_column(const double *L, int n, int c, double *x) {
+  for (int i = 0; i < n; i++) {
+    double s = (i == c) ? 1.0 : 0.0;
+    for (int k = 0; k < i; k++) {
+      s -= L[k * n + i] * x[k];
+    }
+    x[i] = s / L[i * n + i];
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    double s = x[i];
+    for (int k = i + 1; k < n; k++) {
+      s -= L[i * n + k] * x[k];
+    }
+    x[i] = s / L[i * n + i];
+  }
+}
+
+static bool invert_spd(const double *A, int n, double *inv) {
+  double L[MODEL_DOF_MAX * MODEL_DOF_MAX];
+  if (!cholesky(A, n, L)) {
+    return false;
+  }
   for (int c = 0; c < n; c++) {
-    double *x = inv + (ptrdiff_t)c * n;
-    for (int i = 0; i < n; i++) {
-      double s = (i == c) ? 1.0 : 0.0;
-      for (int k = 0; k < i; k++) {
-        s -= L[k * n + i] * x[k];
-      }
-      x[i] = s / L[i * n + i];
-    }
-    for (int i = n - 1; i >= 0; i--) {
-      double s = x[i];
-      for (int k = i + 1; k < n; k++) {
-        s -= L[i * n + k] * x[k];
-      }
-      x[i] = s / L[i * n + i];
-    }
+    inverse_column(L, n, c, inv + (ptrdiff_t)c * n);
   }
   return true;
 }
@@ -131,8 +142,9 @@ static void add_contact(world *w, int i, double gap, const double *jac, const me
   memcpy(s->frame + 9 * (ptrdiff_t)c, (w->dim == 2) ? frame2 : frame3, sizeof frame2);
   memset(s->spin + 3 * (ptrdiff_t)c, 0, 3 * sizeof(double));
   memset(s->point + 3 * (ptrdiff_t)c, 0, 3 * sizeof(double));
-  s->group_body[2 * c] = 0;
-  s->group_body[2 * c + 1] = -1;
+  int *side = s->group_body + (ptrdiff_t)2 * c;
+  side[0] = 0;
+  side[1] = -1;
   memcpy(s->jac + s->jac_start[c], jac, (size_t)(rows * n) * sizeof *jac);
   for (int r = 0; r < rows; r++) {
     double u = 0.0;
@@ -182,7 +194,7 @@ double model_min_gap(const world *w) {
 
 double model_energy(const world *w, bool kinetic_only) {
   const mech_model *m = w->model;
-  double M[MODEL_DOF_MAX * MODEL_DOF_MAX], T = 0.0;
+  double M[MODEL_DOF_MAX * MODEL_DOF_MAX] = {0}, T = 0.0;
   m->mass(w->spec.model_param, w->q, M);
   for (int i = 0; i < m->n_dof * m->n_dof; i++) {
     T += 0.5 * M[i] * w->qv[i % m->n_dof] * w->qv[i / m->n_dof];

@@ -22,20 +22,27 @@ static base_status grow_groups(set_store *s, size_t n_group, base_error *err) {
   if (n_group <= s->cap_group && s->row_start != NULL) { /* no group still has offsets */
     return BASE_OK;
   }
-  const size_t n = at_least(n_group, s->cap_group);
-  BASE_TRY(store_grow((void **)&s->row_start, n + 1, sizeof *s->row_start, err));
-  BASE_TRY(store_grow((void **)&s->jac_start, n + 1, sizeof *s->jac_start, err));
-  BASE_TRY(store_grow((void **)&s->group_body, 2 * n, sizeof *s->group_body, err));
-  BASE_TRY(store_grow((void **)&s->id, n, sizeof *s->id, err));
-  BASE_TRY(store_grow((void **)&s->rows, n, sizeof *s->rows, err));
-  double **const one[] = {&s->gap,        &s->mu_static,  &s->mu_kinetic,
-                          &s->mu_torsion, &s->mu_rolling, &s->restitution};
-  for (int i = 0; i < BASE_COUNT(one); i++) {
-    BASE_TRY(store_grow((void **)one[i], n, sizeof(double), err));
+  const size_t n = at_least(n_group, s->cap_group), real = sizeof(double);
+  const struct {
+    void **array;
+    size_t count, size;
+  } all[] = {{(void **)&s->row_start, n + 1, sizeof *s->row_start},
+             {(void **)&s->jac_start, n + 1, sizeof *s->jac_start},
+             {(void **)&s->group_body, 2 * n, sizeof *s->group_body},
+             {(void **)&s->id, n, sizeof *s->id},
+             {(void **)&s->rows, n, sizeof *s->rows},
+             {(void **)&s->gap, n, real},
+             {(void **)&s->mu_static, n, real},
+             {(void **)&s->mu_kinetic, n, real},
+             {(void **)&s->mu_torsion, n, real},
+             {(void **)&s->mu_rolling, n, real},
+             {(void **)&s->restitution, n, real},
+             {(void **)&s->frame, 9 * n, real},
+             {(void **)&s->spin, 3 * n, real},
+             {(void **)&s->point, 3 * n, real}};
+  for (int i = 0; i < BASE_COUNT(all); i++) {
+    BASE_TRY(store_grow(all[i].array, all[i].count, all[i].size, err));
   }
-  BASE_TRY(store_grow((void **)&s->frame, 9 * n, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->spin, 3 * n, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->point, 3 * n, sizeof(double), err));
   s->cap_group = n;
   return BASE_OK;
 }
@@ -261,8 +268,9 @@ static void fill_joint(world *w, const joint_data *j, int group, double h) {
 static void add_group(world *w, int *group, int a, int b, int rows) {
   set_store *s = &w->store;
   const int g = (*group)++;
-  s->group_body[2 * g] = group_side(w, a);
-  s->group_body[2 * g + 1] = group_side(w, b);
+  int *side = s->group_body + (ptrdiff_t)2 * g;
+  side[0] = group_side(w, a);
+  side[1] = group_side(w, b);
   s->row_start[g + 1] = s->row_start[g] + rows;
   s->jac_start[g + 1] = s->jac_start[g] + rows * (side_dofs(w, a) + side_dofs(w, b));
 }
