@@ -5,7 +5,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from bench import chart, paper, rows, style  # noqa: E402
+from bench import chart, paper, rows, section, style  # noqa: E402
 
 
 def main():
@@ -27,6 +27,10 @@ def main():
         style.save(chart.draw(drawn), out, drawn.name)
         (out / f"{drawn.name}.dat").write_text(chart.table(drawn))
         print(out / f"{drawn.name}.pdf")
+    table = paper.summary(cells)
+    if table is not None:
+        (out / "summary.md").write_text(f"{table.caption}\n\n{section.table_md(table)}")
+        print(out / "summary.md")
     return 0
 
 

@@ -212,6 +212,10 @@ def plotly(chart):
         if panel.title:
             notes.append({"text": f"<b>{panel.title}</b>", "xref": "paper", "yref": "paper", "x": round(x0, 4), "y": round(y0 + h, 4),
                           "xanchor": "left", "yanchor": "bottom", "showarrow": False})
+        for which, base, values in (("x", panel.xlog, [v for l in panel.lines for v in l.x]), ("y", panel.ylog, [v for l in panel.lines for v in l.y])):
+            values = [v for v in values if v > 0 and math.isfinite(v)]
+            if base and values and not (which == "x" and panel.xticks):
+                layout[f"{which}axis{axis}"]["dtick"] = max(1, round(math.log10(max(values) / min(values)) / 5)) if max(values) / min(values) > 30 else "D2"
         for line in panel.lines:
             data += _plotly_line(line, axis, shown)
     layout["annotations"] = notes

@@ -7,7 +7,7 @@ import pandas as pd
 from bench import rows as rows_, stats
 from bench.section import Cell, Section, Table, interval
 
-KEY = ["problem", "solver", "solver_options", "step_s", "effects", "start"]
+KEY = ["campaign", "part", "problem", "duration_s", "tol", "solver", "solver_options", "step_s", "effects", "start"]
 MARK = {"holds": "good", "does not hold": "bad", "no rows": "none"}
 
 

@@ -1,11 +1,14 @@
 """What an effect is worth: everything on, as declared, and each declared effect dropped in turn."""
+import re
+
 from bench.section import Cell, Section, Table, error, si
 
 
-def kind(text, declared):
-    if text in ("", "declared"):
-        return "as declared"
-    return "everything on" if text == "all" else text
+def kind(command):
+    """What was asked for: the argument of --effects in the cell's command."""
+    found = re.search(r"--effects '?([^' ]*)", command)
+    text = found.group(1) if found else "declared"
+    return {"declared": "as declared", "all": "everything on"}.get(text, text)
 
 
 def section(cells):
@@ -15,8 +18,8 @@ def section(cells):
     table = []
     cheaper = compared = 0
     for (problem, combo, step), g in some.groupby(["problem", "combination", "step_s"]):
-        asked = g.get("effects_asked", g["effects"])
-        g = g.assign(kind=[kind(e, None) for e in asked])
+        g = g.assign(kind=[kind(c) for c in g["command"]])
+        g = g[(g["kind"].isin(["as declared", "everything on"])) | ~g["effects"].isin(g[g["kind"] == "as declared"]["effects"])]
         declared = g[g["kind"] == "as declared"]
         base = declared["t_total_s"].iloc[0] if len(declared) else float("nan")
         everything = g[g["kind"] == "everything on"]

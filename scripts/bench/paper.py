@@ -1,6 +1,7 @@
 """Charts of the `paper` campaign: how large, how long, how wrong, formulation against formulation."""
 from bench import style
 from bench.chart import Chart, Line, Panel, from_cells
+from bench.section import Table, si
 
 LADDER_MIN = 3  # sizes that make a ladder of contacts
 FLOOR = 1e-16  # drawn, not computed: an exact answer has no place on a logarithmic axis
@@ -45,7 +46,8 @@ def dimension(cells):
     family = cells["problem_family"].iloc[0]
     return Chart("dimension", f"Unknowns of the complementarity problem against contacts p ({family}). "
                  "Formulations that pose the same size share a line.",
-                 [Panel(out, xlabel="contacts p", ylabel="unknowns of the LCP", xlog=2)],
+                 [Panel(out, xlabel="contacts p", ylabel="unknowns of the LCP", xlog=2,
+                        xticks=sorted(cells["p"].unique().tolist()))],
                  width=style.COLUMN, height=2.3, end_labels=True)
 
 
@@ -70,6 +72,7 @@ def time_and_error(cells):
         panels.append(Panel([from_cells(g[g["good"]], g[~g["good"]], "p", "t_solve_step_s", label, variant=index[label])
                              for label, g in here.groupby("label")],
                             title=solver, xlabel="contacts", ylabel="solve time per step [ms]", xlog=2,
+                            xticks=sorted(cells["p"].unique().tolist()),
                             ylim=(times.min() / 2, times.max() * 2)))
     first = cells[cells["solver"] == solvers[0]]
     exact = not (first["err_ref"] > 0).any()  # a scene at rest: what is left is rounding, against the tolerances of its predictions
@@ -77,7 +80,8 @@ def time_and_error(cells):
     first = first[first[column].notna()].assign(drawn=first[column].clip(lower=FLOOR))
     panels.append(Panel([from_cells(g[g["good"]], g[~g["good"]], "p", "drawn", label, variant=index[label])
                          for label, g in first.groupby("label")],
-                        title=f"error, {solvers[0]}", xlabel="contacts", ylabel=what, xlog=2))
+                        title=f"error, {solvers[0]}", xlabel="contacts", ylabel=what, xlog=2,
+                        xticks=sorted(cells["p"].unique().tolist())))
     family = cells["problem_family"].iloc[0]
     return Chart("time_and_error", f"Solve time per step (median, 95 % interval) and error of the trajectory against contacts "
                  f"({family}). A cross is a run that was not solved or whose claim the judge did not confirm. Errors below {FLOOR:g} are drawn there.", panels, columns=len(panels), height=2.1)
@@ -86,7 +90,11 @@ def time_and_error(cells):
 def spread(cells):
     """How far the formulations are apart at one step, in words: where their lines lie on each other."""
     good = cells[cells["good"]].groupby("step_s")["err_ref"]
+    if good.max().max() < 1e-12:
+        return "rounding only"
     ratio = float((good.max() / good.min()).max())
+    if ratio < 1.0001:
+        return "all alike"
     return f"within {100 * (ratio - 1):.2g} %" if ratio < 2 else f"within a factor {ratio:.2g}"
 
 
@@ -106,6 +114,25 @@ def error_against_step(cells, most=6):
                             xticks=sorted(here["step_ms"].unique().tolist())))
     return Chart("error_against_step", "Error of the trajectory against the step, per scene; in brackets how far the formulations are apart at one step.", panels, columns=3,
                  share_x=True, height=1.9)
+
+
+def summary(cells):
+    """Unknowns and time of a step against contacts for the first solver: the table of the README."""
+    cells = ladder(cells)
+    if cells.empty:
+        return None
+    cells = cells[cells["solver"] == solvers_of(cells)[0]]
+    labels = sorted(set(cells["label"]), key=lambda label: (label.split(",")[0] != "regularized", label))
+    rows = []
+    for p, here in cells.groupby("p"):
+        row = [f"{p:g}"]
+        for label in labels:
+            one = here[here["label"] == label]
+            row.append("not run" if one.empty else f"{one['lcp_dim'].iloc[0]:g}, {si(one['t_total_step_s'].iloc[0], 's')}" if one["good"].all()
+                       else str(one["status"].iloc[0]))
+        rows.append(row)
+    family, solver = cells["problem_family"].iloc[0], cells["solver"].iloc[0]
+    return Table("summary", f"Unknowns of the LCP and time of a whole step against contacts ({family}, {solver}, median).", ["contacts"] + labels, rows)
 
 
 CHARTS = [dimension, time_and_error, error_against_step]

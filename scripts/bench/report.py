@@ -17,7 +17,8 @@ def paper_section(cells):
     charts = [c for c in (make(own) for make in paper.CHARTS) if c] if len(own) else []
     if not charts:
         return None
-    return Section("paper", "How large, how long, how wrong", "The regularized formulation against the polyhedral ones: unknowns, time and error.", charts)
+    return Section("paper", "How large, how long, how wrong", "The regularized formulation against the polyhedral ones: unknowns, time and error.", charts,
+                   [t for t in (paper.summary(own),) if t])
 
 
 def gather(cells, manifests):
@@ -25,8 +26,9 @@ def gather(cells, manifests):
     makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", accuracy.section), ("stability", stability.section),
               ("effects", effects.section), ("scaling", scaling.section), ("library", library.section)]
     sections, absent = [], []
+    asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
     for name, make in makers:
-        made = make(cells)
+        made = make(cells if name == "effects" else asked)
         if made:
             sections.append(made)
         else:
@@ -70,7 +72,7 @@ def main():
     counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
               f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
-    advice = accuracy.advice(cells) if accuracy.scenes(cells) else None
+    advice = accuracy.advice(cells) if accuracy.scenes(accuracy.own(cells)) else None
     out.mkdir(parents=True, exist_ok=True)
     text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", advice, sections)
     (out / "index.html").write_text(text)

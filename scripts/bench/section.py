@@ -111,3 +111,10 @@ def table_tex(table, most=40):
         out.append(f"\\par\\footnotesize {most} of {len(table.rows)} rows; all of them in the page.")
     out.append("\\end{table*}")
     return "\n".join(out) + "\n"
+
+
+def table_md(table):
+    """A Markdown table, for the README."""
+    lines = ["| " + " | ".join(table.header) + " |", "|" + "---|" * len(table.header)]
+    lines += ["| " + " | ".join(as_cell(v).text.replace("\n", " ").replace("|", "/") for v in row) + " |" for row in table.rows]
+    return "\n".join(lines) + "\n"

@@ -29,20 +29,21 @@ def word(cell):
     return "stable", ""
 
 
-def severity(problem, family, step):
-    """What is turned up: the last numeric parameter of the problem; the step where there is none."""
-    text = str(problem).partition(":")[2]
-    values = [(k, v) for k, v in rows_.options(text).items() if re.fullmatch(r"[-+0-9.eE]+", v)]
-    return (values[-1][0], float(values[-1][1])) if values else ("h", 1 / step if step else 0.0)
+def severities(group):
+    """What is turned up along a ladder, and how far: the numeric parameter that varies, else 1/h. (name, values)"""
+    options = [rows_.options(str(p).partition(":")[2]) for p in group["problem"]]
+    for name in dict.fromkeys(k for o in options for k in o):
+        values = [o.get(name, "") for o in options]
+        if len(set(values)) > 1 and all(re.fullmatch(r"[-+0-9.eE]+", v) for v in values):
+            return name, [float(v) for v in values]
+    return "1/h", [1 / h if h > 0 else 0.0 for h in group["step_s"]]
 
 
 def summary(group):
     """Cell of the map: how many rungs stand, and what brings the first one down."""
-    rungs = []
-    for _, cell in group.iterrows():
-        name, value = severity(cell["problem"], cell["problem_family"], cell["step_s"])
-        rungs.append((value, name, *word(cell)))
-    rungs.sort(key=lambda r: r[0])
+    name, values = severities(group)
+    rungs = [(value, name, *word(cell)) for value, (_, cell) in zip(values, group.iterrows())]
+    rungs.sort(key=lambda r: r[0], reverse=name == "1/h")
     defined = [r for r in rungs if r[2] != "not defined"]
     if not defined:
         return Cell("–", "none", rungs[0][3] or "not defined for this combination")
@@ -50,7 +51,7 @@ def summary(group):
     if len(stands) == len(defined):
         return Cell(f"stable {len(stands)}/{len(defined)}", "good", "stands on every rung", sort=1.0)
     first = next(r for r in defined if r[2] != "stable")
-    at = f"1/h = {first[0]:g}" if first[1] == "h" else f"{first[1]} = {first[0]:g}"
+    at = "" if not first[0] else f"h = {1 / first[0]:g} s" if first[1] == "1/h" else f"{first[1]} = {first[0]:g}"
     share = len(stands) / len(defined)
     return Cell(f"{first[2]} {len(stands)}/{len(defined)}", "fair" if share >= 0.5 else "bad", f"first at {at}: {first[3] or first[2]}", sort=share)
 
@@ -59,17 +60,18 @@ def section(cells):
     some = cells[cells["campaign"].str.startswith("stability")]
     if some.empty:
         return None
-    families = sorted(some["problem_family"].unique())
+    some = some.assign(stressor=[f"{f}: {p}" if p else f for f, p in zip(some["problem_family"], some["part"])])
+    families = sorted(some["stressor"].unique())
     combos = sorted(some["combination"].unique())
     table = []
-    for family in families:
-        here = some[some["problem_family"] == family]
-        table.append([family] + [summary(g) if len(g := here[here["combination"] == c]) else Cell("not run", "none", "no such cell in this campaign")
-                                 for c in combos])
+    for combo in combos:
+        here = some[some["combination"] == combo]
+        table.append([combo] + [summary(g) if len(g := here[here["stressor"] == family]) else Cell("not run", "none", "no such cell in this campaign")
+                                for family in families])
     total = sum(len(r) - 1 for r in table)
     blank = sum(c.text == "not run" for r in table for c in r[1:])
     return Section("stability", "What breaks first",
                    "Each stressor is a ladder. A cell says how many rungs stand and, if not all, in one word what the first failing rung does: "
                    f"misses (a prediction), penetrates (more than {DEEP:g} m), gains energy (more than {DRIFT:g} of it), false claim, or the status of an honest failure. "
                    "Tooltips name the rung.", [],
-                   [Table("stability", f"Stability map: stressors against combinations ({total - blank} of {total} fields run).", ["stressor"] + combos, table)])
+                   [Table("stability", f"Stability map: combinations against stressors ({total - blank} of {total} fields run).", ["combination"] + families, table)])
