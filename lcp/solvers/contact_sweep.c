@@ -8,7 +8,7 @@ void lcp_contact_sweep_layout(lcp_contact_sweep *s, const lcp_capacity *cap, bas
   const size_t bodies = (cap->n_body > 0) ? (size_t)cap->n_body + 1 : 0;
   const size_t rows = (cap->n_body > 0) ? (size_t)cap->n : 0, contacts = rows / 3;
   s->batch = BASE_ARRAY(a, lcp_contact_batch, contacts / LCP_LANES + 1);
-  s->body = BASE_ARRAY(a, double, 8 * bodies);
+  s->body = BASE_ARRAY(a, double, 16 * bodies);
   s->open = BASE_ARRAY(a, unsigned long long, bodies);
   s->order = BASE_ARRAY(a, int, contacts);
   s->left = BASE_ARRAY(a, int, contacts);
@@ -18,11 +18,14 @@ void lcp_contact_sweep_layout(lcp_contact_sweep *s, const lcp_capacity *cap, bas
 
 /* ---- does the problem have the form? ------------------------------------------------------- */
 
-/* W = diag(I/m, inertia^-1), 6 x 6. */
+static const double rounding = 1e-14; /* of unit vectors and of arms recovered from rows */
+
+/* W = diag(I/m, inertia^-1), 6 x 6, symmetric. */
 static bool rigid(const double *W) {
   for (int j = 0; j < 6; j++) {
-    for (int i = 0; i < 3; i++) {
-      if (W[i + 6 * j] != ((i == j) ? W[0] : 0.0)) {
+    for (int i = 0; i < 6; i++) {
+      const bool linear = i < 3 || j < 3;
+      if (linear ? W[i + 6 * j] != ((i == j) ? W[0] : 0.0) : W[i + 6 * j] != W[j + 6 * i]) {
         return false;
       }
     }
@@ -30,35 +33,88 @@ static bool rigid(const double *W) {
   return W[0] > 0.0;
 }
 
-/* Opposite directions on the two sides, to rounding: s_b G_a = - s_a G_b. */
-static bool opposite(const double *ga, const double *gb, double sa, double sb) {
-  double gap = 0.0, size = 0.0;
+static void cross(const double *a, const double *b, double *out) {
   for (int i = 0; i < 3; i++) {
-    gap = fmax(gap, fabs(sb * ga[i] + sa * gb[i]));
-    size = fmax(size, fabs(sb * ga[i]));
+    out[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
   }
-  return gap <= 8e-16 * size;
+}
+
+static double dot(const double *a, const double *b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Frame and arms of a group. */
+typedef struct geometry {
+  double d[3][3], arm[2][3];
+} geometry;
+
+/* The arm r of rows (sign d_k, sign r x d_k): sum_k d_k x (r x d_k) = 2 r. False: they are not such. */
+static bool arm_of(const double *rows, double sign, double d[3][3], double *r) {
+  for (int i = 0; i < 3; i++) {
+    r[i] = 0.0;
+  }
+  for (int k = 0; k < 3; k++) {
+    double part[3];
+    cross(d[k], rows + 6 * k + 3, part);
+    for (int i = 0; i < 3; i++) {
+      r[i] += 0.5 * sign * part[i];
+    }
+  }
+  const double size = fabs(r[0]) + fabs(r[1]) + fabs(r[2]);
+  for (int k = 0; k < 3; k++) {
+    double back[3];
+    cross(r, d[k], back);
+    for (int i = 0; i < 3; i++) {
+      if (!(fabs(sign * rows[6 * k + i] - d[k][i]) <= rounding &&
+            fabs(sign * rows[6 * k + 3 + i] - back[i]) <= rounding * size)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static bool geometry_of(const lcp_factored *f, int g, geometry *out) {
+  const double *rows[2], *jac = f->jac + f->jac_start[g];
+  for (int s = 0; s < 2; s++) {
+    rows[s] = (f->body[2 * g + s] >= 0) ? jac : NULL;
+    jac += (rows[s] != NULL) ? 18 : 0;
+  }
+  for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < 3; i++) {
+      out->d[k][i] = (rows[0] != NULL) ? rows[0][6 * k + i] : -rows[1][6 * k + i];
+    }
+  }
+  for (int k = 0; k < 3; k++) { /* orthonormal */
+    for (int l = 0; l <= k; l++) {
+      if (!(fabs(dot(out->d[k], out->d[l]) - (k == l)) <= rounding)) {
+        return false;
+      }
+    }
+  }
+  for (int s = 0; s < 2; s++) {
+    memset(out->arm[s], 0, sizeof out->arm[s]);
+    if (rows[s] != NULL && !arm_of(rows[s], (s == 0) ? 1.0 : -1.0, out->d, out->arm[s])) {
+      return false;
+    }
+  }
+  return true;
 }
 
 static bool admits_group(const lcp_gs *gs, const lcp_factored *f, int g) {
   const int i = f->row_start[g], *body = &f->body[2 * g];
+  geometry unused;
   if (f->row_start[g + 1] - i != 3 || (body[0] < 0 && body[1] < 0) || body[0] == body[1]) {
     return false;
   }
-  const double *G = gs->sweep.G + f->jac_start[g];
   for (int r = 0; r < 3; r++) {
     const bool bounds =
         (r == 0) ? gs->lo[i] == 0.0 && gs->hi[i] == HUGE_VAL : gs->lo[i + r] == -gs->hi[i + r];
     if (!bounds || !(gs->sweep.d[i + r] > 0.0)) {
       return false;
     }
-    if (body[0] >= 0 && body[1] >= 0 &&
-        !opposite(G + 6 * r, G + 18 + 6 * r, gs->sweep.L[f->weight_start[body[0]]],
-                  gs->sweep.L[f->weight_start[body[1]]])) {
-      return false;
-    }
   }
-  return true;
+  return geometry_of(f, g, &unused);
 }
 
 static bool admits(const lcp_gs *gs, const lcp_problem *p) {
@@ -172,24 +228,39 @@ static void record(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p,
   const lcp_factored *f = p->M.factored;
   lcp_contact_batch *c = &s->batch[k / LCP_LANES];
   const int l = k % LCP_LANES, g = s->order[k], first = f->row_start[g];
-  const int a = f->body[2 * g], b = f->body[2 * g + 1];
-  const double *Ga = gs->sweep.G + f->jac_start[g], *Gb = Ga + ((a >= 0) ? 18 : 0);
-  c->a[l] = (a >= 0) ? a : f->n_body;
-  c->b[l] = (b >= 0) ? b : f->n_body;
+  double *root = s->root + first, A[9], third[3];
+  geometry at;
+  (void)geometry_of(f, g, &at); /* admitted */
+  lcp_sweep_block(&gs->sweep, p, first, 3, A);
   for (int r = 0; r < 3; r++) {
-    const double root = sqrt(gs->sweep.d[first + r]);
-    s->root[first + r] = root;
-    c->q[r][l] = p->q[first + r] / root;
-    c->z[r][l] = 0.0;
+    root[r] = sqrt(gs->sweep.d[first + r]);
+    c->q[r][l] = p->q[first + r] / root[r];
+    c->x[r][l] = 0.0;
+  }
+  for (int side = 0; side < 2; side++) {
+    const int b = f->body[2 * g + side];
+    c->body[side][l] = (b >= 0) ? b : f->n_body;
+    c->bound[side][l] = gs->hi[first + 1 + side] * root[1 + side];
     for (int i = 0; i < 3; i++) {
-      const double sa = s->body[8 * c->a[l] + 3], sb = s->body[8 * c->b[l] + 3];
-      c->t[r][i][l] = ((a >= 0) ? Ga[6 * r + i] / sa : -Gb[6 * r + i] / sb) / root;
-      c->ga[r][i][l] = (a >= 0) ? Ga[6 * r + 3 + i] / root : 0.0;
-      c->gb[r][i][l] = (b >= 0) ? Gb[6 * r + 3 + i] / root : 0.0;
+      c->t[side][i][l] = at.d[side][i] / root[side];
+      c->arm[side][i][l] = at.arm[side][i];
     }
   }
-  for (int r = 0; r < 2; r++) {
-    c->bound[r][l] = gs->hi[first + 1 + r] * s->root[first + 1 + r];
+  cross(at.d[0], at.d[1], third);
+  c->third[l] = ((dot(third, at.d[2]) > 0.0) ? 1.0 : -1.0) * root[0] * root[1] / root[2];
+  c->A[0][l] = A[1] / (root[0] * root[1]);
+  c->A[1][l] = A[2] / (root[0] * root[2]);
+  c->A[2][l] = A[5] / (root[1] * root[2]);
+}
+
+static void place_bodies(lcp_contact_sweep *s, const lcp_factored *f) {
+  memset(s->body, 0, 16 * ((size_t)f->n_body + 1) * sizeof *s->body);
+  for (int b = 0; b < f->n_body; b++) {
+    const double *W = f->weight + f->weight_start[b];
+    double *to = s->body + 16 * (size_t)b;
+    const double m[6] = {W[21], W[22], W[23], W[28], W[29], W[35]};
+    to[3] = W[0];
+    memcpy(to + 8, m, sizeof m);
   }
 }
 
@@ -200,10 +271,7 @@ bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp
   }
   const lcp_factored *f = p->M.factored;
   s->n_contact = f->n_group;
-  memset(s->body, 0, 8 * ((size_t)f->n_body + 1) * sizeof *s->body);
-  for (int b = 0; b < f->n_body; b++) {
-    s->body[8 * b + 3] = gs->sweep.L[f->weight_start[b]];
-  }
+  place_bodies(s, f);
   memset(s->batch, 0, ((size_t)s->n_contact / LCP_LANES + 1) * sizeof *s->batch);
   colour(s, f);
   for (int k = 0; k < s->n_contact; k++) {
@@ -214,26 +282,19 @@ bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp
 
 void lcp_contact_sweep_import(lcp_contact_sweep *s, const lcp_problem *p, const double *z) {
   const lcp_factored *f = p->M.factored;
-  for (int b = 0; b <= f->n_body; b++) {
-    for (int i = 0; i < 8; i++) {
-      s->body[8 * b + i] = (i == 3) ? s->body[8 * b + i] : 0.0;
+  for (size_t b = 0; b <= (size_t)f->n_body; b++) {
+    for (size_t i = 0; i < 8; i++) {
+      s->body[16 * b + i] = (i == 3) ? s->body[16 * b + i] : 0.0;
     }
   }
   for (int k = 0; k < s->n_contact; k++) {
     lcp_contact_batch *c = &s->batch[k / LCP_LANES];
-    const int l = k % LCP_LANES, first = f->row_start[s->order[k]];
-    double *ua = s->body + 8 * c->a[l], *ub = s->body + 8 * c->b[l];
     for (int r = 0; r < 3; r++) {
-      const double x = z[first + r] * s->root[first + r];
-      c->z[r][l] = x;
-      for (int i = 0; i < 3; i++) {
-        ua[i] += ua[3] * c->t[r][i][l] * x;
-        ub[i] -= ub[3] * c->t[r][i][l] * x;
-        ua[4 + i] += c->ga[r][i][l] * x;
-        ub[4 + i] += c->gb[r][i][l] * x;
-      }
+      const int row = f->row_start[s->order[k]] + r;
+      c->x[r][k % LCP_LANES] = z[row] * s->root[row];
     }
   }
+  lcp_contact_kernel_push(s->batch, s->n_contact, s->body);
 }
 
 void lcp_contact_sweep_run(lcp_contact_sweep *s, double omega, int sweeps) {
@@ -250,7 +311,7 @@ void lcp_contact_sweep_export(const lcp_contact_sweep *s, const lcp_problem *p, 
     const lcp_contact_batch *c = &s->batch[k / LCP_LANES];
     const int first = f->row_start[s->order[k]];
     for (int r = 0; r < 3; r++) {
-      z[first + r] = c->z[r][k % LCP_LANES] / s->root[first + r];
+      z[first + r] = c->x[r][k % LCP_LANES] / s->root[first + r];
     }
   }
 }

@@ -1,14 +1,16 @@
 /* contact_sweep.h - the matrix-free Gauss-Seidel sweep for frictional contacts, four at a time.
  *
  * For J W J' with three rows a contact (a normal impulse >= 0, two friction impulses in symmetric
- * boxes) and rigid bodies W = diag(I/m, inertia^-1). Everything is mass-weighted: with W = L L', body
- * velocities are kept as u = L^-1 v and rows are divided by the root of their diagonal, so that
+ * boxes) between rigid bodies, W = diag(I/m, inertia^-1), rows J = (d_k, r_a x d_k, -d_k, -r_b x d_k)
+ * with an orthonormal frame d_k. Rows are divided by the root of their diagonal (t = d / sqrt(M_ii),
+ * x = z sqrt(M_ii)), and a contact is swept through the relative velocity of its point:
  *
- *   w = q + t.(s_a u_a - s_b u_b) + g_a.o_a + g_b.o_b,   x = clip(z - omega w),
- *   u_a += s_a t (x - z),  u_b -= s_b t (x - z),  o_a += g_a (x - z),  o_b += g_b (x - z)
+ *   y = v_a + o_a x r_a - v_b - o_b x r_b
+ *   w_k = q_k + t_k.y + sum_j<k A_kj dx_j,   x_k <- clip(x_k - omega w_k),   k = 0, 1, 2
+ *   p = sum t_k dx_k,   v_a += p / m_a,   o_a += inertia_a^-1 (r_a x p),   b likewise with -p
  *
- * with t the scaled direction of the row (3), g the scaled angular rows (3 + 3), s = 1/sqrt(m): 288
- * bytes a contact, read once per sweep, and one cache line a body.
+ * with A the scaled 3 x 3 block of M. Stored: two directions, two arms, three entries of A, q, x and
+ * bounds, 200 bytes a contact, read once per sweep, and two cache lines a body.
  *
  * Order: contacts are gathered greedily, in the order given, into batches of four that share no moving
  * body (a colouring with a window of 64 open batches, repeated on what is left over); full batches
@@ -22,11 +24,11 @@
 
 enum { LCP_LANES = 4 };
 
-typedef struct lcp_contact_batch lcp_contact_batch; /* four contacts, 1152 bytes */
+typedef struct lcp_contact_batch lcp_contact_batch; /* four contacts, 800 bytes */
 
 typedef struct lcp_contact_sweep {
   lcp_contact_batch *batch; /* n_batch; of four contacts each, the last may have fewer */
-  double *body;             /* 8 per body: u (3), s, o (3), 0; one more for what is fixed */
+  double *body;             /* 16 per body: v (3), 1/m, o (3), 0, inertia^-1 (6), 0; one fixed */
   int *order;               /* contact swept in place k */
   int *left, *next_left;    /* n_contact, of the colouring */
   unsigned long long *open; /* n_body, batches that touch the body, while colouring */
@@ -36,7 +38,7 @@ typedef struct lcp_contact_sweep {
 
 void lcp_contact_sweep_layout(lcp_contact_sweep *s, const lcp_capacity *cap, base_arena *a);
 
-/* True where p has the form above. gs is prepared for p (G, diagonal, bounds). Builds everything. */
+/* True where p has the form above, to rounding. gs is prepared for p (diagonal, bounds). */
 bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p);
 
 void lcp_contact_sweep_import(lcp_contact_sweep *s, const lcp_problem *p, const double *z);

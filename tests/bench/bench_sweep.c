@@ -94,7 +94,7 @@ static double measure(bench *b, int method, double *seconds, int reps, int count
   const double scale = 1e9 / ((double)count * b->bed.n_contact);
   qsort(seconds, (size_t)reps, sizeof *seconds, compare);
   const double median = seconds[reps / 2] * scale;
-  const int bytes[METHODS] = {288, 288, (int)sizeof(plain_contact_rows),
+  const int bytes[METHODS] = {200, 200, (int)sizeof(plain_contact_rows),
                               (int)sizeof(plain_contact_frames)};
   printf("%s,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.3f\n", names[method], b->bed.n_contact, b->bed.n_body,
          bytes[method], count, median, seconds[reps / 4] * scale, seconds[3 * reps / 4] * scale,
