@@ -210,6 +210,16 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
   }
 }
 
+void lin_basis_defect(const lin_basis *b, const double *y, const double *r, double *x) {
+  const int n = b->sys->n;
+  memcpy(x, r, sizeof(double) * (size_t)n);
+  for (int k = 0; k < n; ++k) {
+    if (y[k] != 0) {
+      add_column(b->sys, b->head[k], -y[k], x);
+    }
+  }
+}
+
 void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   const int n = b->sys->n;
   const int e = b->n_eta++;

@@ -5,6 +5,9 @@
 #include <math.h>
 #include <string.h>
 
+static const double COLAMD_TRIAL = 40; /* operations per entry of A that make it worth a trial */
+static const double COLAMD_GAIN = 0.7; /* share of them left when it is kept */
+
 void lin_lu_layout(lin_lu *f, int n, int nnz, size_t fill, base_arena *a) {
   const size_t m = (size_t)n;
   *f = (lin_lu){.cap_n = n, .cap_nnz = nnz, .cap_fill = fill};
@@ -26,21 +29,49 @@ void lin_lu_layout(lin_lu *f, int n, int nnz, size_t fill, base_arena *a) {
   f->order_work = BASE_ARRAY(a, int, f->order_len);
 }
 
+/* Counting sort: fewest entries first, equal ones in the order given. */
+static void order_by_count(lin_lu *f, const lin_columns *A) {
+  int *first = f->stack; /* of each count; a column has at most n entries */
+  for (int c = 0; c < A->n; ++c) {
+    first[c] = 0;
+  }
+  for (int j = 0; j < A->n; ++j) {
+    const int count = A->colptr[j + 1] - A->colptr[j];
+    if (count < A->n) { /* those with more come last: their places are the tail */
+      first[count]++;
+    }
+  }
+  int sum = 0;
+  for (int c = 0; c < A->n; ++c) {
+    const int own = first[c];
+    first[c] = sum;
+    sum += own;
+  }
+  for (int j = 0; j < A->n; ++j) {
+    const int count = A->colptr[j + 1] - A->colptr[j];
+    f->col[(count < A->n) ? first[count]++ : sum++] = j;
+  }
+}
+
 /* Column order into f->col. A matrix COLAMD declines keeps its own order. */
 static void order_columns(lin_lu *f, const lin_columns *A) {
   const int n = A->n;
-  const int nnz = A->colptr[n];
+  const size_t len = f->order_len - (size_t)f->cap_n - 1;
+  int *ptr = f->order_work + len;
+  int stats[COLAMD_STATS];
   for (int j = 0; j < n; ++j) {
     f->col[j] = j;
   }
   if (n <= 3) {
     return;
   }
-  const size_t len = f->order_len - (size_t)f->cap_n - 1;
-  int *ptr = f->order_work + len;
-  int stats[COLAMD_STATS];
+  if (f->ordering == LIN_BY_COUNT || f->ordering == LIN_KEEP_COUNT ||
+      len < colamd_recommended(A->colptr[n], n, n)) {
+    order_by_count(f, A);
+    return;
+  }
   memcpy(ptr, A->colptr, sizeof(int) * ((size_t)n + 1));
-  memcpy(f->order_work, A->rowind, sizeof(int) * (size_t)nnz);
+  memcpy(f->order_work, A->rowind, sizeof(int) * (size_t)A->colptr[n]);
   if (colamd(n, n, (int)len, f->order_work, ptr, NULL, stats) != 0) {
     memcpy(f->col, ptr, sizeof(int) * (size_t)n);
   }
@@ -174,6 +205,17 @@ static void begin(lin_lu *f, const lin_columns *A) {
   }
 }
 
+/* COLAMD itself costs some tens of operations an entry. */
+static void review_ordering(lin_lu *f, const lin_columns *A) {
+  const double each = f->flops / (1 + A->colptr[A->n]);
+  if (f->ordering == LIN_BY_COUNT && each > COLAMD_TRIAL) {
+    f->ordering = LIN_TRY_COLAMD;
+    f->spent = each;
+  } else if (f->ordering == LIN_TRY_COLAMD) {
+    f->ordering = (each < COLAMD_GAIN * f->spent) ? LIN_KEEP_COLAMD : LIN_KEEP_COUNT;
+  }
+}
+
 bool lin_lu_factor(lin_lu *f, const lin_columns *A) {
   const int n = A->n;
   begin(f, A);
@@ -197,6 +239,7 @@ bool lin_lu_factor(lin_lu *f, const lin_columns *A) {
     ++kept;
   }
   f->fill = f->ufirst[kept];
+  review_ordering(f, A);
   return f->deficient == 0;
 }
 

@@ -1,7 +1,8 @@
 /* linear/sparse_lu.h - LU of a sparse square matrix in caller-owned memory.
  *
  * Left-looking, one column at a time, with threshold partial pivoting (Gilbert & Peierls 1988);
- * columns ordered by COLAMD (Davis, Gilbert, Larimore & Ng 2004). Among entries within a factor
+ * columns ordered by their number of entries or, in a series of matrices where that fills in and the
+ * dearer ordering turns out to pay, by COLAMD (Davis, Gilbert, Larimore & Ng 2004). Among entries within a factor
  * LIN_LU_THRESHOLD of the largest, the one in the row with the fewest entries is the pivot, which
  * keeps rows that couple everything (one body, many contacts) for last.
  */
@@ -23,7 +24,16 @@ typedef struct lin_columns {
   const double *val;
 } lin_columns;
 
+typedef enum lin_ordering {
+  LIN_BY_COUNT,    /* cheap; switches to a trial when it fills in */
+  LIN_TRY_COLAMD,  /* the next factorisation decides */
+  LIN_KEEP_COLAMD, /* it paid */
+  LIN_KEEP_COUNT,  /* it did not */
+} lin_ordering;
+
 typedef struct lin_lu {
+  int ordering; /* lin_ordering; set to LIN_BY_COUNT to start a series of similar matrices */
+  double spent; /* operations per entry of the factorisation that made COLAMD worth a trial */
   int cap_n, n;
   int cap_nnz;     /* most entries a matrix may have */
   size_t cap_fill; /* entries of `index` and `value` */

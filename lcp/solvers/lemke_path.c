@@ -72,14 +72,9 @@ static void solve_refined(lemke_path *t, const double *r, double *x) {
   const int n = t->sys.n;
   memcpy(x, r, sizeof(double) * (size_t)n);
   lin_basis_solve(&t->basis, x);
-  lin_basis_residual(&t->basis, x, r, t->sum);
-  for (int i = 0; i < n; ++i) {
-    t->lex[i] = (double)t->sum[i];
-  }
+  lin_basis_defect(&t->basis, x, r, t->lex);
   lin_basis_solve(&t->basis, t->lex);
-  for (int i = 0; i < n; ++i) {
-    x[i] += t->lex[i];
-  }
+  subtract(n, -1, t->lex, x);
 }
 
 static bool refactor(lemke_path *t) {
@@ -349,6 +344,7 @@ static int helper_row(const lemke_path *t, int j) {
  * residual test. */
 static bool factor_first(lemke_path *t) {
   memset(t->tried, 0, (size_t)t->sys.n);
+  t->basis.lu.ordering = LIN_BY_COUNT;
   for (int round = 0; round < REPAIRS; ++round) {
     lin_basis_start(&t->basis, &t->sys, t->in_z);
     if (refactor(t)) {

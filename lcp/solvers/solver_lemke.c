@@ -8,13 +8,14 @@
 
 typedef struct lemke_options {
   lcp_stop stop;
+  int restarts; /* first bases tried after a ray that proves nothing */
 } lemke_options;
 
 static const base_field FIELDS[] = {
     LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
+    BASE_FIELD(lemke_options, restarts, BASE_INT, "1", 4, 0, 1000,
+               "other first bases tried after a ray that proves nothing"),
 };
-
-enum { RESTARTS = 4 }; /* other first bases tried after a ray */
 
 typedef struct lemke_state {
   lemke_system system;
@@ -151,7 +152,7 @@ static int partner(lemke_state *k, int i) {
 /* After a ray that proves nothing: the same method on the principal transforms of the problem that
  * have the blocked pair and one partner basic (a bimatrix game ends every path from the origin on a
  * ray, but not from there). */
-static bool restart_after_ray(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result *res) {
   const lemke_system *s = &k->system;
   const int pair = k->path.entering % s->rows;
   if (s->rows > s->n) {
@@ -159,7 +160,7 @@ static bool restart_after_ray(lemke_state *k, const lcp_stop *stop, lcp_result *
   }
   memset(k->used, 0, (size_t)s->n);
   memcpy(k->ray_basis, k->path.in_z, (size_t)s->n);
-  for (int round = 0; round < RESTARTS; ++round) {
+  for (int round = 0; round < o->restarts; ++round) {
     const int j = partner(k, pair);
     if (j < 0) {
       return false;
@@ -169,8 +170,11 @@ static bool restart_after_ray(lemke_state *k, const lcp_stop *stop, lcp_result *
     k->path.in_z[pair] = 1;
     k->path.in_z[j] = 1;
     res->work.fallbacks++;
+    res->variant = "restart";
     const lemke_end end = lemke_path_run(&k->path, s, ATTEMPTS[0]);
-    if (accept(k, stop, res) || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+    const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
+    res->outcome = last ? outcome_of(end) : res->outcome;
+    if (accept(k, &o->stop, res) || last) {
       return true;
     }
   }
@@ -183,7 +187,7 @@ static bool ray_is_final(const lcp_problem *p) {
 }
 
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
-static void run_attempts(lemke_state *k, const lcp_problem *p, const lcp_stop *stop, double *z,
+static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
   bool warm = start_basis(k, z);
   for (int a = 0; a < BASE_COUNT(ATTEMPTS);) {
@@ -195,19 +199,20 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lcp_stop *s
     if (last || a == 0) {
       res->outcome = outcome_of(end);
     }
-    if (accept(k, stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
+    if (accept(k, &o->stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
       break;
     }
-    if (end == LEMKE_RAY && a == 0 && !ray_is_final(p) && restart_after_ray(k, stop, res)) {
+    if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) && restart_after_ray(k, o, res)) {
       break;
     }
+    res->variant = warm ? "cold" : "tolerances";
     a += !warm;
     warm = false;
     memset(z, 0, sizeof(double) * (size_t)p->M.n);
     (void)start_basis(k, z);
     res->work.fallbacks += a < BASE_COUNT(ATTEMPTS);
   }
-  if (res->residual <= stop->tol) {
+  if (res->residual <= o->stop.tol) {
     res->outcome = LCP_SOLVED;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = k->basis};
   } else if (res->certificate.kind == LCP_CERT_FARKAS) {
@@ -227,7 +232,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   t->deadline = base_seconds() + o->stop.max_seconds;
   t->basis.factorizations = 0;
   t->basis.backsolves = 0;
-  run_attempts(k, p, &o->stop, z, res);
+  run_attempts(k, p, o, z, res);
   memcpy(z, k->best, sizeof(double) * (size_t)p->M.n);
   res->work.iterations = t->pivots;
   res->work.pivots = t->pivots;

@@ -271,8 +271,13 @@ static void bimatrix_game_is_solved(void **state) {
   start(&s, 4);
   memcpy(s.M, M, sizeof M);
   s.q[0] = s.q[1] = s.q[2] = s.q[3] = -1;
+  run_with(&s, "restarts=0");
+  assert_int_equal(s.res.outcome, LCP_RAY);
+  memset(s.z, 0, sizeof s.z);
   run(&s);
   check_solved(&s);
+  assert_string_equal(s.res.variant, "restart");
+  assert_true(s.res.work.fallbacks > 0);
 }
 
 static void pivot_limit_is_reported(void **state) {
