@@ -18,6 +18,7 @@ typedef struct murty {
   double *T;         /* n*n, column-major: basic = T nonbasic + b */
   double *b, *noise; /* n; n: size of the terms b is made of */
   double *row, *w;   /* n */
+  double *scale;     /* power of two near 1/sqrt |M_ii|: conditions the last factorisation */
   unsigned char *in; /* z_i basic */
 } murty;
 
@@ -33,15 +34,21 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   s->noise = BASE_ARRAY(a, double, cap->n);
   s->row = BASE_ARRAY(a, double, cap->n);
   s->w = BASE_ARRAY(a, double, cap->n);
+  s->scale = BASE_ARRAY(a, double, cap->n);
   s->in = BASE_ARRAY(a, unsigned char, cap->n);
 }
 
 static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
-  (void)p;
   (void)err;
   murty *s = state;
   lcp_direct_begin(&s->direct);
+  lcp_matrix_diagonal(&p->M, s->scale);
+  for (int i = 0; i < p->M.n; i++) {
+    int e = 0;
+    (void)frexp(s->scale[i], &e);
+    s->scale[i] = (s->scale[i] != 0) ? ldexp(1, -e / 2) : 1;
+  }
   return BASE_OK;
 }
 
@@ -111,7 +118,7 @@ static lcp_outcome pivot(murty *s, const lcp_problem *p, const lcp_stop *stop, l
 /* z of the last basis from a factorisation of M_FF, refined once. */
 static bool settle(murty *s, const lcp_problem *p, double *z, lcp_work *work, base_status *status) {
   const int n = p->M.n;
-  if (!lcp_direct_factor(&s->direct, &p->M, s->in, NULL, NULL, NULL, status)) {
+  if (!lcp_direct_factor(&s->direct, &p->M, s->in, NULL, s->scale, s->scale, status)) {
     return false;
   }
   work->factorizations++;
@@ -121,11 +128,11 @@ static bool settle(murty *s, const lcp_problem *p, double *z, lcp_work *work, ba
   }
   for (int round = 0; round < 2; round++) {
     for (int i = 0; i < n; i++) {
-      s->row[i] = s->in[i] ? -s->w[i] : 0;
+      s->row[i] = s->in[i] ? -s->scale[i] * s->w[i] : 0;
     }
     lcp_direct_solve(&s->direct, n, s->row);
     for (int i = 0; i < n; i++) {
-      z[i] += s->in[i] ? s->row[i] : 0;
+      z[i] += s->in[i] ? s->scale[i] * s->row[i] : 0;
     }
     lcp_matrix_apply(&p->M, z, p->q, s->w, NULL);
     work->matvecs++;

@@ -1,0 +1,236 @@
+/* Every registered solver against every golden problem it admits: what lcp_solver.h promises. A
+ * new solver is covered without touching this file. */
+#include "tests/support/check.h"
+
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+#include "tests/support/golden.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { N_MAX = 128, OPT_MAX = 512, CASE_MAX = 4096 };
+
+typedef struct pair {
+  const lcp_solver *s;
+  const golden *g;
+  char name[128];
+} pair;
+
+/* Problems that a solver should solve and does not, each with what is known of why. */
+static const struct {
+  const char *solver, *problem, *reason;
+} misses[] = {
+    {"interior_point", "free row", "breaks down (numerical) when free and barrier rows couple"},
+};
+
+static bool is_missed(const pair *c) {
+  for (int i = 0; i < BASE_COUNT(misses); i++) {
+    if (strcmp(misses[i].solver, c->s->name) == 0 && strcmp(misses[i].problem, c->g->name) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* One solve from z = 0 in an instance that stays open. */
+typedef struct run {
+  double z[N_MAX];
+  lcp_result res;
+} run;
+
+static void solve_once(lcp_instance *k, const lcp_solver *s, run *r) {
+  base_error err = {0};
+  memset(r, 0, sizeof *r);
+  const long heap_before = check_heap_calls;
+  check_ok(lcp_instance_solve(k, NULL, r->z, &r->res, &err), &err);
+  if (!s->allocates) {
+    assert_int_equal(check_heap_calls, heap_before);
+  }
+}
+
+/* y >= 0, M'y <= 0, q'y < 0; free rows: any sign, (M'y)_i = 0. */
+static void check_farkas(const lcp_problem *p, const double *y) {
+  const int n = p->M.n;
+  static double dense[N_MAX * N_MAX];
+  lcp_matrix_to_dense(&p->M, dense);
+  long double gain = 0;
+  for (int j = 0; j < n; j++) {
+    long double column = 0;
+    for (int i = 0; i < n; i++) {
+      column += (long double)dense[j * n + i] * y[i];
+    }
+    assert_true(y[j] >= 0 && column <= 0);
+    gain += (long double)p->q[j] * y[j];
+  }
+  assert_true(gain < 0);
+}
+
+static void check_claim(const pair *c, const run *r) {
+  const lcp_problem *p = &c->g->p;
+  base_error err = {0};
+  lcp_verdict v;
+  check_ok(lcp_judge(p, r->z, &v, &err), &err);
+  const bool solvable = c->g->answer == KNOWN_UNIQUE || c->g->answer == KNOWN_SOLVABLE;
+  const bool hopeless = c->g->answer == KNOWN_INFEASIBLE || c->g->answer == KNOWN_UNSOLVABLE;
+  if (r->res.outcome == LCP_SOLVED) {
+    assert_false(hopeless);
+    check_close(v.rho, 0.0, c->s->exact ? LCP_VERIFY_EXACT : LCP_VERIFY_ITERATIVE);
+  } else if (r->res.outcome == LCP_INFEASIBLE) {
+    assert_false(solvable);
+    assert_int_equal(c->g->answer, KNOWN_INFEASIBLE);
+    assert_int_equal(r->res.certificate.kind, LCP_CERT_FARKAS);
+    check_farkas(p, r->res.certificate.vector);
+  }
+  const bool definite = (p->traits & LCP_PD) != 0 && c->g->answer != KNOWN_UNSTATED;
+  if ((c->g->easy || (c->s->exact && definite)) && !is_missed(c)) {
+    assert_string_equal(lcp_outcome_name(r->res.outcome), "ok");
+  }
+  double top = 0;
+  for (int i = 0; c->g->z != NULL && i < p->M.n; i++) {
+    top = fmax(top, fabs(c->g->z[i]));
+  }
+  for (int i = 0; c->s->exact && c->g->answer == KNOWN_UNIQUE && c->g->z != NULL &&
+                  r->res.outcome == LCP_SOLVED && i < p->M.n;
+       i++) {
+    check_close(r->z[i], c->g->z[i], 1e-8 * top); /* rho 1e-10 times a condition below 100 */
+  }
+}
+
+static void keeps_its_promises(void **state) {
+  const pair *c = *state;
+  const lcp_problem *p = &c->g->p;
+  assert_true(p->M.n <= N_MAX && c->s->options_size <= OPT_MAX);
+  base_error err = {0};
+  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+  _Alignas(16) unsigned char opt_before[OPT_MAX];
+  base_fields_default(c->s->fields, c->s->n_fields, opt);
+  if (base_fields_set(c->s->fields, c->s->n_fields, opt, "max_iter", "20000", &err) != BASE_OK) {
+    fail_msg("%s", err.text);
+  }
+  memcpy(opt_before, opt, sizeof opt);
+  double q[N_MAX];
+  memcpy(q, p->q, (size_t)p->M.n * sizeof *q);
+
+  lcp_instance *k;
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  check_ok(lcp_instance_open(&k, c->s, &cap, opt, &err), &err);
+  const base_status prepared = lcp_instance_prepare(k, p, &err);
+  if (prepared == BASE_EUNSUPPORTED) {
+    lcp_instance_close(k);
+    skip();
+  }
+  check_ok(prepared, &err);
+  static run first;
+  static run again;
+  solve_once(k, c->s, &first);
+  check_claim(c, &first);
+  solve_once(k, c->s, &again);
+  assert_memory_equal(first.z, again.z, sizeof first.z);
+  assert_int_equal(first.res.outcome, again.res.outcome);
+  assert_memory_equal(&first.res.work, &again.res.work, sizeof first.res.work);
+  assert_memory_equal(opt, opt_before, sizeof opt);
+  assert_memory_equal(p->q, q, (size_t)p->M.n * sizeof *q);
+  lcp_instance_close(k);
+}
+
+/* A solver that meets a problem with sets or traits it does not declare is refused by name. */
+static void refuses_by_name(void **state) {
+  (void)state;
+  int ns;
+  int ng;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  const golden *g = goldens(&ng);
+  for (int i = 0; i < ns; i++) {
+    for (int j = 0; j < ng; j++) {
+      base_error err = {0};
+      if (lcp_solver_admits(s[i], &g[j].p, &err) != BASE_OK) {
+        assert_int_equal(err.code, BASE_EUNSUPPORTED);
+        assert_non_null(strstr(err.text, s[i]->name));
+      }
+    }
+  }
+}
+
+/* Opening fails cleanly when any of its allocations does. */
+static void open_survives_every_failed_allocation(void **state) {
+  (void)state;
+  int ns;
+  int ng;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  const golden *g = goldens(&ng);
+  const lcp_capacity cap = lcp_problem_capacity(&g[1].p);
+  for (int i = 0; i < ns; i++) {
+    _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+    base_fields_default(s[i]->fields, s[i]->n_fields, opt);
+    for (long k = 1;; k++) {
+      base_error err = {0};
+      lcp_instance *inst;
+      check_heap_fail_at = k;
+      const base_status status = lcp_instance_open(&inst, s[i], &cap, opt, &err);
+      const bool reached = check_heap_fail_at == 0;
+      check_heap_fail_at = 0;
+      if (!reached) { /* fewer than k allocations: all of them have been failed in turn */
+        check_ok(status, &err);
+        lcp_instance_close(inst);
+        break;
+      }
+      assert_int_equal(status, BASE_ENOMEM);
+      assert_null(inst);
+    }
+  }
+}
+
+/* A workspace opened for less grows when a larger problem is bound, and solve before prepare is an
+ * error, not a crash. */
+static void grows_and_refuses_misuse(void **state) {
+  (void)state;
+  int ns;
+  int ng;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  const golden *g = goldens(&ng);
+  for (int i = 0; i < ns; i++) {
+    if (lcp_solver_admits(s[i], &g[1].p, NULL) != BASE_OK) {
+      continue;
+    }
+    _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+    base_fields_default(s[i]->fields, s[i]->n_fields, opt);
+    base_error err = {0};
+    lcp_instance *k;
+    const lcp_capacity cap = lcp_problem_capacity(&g[0].p);
+    check_ok(lcp_instance_open(&k, s[i], &cap, opt, &err), &err);
+    double z[N_MAX] = {0};
+    lcp_result res;
+    assert_int_equal(lcp_instance_solve(k, NULL, z, &res, &err), BASE_EINVAL);
+    check_ok(lcp_instance_prepare(k, &g[1].p, &err), &err);
+    check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
+    check_close(z[1], g[1].z[1], 1e-4);
+    assert_true(lcp_instance_bytes(k) > 0);
+    lcp_instance_close(k);
+  }
+}
+
+int main(void) {
+  static pair pairs[CASE_MAX];
+  static struct CMUnitTest tests[CASE_MAX + 3]; /* unused entries are skipped by cmocka */
+  int ns;
+  int ng;
+  int nt = 0;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  const golden *g = goldens(&ng);
+  for (int i = 0; i < ns; i++) {
+    for (int j = 0; j < ng && nt < CASE_MAX; j++) {
+      if (lcp_solver_admits(s[i], &g[j].p, NULL) == BASE_OK) {
+        pair *c = &pairs[nt];
+        c->s = s[i];
+        c->g = &g[j];
+        (void)snprintf(c->name, sizeof c->name, "%s on %s", s[i]->name, g[j].name);
+        tests[nt++] = (struct CMUnitTest){c->name, keeps_its_promises, NULL, NULL, c};
+      }
+    }
+  }
+  tests[nt++] = (struct CMUnitTest)cmocka_unit_test(refuses_by_name);
+  tests[nt++] = (struct CMUnitTest)cmocka_unit_test(open_survives_every_failed_allocation);
+  tests[nt++] = (struct CMUnitTest)cmocka_unit_test(grows_and_refuses_misuse);
+  return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
+}
