@@ -221,8 +221,10 @@ base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool
   return BASE_OK;
 }
 
-/* Poisson: adds e lambda_n of the compression to the impulses and to the friction bounds. True if
- * there is anything to give back. */
+/* Poisson: adds e lambda_n of the compression to the impulses and to the friction bounds. Of
+ * lambda_n only the share that stopped the approach is given back, not what carried the loads of
+ * the step; a single contact without friction then bounces as with Newton's law. True if there is
+ * anything to give back. */
 static bool decompress(polyhedral *s) {
   const contact_set *c = s->a.set;
   bool any = false;
@@ -232,7 +234,7 @@ static bool decompress(polyhedral *s) {
     const double gain = fmax(0.0, u - s->a.r_normal[g]);
     double *lambda = s->base + s->a.row[i];
     if (c->restitution[g] > 0 && lambda[0] > 0 && -u > s->opt.rest * gain) {
-      s->cone[i] = c->restitution[g] * lambda[0];
+      s->cone[i] = c->restitution[g] * lambda[0] * u / (u - gain);
       lambda[0] += s->cone[i];
       if (s->opt.planar == POLY_THREE && c->dim == 2 && s->shape_of[i]->n_part > 0) {
         lambda[1] -= s->bound[POLY_PARTS * i] * s->cone[i];
