@@ -215,9 +215,10 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   return (largest > 0) ? worst / largest : 0;
 }
 
-/* Carries nothing that the tolerance can see: its direction is noise (MATH 2.5). */
+/* Carries and asks for nothing that the tolerance can see: its direction is noise (MATH 2.5). */
 static bool is_idle(const regularized *s, const reg_part *p) {
-  return p->load <= s->opt.tol * s->largest;
+  const double least = s->opt.tol * s->largest;
+  return p->load <= least && norm(p->tau, p->dim) <= least;
 }
 
 void reg_modes_next(regularized *s) {
@@ -228,7 +229,7 @@ void reg_modes_next(regularized *s) {
     reg_part *p = &s->part[k];
     const unsigned char was = p->mode;
     const double tau = norm(p->tau, p->dim);
-    if (is_idle(s, p) && tau <= s->opt.tol * s->largest) {
+    if (is_idle(s, p)) {
       continue;
     }
     p->r = p->next_r;
