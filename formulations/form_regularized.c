@@ -10,13 +10,18 @@
 typedef reg_options options;
 
 static const base_field fields[] = {
-    BASE_FIELD_CHOICE(options, model, "bristle|viscous", 0, "law of the static phase"),
+    BASE_FIELD_CHOICE(options, model, "bristle|viscous|lugre", 0, "law of the static phase"),
     BASE_FIELD_CHOICE(options, bias, "velocity|position", 0, "level of the normal rows"),
     BASE_FIELD_CHOICE(options, stiffness, "ratio|fixed", 0, "scaled to the masses, or k and c"),
     BASE_FIELD(options, ratio, BASE_REAL, "1", 100, 1e-6, 1e15, "G/m_t, G = h^2 k + h c"),
     BASE_FIELD(options, zeta, BASE_REAL, "1", 0.7, 0, 100, "damping of the bristle"),
     BASE_FIELD(options, k, BASE_REAL, "N/m", 1e6, 0, 1e18, "fixed stiffness"),
     BASE_FIELD(options, c, BASE_REAL, "N s/m", 1e3, 0, 1e18, "fixed damping"),
+    BASE_FIELD(options, sigma0, BASE_REAL, "N/m", 1e5, 0, 1e15, "LuGre stiffness"),
+    BASE_FIELD(options, sigma1, BASE_REAL, "N s/m", 316.22776601683796, 0, 1e15, "LuGre damping"),
+    BASE_FIELD(options, sigma2, BASE_REAL, "N s/m", 0.4, 0, 1e15, "LuGre viscous friction"),
+    BASE_FIELD(options, v_stribeck, BASE_REAL, "m/s", 1e-3, 1e-12, 1e6, "LuGre Stribeck speed"),
+    BASE_FIELD(options, ellipse, BASE_REAL, "1", 1, 1e-3, 1e3, "mu along t2 over mu along t1"),
     BASE_FIELD_CHOICE(options, impact, "keep|boost", 0, "raise G to the ratio at impacts"),
     BASE_FIELD_CHOICE(options, modes, "newton|plain|secant", 0, "iteration of stick and slip"),
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),

@@ -13,14 +13,16 @@
  *   S  stick            lambda_t = -h tau
  *   L  slip, linearised lambda_t = -mu lambda_n d - r (I - d d') h tau
  *   R  secant           lambda_t = -r h tau,   r = min(1, mu lambda_n / |h tau|) of the last iterate
- * and the modes are found by solving again: L is a Newton step, R always converges. */
+ * and the modes are found by solving again: L is a Newton step, R always converges. With an ellipse
+ * of friction coefficients the second tangent is scaled so that the law is a circle again; k and c
+ * then differ along the axes like mu^2, for which the radial return is exact (MATH 2.3.11). */
 #pragma once
 
 #include "formulations/assembly.h"
 
 enum { REG_KINDS = 3 }; /* friction, torsion, rolling */
 typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT } reg_mode;
-typedef enum reg_model { REG_BRISTLE, REG_VISCOUS } reg_model;
+typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
 typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY } reg_modes;
 
 typedef struct reg_options {
@@ -33,6 +35,8 @@ typedef struct reg_options {
   int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
   int modes;     /* reg_modes */
   int form;      /* 0 by size, 1 contact space, 2 mass matrix */
+  double sigma0, sigma1, sigma2, v_stribeck; /* LuGre [N/m], [N s/m], [N s/m], [m/s] */
+  double ellipse;                            /* mu along t2 over mu along t1 [1] */
   int activation, restitution;
   double tol;      /* of the mode loop, on the friction impulses over the largest impulse [1] */
   int mode_iter;   /* most solves in a step */
@@ -45,15 +49,18 @@ typedef struct reg_part {
   int kind;     /* 0 friction, 1 torsion, 2 rolling */
   int row, dim; /* rows row .. row+dim-1 of the assembly */
   double mu_static, mu_kinetic;
-  double k, c, G, m;     /* m: effective mass m_t [kg] */
-  double s[2];           /* at the start of the step [m] */
-  double d[2], r;        /* slip direction, secant factor of the current mode */
-  double tau[2];         /* h tau of the last iterate [N s] */
-  double next_r;         /* min(1, mu lambda_n / |h tau|) there */
-  double load;           /* mu lambda_n there, an impulse [N s] */
-  unsigned char mode;    /* reg_mode */
-  unsigned char sliding; /* mu is the kinetic one */
-  unsigned char flips;   /* changes of `sliding` in this step */
+  double k, c, G, m; /* m: effective mass m_t [kg] */
+  double pull;       /* h k: impulse per deflection [N s/m]; LuGre: kappa */
+  double axis2;      /* ellipse: t2 is measured in units of it, where the law is a circle [1] */
+  double eta, next_eta, v[2]; /* LuGre */
+  double s[2];                /* at the start of the step [m] */
+  double d[2], r;             /* slip direction, secant factor of the current mode */
+  double tau[2];              /* h tau of the last iterate [N s] */
+  double next_r;              /* min(1, mu lambda_n / |h tau|) there */
+  double load;                /* mu lambda_n there, an impulse [N s] */
+  unsigned char mode;         /* reg_mode */
+  unsigned char sliding;      /* mu is the kinetic one */
+  unsigned char flips;        /* changes of `sliding` in this step */
 } reg_part;
 
 /* One compliant row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
@@ -120,6 +127,12 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u);
 void reg_modes_next(regularized *s);
 /* Puts the law's friction impulses into lambda and stores states and modes. */
 void reg_commit(regularized *s, double *lambda);
+
+/* regularized_lugre.c */
+void reg_lugre_begin(const reg_options *o, double h, reg_part *p);
+void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_n, const double *u);
+void reg_lugre_next(const reg_options *o, double h, int iteration, reg_part *p);
+double reg_lugre_state(const reg_part *p, double h, int m);
 
 int reg_stride(void); /* doubles remembered per contact */
 

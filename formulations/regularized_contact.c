@@ -26,20 +26,21 @@ static void add_row(regularized *s, int group, int row, int n, const double *c, 
 
 /* The compliant directions of one part. */
 static void part_rows(regularized *s, const reg_part *p) {
-  static const double axis[2][2] = {{1, 0}, {0, 1}};
+  const double axis[2] = {1, p->axis2};
   const double r = (p->mode == REG_STICK) ? 1 : p->r;
   if (!(p->G * r > 0)) {
     return;
   }
   const double compliance = 1 / (p->G * r);
-  const double spring = s->a.set->h * p->k / p->G; /* of s, as a velocity */
+  const double spring = p->pull / p->G; /* of s, as a velocity */
   if (p->mode != REG_SLIP) {
     for (int m = 0; m < p->dim; m++) {
-      add_row(s, p->contact, p->row + m, 1, axis[0], compliance, spring * p->s[m]);
+      add_row(s, p->contact, p->row + m, 1, &axis[m], compliance, spring * p->s[m]);
     }
   } else if (p->dim == 2 && s->opt.modes != REG_PLAIN) {
     const double across[2] = {-p->d[1], p->d[0]};
-    add_row(s, p->contact, p->row, 2, across, compliance,
+    const double scaled[2] = {across[0], p->axis2 * across[1]};
+    add_row(s, p->contact, p->row, 2, scaled, compliance,
             spring * (across[0] * p->s[0] + across[1] * p->s[1]));
   }
 }
@@ -69,7 +70,8 @@ void reg_slip_column(const regularized *s, int j, double *f) {
     const reg_part *p = &s->part[k];
     if (p->mode == REG_SLIP) {
       for (int m = 0; m < p->dim; m++) {
-        f[p->row - s->a.row[j] + m] = -friction_bound(p) * p->d[m];
+        const double unit = (m == 1) ? p->axis2 : 1;
+        f[p->row - s->a.row[j] + m] = -friction_bound(p) * p->d[m] * unit;
       }
     }
   }
@@ -97,11 +99,11 @@ static void through(const double *block, int ri, int rj, const double *f, double
 static const double *row_velocity(const reg_row *q, int first, const double *block, int ri,
                                   double *v) {
   const double *row = block + (ptrdiff_t)(q->row - first) * ri;
-  if (q->n == 1) {
+  if (q->n == 1 && q->c[0] == 1) {
     return row;
   }
   for (int p = 0; p < ri; p++) {
-    v[p] = q->c[0] * row[p] + q->c[1] * row[ri + p];
+    v[p] = q->c[0] * row[p] + ((q->n == 2) ? q->c[1] * row[ri + p] : 0);
   }
   return v;
 }

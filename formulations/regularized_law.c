@@ -34,11 +34,13 @@ static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *
     p->c = o->c * arm * arm;
   }
   p->G = h * h * p->k + h * p->c;
+  p->pull = h * p->k;
   if (boost && p->G > 0 && p->G < o->ratio * p->m) {
     const double up = o->ratio * p->m / p->G;
     p->k *= up;
     p->c *= up;
     p->G *= up;
+    p->pull *= up;
   }
 }
 
@@ -113,6 +115,10 @@ static bool has_impact(const regularized *s) {
   return false;
 }
 
+static bool is_lugre(const regularized *s, const reg_part *p) {
+  return s->opt.model == REG_LUGRE && p->kind == 0;
+}
+
 static void add_part(regularized *s, int i, int kind, int row, int dim, bool boost) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i];
@@ -130,8 +136,15 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
     return; /* nothing can move, or nothing holds */
   }
   p->m = 1 / inverse;
+  p->axis2 = (kind == 0 && dim == 2) ? s->opt.ellipse : 1;
   set_stiffness(&s->opt, c->h, boost, p);
   restore(s, g, p);
+  if (is_lugre(s, p)) {
+    p->eta = p->r;
+    p->r = 1;
+    p->mode = REG_STICK;
+    reg_lugre_begin(&s->opt, c->h, p);
+  }
   s->n_part++;
 }
 
@@ -159,17 +172,29 @@ static double norm(const double *x, int n) {
   return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
+/* An impulse along axis m is this many units of the circular law. */
+static double axis_unit(const reg_part *p, int m) {
+  return (m == 1) ? p->axis2 : 1;
+}
+
 /* h tau from the end velocity, or where lambda follows it with full accuracy (a stiff spring times
  * a small velocity would lose digits) from lambda. */
 static void trial(const regularized *s, reg_part *p, const double *lambda, const double *u) {
-  const double h = s->a.set->h;
+  double v[2] = {u[p->row], 0};
+  if (p->dim == 2) {
+    v[1] = p->axis2 * u[p->row + 1];
+  }
+  if (is_lugre(s, p)) {
+    reg_lugre_trial(&s->opt, s->a.set->h, p, lambda[s->a.row[p->contact]], v);
+    return;
+  }
   for (int m = 0; m < p->dim; m++) {
-    p->tau[m] = h * p->k * p->s[m] + p->G * u[p->row + m];
+    p->tau[m] = p->pull * p->s[m] + p->G * v[m];
   }
   if (p->mode == REG_STICK || (p->mode == REG_SECANT && p->r > 0)) {
     const double r = (p->mode == REG_STICK) ? 1 : p->r;
     for (int m = 0; m < p->dim; m++) {
-      p->tau[m] = -lambda[p->row + m] / r;
+      p->tau[m] = -lambda[p->row + m] / (r * axis_unit(p, m));
     }
   }
 }
@@ -180,7 +205,10 @@ static double bound_of(const reg_part *p, double lambda_n) {
 
 /* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATH 2.3.6). At
  * most one change to and fro in a step. */
-static void choose_coefficient(reg_part *p, double tau, double lambda_n) {
+static void choose_coefficient(const regularized *s, reg_part *p, double tau, double lambda_n) {
+  if (is_lugre(s, p)) {
+    return; /* mu_k and mu_s are both in its g */
+  }
   const double mu = p->sliding ? p->mu_kinetic : p->mu_static;
   const bool slides = tau > mu * fmax(lambda_n, 0.0);
   if (slides != (p->sliding != 0) && p->flips < 2) {
@@ -199,13 +227,14 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
       reg_part *p = &s->part[k];
       trial(s, p, lambda, u);
       const double tau = norm(p->tau, p->dim);
-      choose_coefficient(p, tau, ln);
+      choose_coefficient(s, p, tau, ln);
       const double bound = bound_of(p, ln);
       const double scale = (tau > bound) ? bound / tau : 1;
       const double arm = (p->kind == 0) ? 1 : p->mu_static;
       for (int m = 0; m < p->dim; m++) {
-        worst = fmax(worst, fabs(lambda[p->row + m] + scale * p->tau[m]) / arm);
-        largest = fmax(largest, fabs(lambda[p->row + m]) / arm);
+        const double l = lambda[p->row + m] / axis_unit(p, m);
+        worst = fmax(worst, fabs(l + scale * p->tau[m]) / arm);
+        largest = fmax(largest, fabs(l) / arm);
       }
       p->next_r = scale;
       p->load = bound / arm;
@@ -229,6 +258,10 @@ void reg_modes_next(regularized *s) {
     reg_part *p = &s->part[k];
     const unsigned char was = p->mode;
     const double tau = norm(p->tau, p->dim);
+    if (is_lugre(s, p)) {
+      reg_lugre_next(&s->opt, s->a.set->h, s->iteration, p);
+      continue;
+    }
     if (is_idle(s, p)) {
       continue;
     }
@@ -251,7 +284,7 @@ static void store(regularized *s, const reg_part *p, const double *next) {
   double *m = contact_memory_now(&s->memory, g) + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
   m[PAST_MODE] = (p->next_r < 1 && !is_idle(s, p)) ? REG_SLIP : REG_STICK;
   m[PAST_SLIDING] = p->sliding;
-  m[PAST_R] = p->next_r;
+  m[PAST_R] = is_lugre(s, p) ? p->next_eta : p->next_r;
   const double tau = norm(p->tau, p->dim);
   const double d[2] = {(tau > 0) ? p->tau[0] / tau : 0, (tau > 0) ? p->tau[1] / tau : 0};
   if (p->dim == 1) {
@@ -280,12 +313,15 @@ void reg_commit(regularized *s, double *lambda) {
     const bool idle = is_idle(s, p);
     const bool left = !(ln > 0) && c->gap[g] > 10 * c->tol; /* separated: nothing is kept */
     for (int m = 0; m < p->dim; m++) {
-      const double l = idle ? lambda[p->row + m] : -p->next_r * p->tau[m];
-      lambda[p->row + m] = l;
-      if (p->next_r < 1) {
+      const double unit = axis_unit(p, m);
+      const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];
+      lambda[p->row + m] = l * unit;
+      if (is_lugre(s, p)) {
+        next[m] = (ln > 0) ? reg_lugre_state(p, c->h, m) : 0;
+      } else if (p->next_r < 1) {
         next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;
       } else if (p->G > 0) { /* s + h v_t with v_t = -(l + h k s)/G */
-        next[m] = p->s[m] - c->h * (l + c->h * p->k * p->s[m]) / p->G;
+        next[m] = p->s[m] - c->h * (l + p->pull * p->s[m]) / p->G;
       }
       next[m] = left ? 0 : next[m];
       out->spring_energy += 0.5 * p->k * next[m] * next[m];

@@ -1,6 +1,7 @@
 #include "tests/support/rig.h"
 
 #include "lcp/base/rng.h"
+#include "tests/support/relax.h"
 #include "tests/support/tableau.h"
 
 #include <math.h>
@@ -278,7 +279,11 @@ void rig_step(rig *r, formulation_run *run) {
       break;
     }
     double *z = calloc((size_t)p.M.n + 1, sizeof *z);
-    const lcp_outcome out = tableau_solve(&p, z);
+    bool plain = true;
+    for (int k = 0; k < p.n_block; k++) {
+      plain = plain && (p.block[k].set == LCP_ORTHANT || p.block[k].set == LCP_FREE);
+    }
+    const lcp_outcome out = plain ? tableau_solve(&p, z) : relax_solve(&p, z, 1e-13);
     r->solves++;
     formulation_recover(run, z, out, &err);
     free(z);
