@@ -100,7 +100,7 @@ static base_status repeat(measured *m, record *base, isolate_channel *out, base_
   }
   int least = (once > 10.0) ? 3 : s->samples;
   int most = (s->max_samples < CELL_SAMPLES) ? s->max_samples : CELL_SAMPLES;
-  if (m->status != RUN_OK) {
+  if (m->status != RUN_OK || once > s->budget) {
     least = most = 1;
   }
   const double from = base_seconds();
@@ -289,18 +289,21 @@ static base_status prepare_scene(measured *m, record *r, base_error *err) {
 
 /* ---- complementarity problems -----------------------------------------------------------------*/
 
-/* n_inner solves inside one bracket, each from its own copy of the start point; set-up and
- * factorisation are repeated as often, so that all phases are means over the same count. */
+/* n_inner solves inside one bracket, each from its own copy of the start point. Set-up and
+ * factorisation are repeated until they too have filled a bracket, at most as often. */
 static base_status time_loop(measured *m, lcp_instance *k, record *r, base_error *err) {
   const lcp_problem *p = m->source.p;
   const size_t n = (size_t)p->M.n;
   lcp_times sum = {0};
   const int loops = m->n_inner;
-  for (int i = 0; i < loops; i++) {
+  int prepared = 0;
+  const double inner = m->job->campaign->sampling.inner;
+  while (prepared < loops && (prepared == 0 || sum.setup + sum.factor < inner)) {
     BASE_TRY(lcp_instance_prepare(k, p, err));
     const lcp_times t = lcp_instance_times(k);
     sum.setup += t.setup;
     sum.factor += t.factor;
+    prepared++;
   }
   const double cpu = base_cpu_seconds();
   const double from = base_seconds();
@@ -310,8 +313,8 @@ static base_status time_loop(measured *m, lcp_instance *k, record *r, base_error
   }
   r->t_solve_s = (base_seconds() - from) / loops;
   r->t_cpu_s = (base_cpu_seconds() - cpu) / loops;
-  r->t_setup_s = sum.setup / loops;
-  r->t_factor_s = sum.factor / loops;
+  r->t_setup_s = sum.setup / prepared;
+  r->t_factor_s = sum.factor / prepared;
   r->t_total_s = r->t_setup_s + r->t_factor_s + r->t_solve_s;
   return BASE_OK;
 }
@@ -369,7 +372,7 @@ static base_status sample_lcp(measured *m, record *r, double *seconds, base_erro
   BASE_TRY(lcp_instance_open(&k, m->solver.solver, &cap, m->solver.opt, err));
   const base_status done = time_loop(m, k, r, err);
   lcp_instance_close(k);
-  *seconds = r->t_solve_s;
+  *seconds = r->t_solve_s; /* what the inner loop repeats */
   return done;
 }
 

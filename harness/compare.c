@@ -15,18 +15,8 @@ typedef struct samples {
   double x[COMPARE_SAMPLES];
 } samples;
 
-static double column_value(const record *r, const char *column) {
-  if (strcmp(column, "t_solve_s") == 0) {
-    return r->t_solve_s;
-  }
-  if (strcmp(column, "t_assemble_s") == 0) {
-    return r->t_assemble_s;
-  }
-  return (strcmp(column, "t_step_s") == 0) ? r->t_step_s : r->t_total_s;
-}
-
 static bool usable(const record *r, const char *column) {
-  return strcmp(r->status, "ok") == 0 && column_value(r, column) > 0.0;
+  return strcmp(r->status, "ok") == 0 && record_real(r, column) > 0.0;
 }
 
 static void collect(const record_table *t, const char *id, const char *column, samples *out) {
@@ -38,7 +28,7 @@ static void collect(const record_table *t, const char *id, const char *column, s
     for (int i = 0; i < t->n && n < COMPARE_SAMPLES; i++) {
       const record *r = &t->row[i];
       if (r->process == process && strcmp(r->cell_id, id) == 0 && usable(r, column)) {
-        out->x[n++] = column_value(r, column);
+        out->x[n++] = record_real(r, column);
         any = true;
       }
     }

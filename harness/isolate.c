@@ -12,6 +12,7 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -64,6 +65,7 @@ bool isolate_emit(isolate_channel *c, const void *item) {
 }
 
 static void limit_child(const isolate_limits *l) {
+  (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody measures on after the parent was killed */
   const struct rlimit none = {0, 0};
   (void)setrlimit(RLIMIT_CORE, &none);
   if (l->memory > 0) {

@@ -130,7 +130,9 @@ static base_status cell_key(const campaign *camp, cell *c, base_error *err) {
     char hex[SHA256_HEX];
     char seed[32];
     (void)snprintf(seed, sizeof seed, "%llu", (unsigned long long)camp->seed);
+    const char *slash = strrchr(c->problem, '/');
     const char *fields[] = {c->part,
+                            slash != NULL ? slash + 1 : c->problem, /* not the folder */
                             c->problem_sha256,
                             form.form != NULL ? form.form->name : "",
                             form.config,

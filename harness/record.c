@@ -30,6 +30,28 @@ const char *record_column(int i) {
   return columns[i].name;
 }
 
+static const column *find_real(const char *name) {
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    if (columns[i].kind == COLUMN_REAL && strcmp(columns[i].name, name) == 0) {
+      return &columns[i];
+    }
+  }
+  return NULL;
+}
+
+bool record_has_real(const char *name) {
+  return find_real(name) != NULL;
+}
+
+double record_real(const record *r, const char *name) {
+  const column *c = find_real(name);
+  double x = (double)NAN;
+  if (c != NULL) {
+    memcpy(&x, (const unsigned char *)r + c->offset, sizeof x);
+  }
+  return x;
+}
+
 void record_clear(record *r) {
   memset(r, 0, sizeof *r);
   for (int i = 0; i < BASE_COUNT(columns); i++) {
@@ -238,6 +260,32 @@ base_status record_table_append(record_table *t, const record *r, base_error *er
   return BASE_OK;
 }
 
+/* Rows of a process are written in one piece: those before a torn row that belong to the same
+ * process go with it. A row torn before its process number takes the last process along. */
+static void drop_torn(record_table *t, const char *torn) {
+  char cell[2048];
+  char id[sizeof t->row->cell_id] = "";
+  int64_t process = -1;
+  const char *at = torn;
+  for (int i = 0; at != NULL && *at != '\0' && i < 5; i++) {
+    at = take_cell(at, cell, sizeof cell);
+    const bool whole = at != NULL && *at != '\0';
+    if (whole && strcmp(columns[i].name, "cell_id") == 0) {
+      (void)snprintf(id, sizeof id, "%.*s", (int)sizeof id - 1, cell);
+    } else if (whole && strcmp(columns[i].name, "process") == 0) {
+      process = strtoll(cell, NULL, 10);
+    }
+  }
+  if (t->n > 0 && process < 0) {
+    memcpy(id, t->row[t->n - 1].cell_id, sizeof id);
+    process = t->row[t->n - 1].process;
+  }
+  while (t->n > 0 && t->row[t->n - 1].process == process &&
+         strcmp(t->row[t->n - 1].cell_id, id) == 0) {
+    t->n--;
+  }
+}
+
 static base_status read_lines(FILE *from, const char *path, record_table *out, base_error *err) {
   char header[4096];
   char line[RECORD_ROW];
@@ -248,6 +296,7 @@ static base_status read_lines(FILE *from, const char *path, record_table *out, b
     const size_t len = strlen(line);
     if (len == 0 || line[len - 1] != '\n') {
       out->torn = true; /* only the last line can lack its end: rows are shorter than the buffer */
+      drop_torn(out, line);
       return BASE_OK;
     }
     if (number == 1) {

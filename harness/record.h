@@ -58,8 +58,12 @@ base_status record_parse(const char *row, record *r, base_error *err);
 int record_columns(void);
 const char *record_column(int i);
 
+/* A real column by name; NaN where not measured or no such column. */
+double record_real(const record *r, const char *name);
+bool record_has_real(const char *name);
+
 /* All rows of a results.csv. Rows of another schema are refused; a last line without its newline
- * (a run killed while writing) is left out and reported in *torn. */
+ * (a run killed while writing) is left out with the rows of its process, and reported in torn. */
 typedef struct record_table {
   record *row; /* owned */
   int n, cap;

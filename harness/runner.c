@@ -86,7 +86,8 @@ typedef struct runner {
   const runner_options *o;
   runner_summary *sum;
   machine machine;
-  int fd; /* results.csv, append only */
+  int fd;   /* results.csv, append only */
+  int lock; /* .lock */
   bool *done;
   bool *ended; /* per cell: failed, no further processes */
   progress progress;
@@ -368,11 +369,34 @@ static base_status load_rows(runner *r, record_table *rows, base_error *err) {
   return BASE_OK;
 }
 
+/* One run at a time writes to a folder; another one waits for it and then goes on with what is
+ * left. The lock goes with the process, however it ends. */
+static base_status lock_directory(runner *r, base_error *err) {
+  char path[1100];
+  runner_path(r->o->out, ".lock", path, sizeof path);
+  r->lock = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+  struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+  if (r->lock < 0) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  }
+  if (fcntl(r->lock, F_SETLK, &whole) == 0) {
+    return BASE_OK;
+  }
+  (void)fprintf(stderr, "lcpbench: %s: another run is writing here; waiting for it\n", r->o->out);
+  while (fcntl(r->lock, F_SETLKW, &whole) != 0) {
+    if (errno != EINTR || isolate_stop_requested() != 0) {
+      return BASE_FAIL(err, BASE_EIO, "%s: another run is writing here", r->o->out);
+    }
+  }
+  return BASE_OK;
+}
+
 static base_status prepare(runner *r, base_error *err) {
   record_table rows = {0};
   const plan *p = r->plan;
   char path[1100];
   BASE_TRY(make_directory(r->o->out, err));
+  BASE_TRY(lock_directory(r, err));
   if (r->o->solutions) {
     runner_path(r->o->out, "solutions", path, sizeof path);
     BASE_TRY(make_directory(path, err));
@@ -395,7 +419,7 @@ static base_status prepare(runner *r, base_error *err) {
 base_status runner_run(const plan *p, const runner_options *o, runner_summary *out,
                        base_error *err) {
   *out = (runner_summary){.units = p->n_unit, .cells = p->n_cell};
-  runner r = {.plan = p, .o = o, .sum = out, .fd = -1};
+  runner r = {.plan = p, .o = o, .sum = out, .fd = -1, .lock = -1};
   machine_read(&r.machine);
   const double from = base_seconds();
   base_status done = prepare(&r, err);
@@ -407,6 +431,9 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
   out->wall = base_seconds() - from;
   if (r.fd >= 0 && close(r.fd) != 0 && done == BASE_OK) {
     done = BASE_FAIL(err, BASE_EIO, "results.csv: %s", strerror(errno));
+  }
+  if (r.lock >= 0) {
+    (void)close(r.lock);
   }
   record_table_free(&r.unit_rows);
   free(r.done);

@@ -136,12 +136,12 @@ static int run(int argc, char **argv) {
     json_decref(report.all);
     return cli_report(&err);
   }
-  const int total = report.count[0] + report.count[1] + report.count[2];
-  const bool printed = check_report_close(&report);
-  if (total == 0) {
+  if (report.count[0] + report.count[1] + report.count[2] == 0) {
+    json_decref(report.all);
     (void)BASE_FAIL(&err, BASE_EINVAL, "%s: no case matches the filter", path);
     return cli_report(&err);
   }
+  const bool printed = check_report_close(&report);
   if (isolate_stop_requested() != 0) {
     return CLI_SIGINT_EXIT;
   }

@@ -99,6 +99,9 @@ static int run(int argc, char **argv) {
   if (done == BASE_OK && (o.solver_a == NULL) != (o.solver_b == NULL)) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--solver-a and --solver-b belong together");
   }
+  if (done == BASE_OK && !record_has_real(o.column)) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--column %s: need a time column of results.csv", o.column);
+  }
   if (done == BASE_OK) {
     done = compare(dir, &o, &code, &err);
   }
@@ -108,7 +111,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_compare;
 const cli_verb verb_compare = {
     .name = "compare",
-    .usage = "compare A B [--column t_total_s|t_step_s|t_solve_s|t_assemble_s] [--noise X]"
+    .usage = "compare A B [--column t_total_s] [--noise X]"
              " [--solver-a S --solver-b S]",
     .help = "paired ratios B/A with intervals; inside the noise floor there is no difference",
     .run = run,

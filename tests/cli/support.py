@@ -1,0 +1,80 @@
+"""What the command-line tests share: running the program, rows of a campaign, a TAP runner."""
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import traceback
+
+LCPBENCH = os.environ["LCPBENCH"]
+FAULTY = os.environ["LCPBENCH_FAULTY"]
+SHARED = pathlib.Path(os.environ.get("LCPBENCH_SHARED", "../shared"))
+
+
+class Skip(Exception):
+    pass
+
+
+def run(*args, exe=LCPBENCH, code=0, timeout=120, **env):
+    """Runs lcpbench; checks the exit code (None: any) and returns the completed process."""
+    full = dict(os.environ, OPENBLAS_NUM_THREADS="1", **env)
+    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n != "LCPBENCH_SHARED"]:
+        del full[name]
+    done = subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, env=full)
+    if code is not None and done.returncode != code:
+        raise AssertionError(f"{' '.join(map(str, args))}: exit {done.returncode}, want {code}\n{done.stdout}{done.stderr}")
+    return done
+
+
+def run_json(*args, **kw):
+    return json.loads(run(*args, **kw).stdout)
+
+
+def one_line_error(*args, names=(), exe=LCPBENCH):
+    """Bad input: exit 2, nothing on stdout, one line on stderr that names the culprit."""
+    done = run(*args, exe=exe, code=2)
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, f"{args}: want one line on stderr, got {lines}"
+    assert done.stdout == "", f"{args}: wrote to stdout: {done.stdout[:100]}"
+    for name in names:
+        assert str(name) in lines[0], f"{args}: '{name}' is not named in: {lines[0]}"
+
+
+def rows(folder):
+    with open(pathlib.Path(folder) / "results.csv", newline="", encoding="utf-8") as f:
+        return list(csv.DictReader(f))
+
+
+def diagonal(folder, n, name="diag"):
+    """M = diag(2, 3, ...), q = -1: a problem that the faulty solvers with a known cost do solve."""
+    path = pathlib.Path(folder) / f"{name}{n}.M.mtx"
+    entries = "".join(f"{i} {i} {i + 1}\n" for i in range(1, n + 1))
+    path.write_text(f"%%MatrixMarket matrix coordinate real general\n{n} {n} {n}\n{entries}")
+    path.with_name(f"{name}{n}.q.mtx").write_text(f"%%MatrixMarket matrix array real general\n{n} 1\n" + "-1\n" * n)
+    return path
+
+
+def campaign(folder, text, name="t.yaml"):
+    path = pathlib.Path(folder) / name
+    path.write_text(text)
+    return path
+
+
+def tap(tests):
+    """Runs the functions (each gets a fresh folder) and prints TAP; exit code for meson."""
+    print(f"1..{len(tests)}")
+    for i, test in enumerate(tests, 1):
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                test(pathlib.Path(folder))
+                print(f"ok {i} - {test.__name__}", flush=True)
+            except Skip as why:
+                print(f"ok {i} - {test.__name__} # SKIP {why}", flush=True)
+            except Exception:
+                print(f"not ok {i} - {test.__name__}")
+                for line in traceback.format_exc().splitlines():
+                    print(f"# {line}")
+                sys.stdout.flush()
+    sys.exit(0)

@@ -1,0 +1,219 @@
+"""Campaigns: plan, filters, resume, shards, rerun commands, stale rows, locale, readers' conventions."""
+import csv
+import json
+import shlex
+import shutil
+import signal
+import subprocess
+import time
+
+from support import FAULTY, LCPBENCH, campaign, one_line_error, rows, run, tap
+
+SMALL = """
+name: small
+title: two scenes
+seed: 3
+limits: {time: 10s, memory: 2G, grace: 1s}
+sampling: {processes: 2, samples: 2, max_samples: 2, inner: 0.0001s}
+parts:
+  - name: scenes
+    problems: ["stack:n={1,2},duration=0.02", "slide:speed=1"]
+    formulations: ["velocity:facets={4,8}", regularized]
+    solvers: [lemke, projected_gradient]
+"""
+FILES = """
+name: files
+limits: {time: 10s}
+sampling: {processes: 1, samples: 2, max_samples: 2, inner: 0.0001s}
+parts:
+  - name: lcps
+    problems: ["%s/*.M.mtx", "murty:n={4,6}"]
+    solvers: [lemke, pgs]
+"""
+TIMES = [c for c in ("t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_cpu_s "
+                     "n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults load1 canary_s started_utc order").split()]
+
+
+def untimed(row):
+    return tuple((k, v) for k, v in row.items() if k not in TIMES)
+
+
+def cells(folder):
+    return {(r["cell_id"], r["process"], r["rep"]) for r in rows(folder)}
+
+
+def matrix(path, scale):
+    path.with_suffix("").with_suffix(".M.mtx").write_text(
+        f"%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 {scale}\n2 2 3\n")
+    path.with_suffix("").with_suffix(".q.mtx").write_text("%%MatrixMarket matrix array real general\n2 1\n-1\n1\n")
+
+
+def plan_is_printed(d):
+    out = run("run", campaign(d, SMALL), "--out", d / "o", "--dry-run").stdout.splitlines()
+    assert len([x for x in out if x.startswith("todo ")]) == 18 and "18 cells, 36 processes: 0 done, 36 to do" in out[-1], out[-1]
+    assert not (d / "o").exists()
+
+
+def filters_choose(d):
+    c = campaign(d, SMALL)
+
+    def count(*filters):
+        words = [w for f in filters for w in ("--filter", f)]
+        return sum(x.startswith("todo") for x in run("run", c, "--dry-run", *words).stdout.splitlines())
+
+    assert count("solver=lemke") == 9 and count("-solver=lemke") == 9
+    assert count("problem=stack*", "formulation=reg*") == 4
+    one_line_error("run", c, "--filter", "solver=nosuch", names=["matches no cell"])
+    one_line_error("run", c, "--filter", "colour=red", names=["colour=red"])
+
+
+def schema_errors_name_line_and_key(d):
+    def bad(old, new, *names):
+        one_line_error("run", campaign(d, SMALL.replace(old, new), "bad.yaml"), "--dry-run", names=["bad.yaml", *names])
+
+    bad("seed: 3", "sed: 3", ":4:", "sed", "unknown key")
+    bad("time: 10s", "time: soon", ":5:", "time")
+    bad("processes: 2", "processes: 0", ":6:", "processes")
+    bad("    problems:", "    problem:", ":9:", "problem")
+    bad("solvers: [lemke, projected_gradient]", "solvers: lemke", ":11:", "solvers")
+    bad("solvers: [lemke, projected_gradient]", "solvers: [nosuch]", "nosuch")
+    bad("{1,2}", "{1,2", "brace")
+    bad("name: small", "name: [", "bad.yaml:")
+    one_line_error("run", "nosuchcampaign", names=["nosuchcampaign", "list campaigns"])
+    one_line_error("run", campaign(d, SMALL), "--shard", "3/2", names=["--shard", "3/2"])
+    one_line_error("run", campaign(d, SMALL), "--rerun", "some", names=["--rerun", "some"])
+
+
+def rows_are_whole_and_resumed(d):
+    c = campaign(d, SMALL)
+    run("run", c, "--out", d / "o", "--quiet")
+    first = (d / "o/results.csv").read_bytes()
+    assert len(rows(d / "o")) == 18 * 2 * 2
+    done = run("run", c, "--out", d / "o", "--quiet")
+    assert "0 measured now" in done.stdout and (d / "o/results.csv").read_bytes() == first
+    for r in rows(d / "o"):
+        assert r["status"] == "ok" and r["verified"] == "true" and float(r["t_total_s"]) > 0, r
+    assert {r["process"] for r in rows(d / "o")} == {"0", "1"} and len({r["order"] for r in rows(d / "o")}) == 36
+    # a torn last row is dropped and its process measured again
+    (d / "o/results.csv").write_bytes(first[:-100])
+    run("run", c, "--out", d / "o", "--quiet")
+    assert cells(d / "o") == {(r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(first.decode().splitlines())}
+    # what is asked for again is measured again, nothing else
+    done = run("run", c, "--out", d / "o", "--quiet", "--rerun", "lemke")
+    assert "18 measured now" in done.stdout, done.stdout
+    assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet", "--rerun", "failed").stdout
+
+
+def manifest_is_complete(d):
+    run("run", campaign(d, SMALL), "--out", d / "o", "--quiet", "--filter", "solver=lemke")
+    m = json.loads((d / "o/manifest.json").read_text())
+    assert m["campaign"]["seed"] == 3 and "stack:n={1,2}" in m["campaign"]["text"]
+    for path in ("build/commit", "build/compiler", "build/build_hash", "machine/cpu", "machine/kernel", "machine/memory",
+                 "libraries/openblas", "libraries/suitesparse", "libraries/gsl", "environment/OPENBLAS_NUM_THREADS", "results_sha256"):
+        value = m
+        for key in path.split("/"):
+            value = value[key]
+        assert value not in (None, ""), path
+    assert m["inputs_sha256"] and (d / "o/canary.csv").read_text().count("\n") >= 3
+
+
+def shards_merge_to_the_whole(d):
+    c = campaign(d, SMALL)
+    run("run", c, "--out", d / "whole", "--quiet")
+    for k in (1, 2, 3):
+        run("run", c, "--out", d / f"s{k}", "--quiet", "--shard", f"{k}/3")
+    assert all(len({r["problem"] for r in rows(d / f"s{k}")} & {r["problem"] for r in rows(d / f"s{j}")}) == 0
+               for k in (1, 2, 3) for j in range(1, k)), "a problem with all its solvers belongs to one shard"
+    run("merge", d / "s1", d / "s2", d / "s3", "--out", d / "merged")
+    assert {untimed(r) for r in rows(d / "merged")} == {untimed(r) for r in rows(d / "whole")}
+    one_line_error("merge", d / "s1", d / "s1", "--out", d / "twice", names=["twice"])
+    text = (d / "s2/results.csv").read_text()
+    commit = next((r["build_hash"] for r in rows(d / "s2")), None)
+    if commit:
+        (d / "s2/results.csv").write_text(text.replace(commit, "0" * len(commit)))
+        one_line_error("merge", d / "s1", d / "s2", d / "s3", "--out", d / "mixed", names=["build"])
+        run("merge", d / "s1", d / "s2", d / "s3", "--out", d / "mixed", "--allow-mixed")
+
+
+def one_bit_invalidates_its_cells_only(d):
+    matrix(d / "a.x", "2")
+    matrix(d / "b.x", "2")
+    c = campaign(d, FILES % d)
+    run("run", c, "--out", d / "o", "--quiet")
+    before = {r["cell_id"]: r for r in rows(d / "o")}
+    assert len(before) == 8
+    matrix(d / "a.x", "2.0000000000000004")
+    done = run("run", c, "--out", d / "o", "--quiet")
+    assert "2 measured now" in done.stdout and "4 stale rows" in done.stdout, done.stdout
+    after = {r["cell_id"]: r for r in rows(d / "o")}
+    gone = [before[k] for k in before.keys() - after.keys()]
+    assert len(gone) == 2 and all(r["problem"].endswith("a.M.mtx") for r in gone)
+    # an option invalidates its solver's cells
+    done = run("run", campaign(d, (FILES % d).replace("pgs]", "'pgs:omega=1.1']")), "--out", d / "o", "--quiet")
+    assert "4 measured now" in done.stdout, done.stdout
+
+
+def commands_rerun_their_cells(d):
+    matrix(d / "a.x", "2")
+    text = SMALL + (FILES % d).split("parts:")[1]
+    run("run", campaign(d, text), "--out", d / "o", "--quiet")
+    done = run("verify", d / "o")
+    assert "24 cells verified, 0 differ" in done.stdout, done.stdout
+    for r in {r["cell_id"]: r for r in rows(d / "o")}.values():
+        words = shlex.split(r["command"])
+        assert words[0] == "lcpbench"
+        o = json.loads(subprocess.run([LCPBENCH, *words[1:]], capture_output=True, text=True).stdout)
+        assert (o["status"], o["solution_hash"], str(o["n_iter"])) == (r["status"], r["solution_hash"], r["n_iter"]), r["command"]
+    # a falsified verdict and a falsified answer are found
+    text = (d / "o/results.csv").read_text()
+    victim = rows(d / "o")[0]["solution_hash"]
+    (d / "o/results.csv").write_text(text.replace(victim, "0123456789abcdef"))
+    assert "DIFFERS" in run("verify", d / "o", code=3).stdout
+    (d / "o/results.csv").write_text(text)
+    z = next((d / "o/solutions").iterdir())
+    lines = z.read_text().splitlines()
+    lines[-1] = "0.123"
+    z.write_text("\n".join(lines) + "\n")
+    assert "DIFFERS" in run("verify", d / "o", code=3).stdout
+
+
+def interrupted_runs_flush_and_go_on(d):
+    text = SMALL.replace("projected_gradient", "'faulty_steady:seconds=0.2'").replace("velocity:facets={4,8}", "normal")
+    c = campaign(d, text)
+    for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 4)):
+        p = subprocess.Popen([FAULTY, "run", str(c), "--out", str(d / "o")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1.0)
+        p.send_signal(number)
+        p.communicate(timeout=30)
+        assert p.returncode == code, (number, p.returncode)
+        assert (d / "o/manifest.json").exists()
+        rows(d / "o")
+    shutil.rmtree(d / "o")
+
+
+def same_bytes_under_any_locale(d):
+    c = campaign(d, SMALL)
+    for name in ("C", "de_DE.UTF-8"):
+        run("run", c, "--out", d / name, "--quiet", "--filter", "solver=lemke", LC_ALL=name)
+    a, b = rows(d / "C"), rows(d / "de_DE.UTF-8")
+    assert {untimed(r) for r in a} == {untimed(r) for r in b}
+    text = (d / "C/results.csv").read_bytes()
+    assert b"\r" not in text and text.endswith(b"\n") and text.decode("utf-8").count("\n") == len(a) + 1
+    header = text.decode().splitlines()[0].split(",")
+    assert len(header) == len(set(header)) and all(h.replace("_", "").isalnum() for h in header)
+    for r in a:
+        for key, value in r.items():
+            if key.endswith(("_s", "_m", "_J", "_B")) and value:
+                float(value)
+        assert r["verified"] in ("true", "false")
+
+
+def status_counts(d):
+    run("run", campaign(d, SMALL), "--out", d / "o", "--quiet")
+    assert "72 rows of 18 cells" in run("status", d / "o").stdout
+    one_line_error("status", d / "nothing", names=["results.csv"])
+
+
+tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_whole_and_resumed, manifest_is_complete,
+     shards_merge_to_the_whole, one_bit_invalidates_its_cells_only, commands_rerun_their_cells, interrupted_runs_flush_and_go_on,
+     same_bytes_under_any_locale, status_counts])

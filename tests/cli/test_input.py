@@ -1,0 +1,130 @@
+"""Bad input gives one line on stderr that names the culprit and the rule, and exit code 2."""
+import json
+
+from support import LCPBENCH, SHARED, Skip, one_line_error, run, run_json, tap
+
+GOOD_M = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 2\n2 2 3\n"
+GOOD_Q = "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n"
+
+
+def problem(d, m=GOOD_M, q=GOOD_Q):
+    (d / "a.M.mtx").write_text(m)
+    (d / "a.q.mtx").write_text(q)
+    return d / "a.M.mtx"
+
+
+def usage_errors(d):
+    one_line_error("fly", names=["fly"])
+    one_line_error("solve", names=["PROBLEM"])
+    one_line_error("solve", problem(d), names=["--solver"])
+    one_line_error("solve", problem(d), "--solver", "nosuch", names=["nosuch", "list solvers"])
+    one_line_error("solve", problem(d), "--solver", "pgs", "--nosuch", names=["--nosuch"])
+    one_line_error("solve", problem(d), "--solver", "pgs:omega=7", names=["omega", "7"])
+    one_line_error("solve", problem(d), "--solver", "pgs:nosuch=1", names=["nosuch", "omega"])
+    one_line_error("solve", problem(d), "--solver", "pgs", "--tol", "big", names=["tol", "big"])
+    one_line_error("solve", problem(d), "--solver", "pgs", "--max-iter", "0", names=["max_iter", "0"])
+    one_line_error("solve", problem(d), "--solver", names=["--solver"])
+    one_line_error("list", "colours", names=["colours"])
+    one_line_error("list", "solvers", "--format", "xml", names=["xml"])
+
+
+def problem_errors(d):
+    one_line_error("solve", d / "missing.dat", "--solver", "pgs", names=["missing.dat"])
+    one_line_error("solve", "nosuchfamily:n=3", "--solver", "pgs", names=["nosuchfamily"])
+    one_line_error("solve", "murty:n=-3", "--solver", "pgs", names=["n", "-3"])
+    m = problem(d, m=GOOD_M.replace("2 2 3\n", ""))
+    one_line_error("solve", m, "--solver", "pgs", names=["a.M.mtx"])
+    m = problem(d, q=GOOD_Q.replace("-1", "nan"))
+    one_line_error("solve", m, "--solver", "pgs", names=["a.q.mtx"])
+    m = problem(d, q=GOOD_Q.replace("2 1", "1 1").replace("-1\n", ""))
+    one_line_error("solve", m, "--solver", "pgs", names=["q.mtx"])
+    m = problem(d, m="not a matrix\n")
+    one_line_error("solve", m, "--solver", "pgs", names=["a.M.mtx"])
+    m = problem(d, m=GOOD_M.replace("2 2 2", "900000000 900000000 1"))
+    one_line_error("solve", m, "--solver", "pgs", names=["a.M.mtx"])
+    (d / "cut.dat").write_text("3\n0\n3\n3\n3 3\n1 0 0\n0 1\n")
+    one_line_error("solve", d / "cut.dat", "--solver", "pgs", names=["cut.dat"])
+
+
+def scene_errors(d):
+    def sim(scene, *more, names):
+        one_line_error("simulate", scene, "--formulation", "velocity", "--solver", "lemke", *more, names=names)
+
+    sim("nosuchscene", names=["nosuchscene"])
+    sim("incline:mass=-1", names=["mass", "-1"])
+    sim("incline:nosuch=1", names=["nosuch"])
+    sim("incline", "--step", "0", names=["--step"])
+    sim("incline", "--duration", "-1", names=["--duration"])
+    sim("incline", "--start", "lukewarm", names=["lukewarm"])
+    sim("incline", "--effects", "+magic", names=["magic"])
+    one_line_error("simulate", "incline", "--formulation", "nosuch", "--solver", "lemke", names=["nosuch"])
+    one_line_error("simulate", "incline", "--formulation", "velocity:facets=1", "--solver", "lemke", names=["facets"])
+    scene = {"id": "x", "title": "t", "dim": 2, "gravity": [0, -9.81], "T": 0.1, "static": [], "checks": [],
+             "bodies": [{"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": -1.0, "pos": [0, 0], "inertia": 0.1}]}
+    (d / "x.json").write_text(json.dumps(scene))
+    sim(d / "x.json", names=["mass", "-1"])
+    (d / "y.json").write_text('{"id": "x", ')
+    sim(d / "y.json", names=["y.json"])
+
+
+def check_errors(d):
+    one_line_error("check", d / "none.json", names=["none.json"])
+    if not (SHARED / "cases/cases.json").exists():
+        raise Skip("shared cases are absent")
+    one_line_error("check", SHARED / "cases/cases.json", "--filter", "id=ZZZ*", names=["filter"])
+    one_line_error("check", SHARED / "cases/cases.json", "--filter", "name=A*", names=["name=A*"])
+
+
+def lists_are_bare_names(d):
+    for what in ("problems", "scenes", "formulations", "solvers", "campaigns", "effects"):
+        names = run("list", what).stdout.splitlines()
+        assert names and all(n and " " not in n and "," not in n for n in names), (what, names)
+        assert [o["name"] for o in run_json("list", what, "--format", "json")] == names
+        assert run("list", what, "--format", "csv").stdout.startswith('"name"')
+    assert "velocity x lemke" in run("list", "compat").stdout
+
+
+def solve_prints_one_object(d):
+    o = run_json("solve", problem(d), "--solver", "lemke", "--z", d / "z.mtx")
+    for key in ("problem n nnz storage solver options status claimed verified rho res_natural res_natural_rel res_comp "
+                "n_iter n_pivot n_factor n_matvec t_setup_s t_factor_s t_solve_s certificate").split():
+        assert key in o, key
+    assert o["status"] == "ok" and o["verified"] is True and o["n"] == 2
+    z = [float(x) for x in (d / "z.mtx").read_text().splitlines()[-2:]]
+    assert z == [0.5, 0.0], z
+
+
+def solve_reports_infeasible(d):
+    m = problem(d, m=GOOD_M.replace("1 1 2\n2 2 3", "1 1 -1\n2 2 1"))
+    o = json.loads(run("solve", m, "--solver", "lemke", code=3).stdout)
+    assert o["status"] in ("infeasible", "ray") and o["verified"] is False
+
+
+def simulate_prints_one_object(d):
+    o = run_json("simulate", "slide:speed=1", "--formulation", "velocity", "--solver", "lemke", "--trajectory", d / "t.csv")
+    for key in ("scene parameters formulation solver step_s steps status observables predictions lcp_dim_max n_contact_max n_solves "
+                "n_pivot n_iter res_natural_max res_ncp_max penetration_max_m energy_defect_J effects_declared effects_seen "
+                "t_assemble_s t_solve_s t_total_s").split():
+        assert key in o, key
+    assert o["status"] == "ok" and o["predictions"] and all(p["ok"] for p in o["predictions"])
+    for key in "quantity time_s value predicted error tolerance ok source".split():
+        assert key in o["predictions"][0], key
+    lines = (d / "t.csv").read_text().splitlines()
+    assert lines[0].startswith("t_s,kind,name,") and sum(",body,block," in line for line in lines) == o["steps"] + 1
+
+
+def dimensions_of_the_three_formulations(d):
+    """The 3D block with four contacts: p(nd + 2) unknowns against p."""
+    for form, dim in (("velocity:facets=8", 40), ("velocity:facets=4", 24), ("regularized", 4)):
+        o = run_json("simulate", "incline:theta_deg=17.1887,mu=0.5", "--formulation", form, "--solver", "lemke")
+        assert o["lcp_dim_max"] == dim, (form, o["lcp_dim_max"])
+        assert all(p["ok"] for p in o["predictions"]) and o["predictions"]
+
+
+def environment_gives_options(d):
+    o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
+    assert o["solver"] == "lemke"
+
+
+tap([usage_errors, problem_errors, scene_errors, check_errors, lists_are_bare_names, solve_prints_one_object,
+     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options])
