@@ -1,10 +1,11 @@
 /* gap_boxes.c - two boxes in space; a segment is a box of no thickness.
  *
  * Separating axis test over 3 + 3 face normals and 9 edge products (Gottschalk, Lin & Manocha
- * 1996). A face axis gives every vertex of one box standing over the facing face of the other, and
- * the crossings of the two face outlines: up to 8 points, all kept (hyperstatic scenes rely on
- * it). An edge axis that is no face normal in disguise gives one point. Boxes apart by more than any
- * axis shows pass corner to corner or corner to edge: then the closest features are searched.
+ * 1996). Then every point of the pair of most facing faces that lies within the margin: vertices of
+ * either standing over the other's face, and crossings of the outlines, up to 8 points, all kept
+ * (hyperstatic scenes rely on it); and the edge pair, where an edge product separates best. Boxes
+ * apart by more than any axis shows pass corner to corner or corner to edge: then the closest
+ * features are searched.
  *
  * Ids: vertex of a, vertex of b, or edge of a x edge of b, whichever box is the reference. */
 #include "problems/shapes.h"
@@ -24,6 +25,9 @@ typedef struct contact_list {
   gap_point *out;
   int n;
   double margin, slack;
+  double
+      deepest; /* overlap of the cores, as a gap: no point is deeper. In deep overlaps a corner may
+                     be far behind a face that is not the way out. */
   double ra, rb;
 } contact_list;
 
@@ -162,10 +166,8 @@ static void outline(const box_face *f, int v[4]) {
   }
 }
 
-/* Corners of `from` that stand over face `to`, no deeper than `deepest`: in deep overlaps a corner
- * may be far behind a face that is not the way out. */
-static void corners_over(const box_face *from, const box_face *to, double deepest,
-                         contact_list *l) {
+/* Corners of `from` that stand over face `to`. */
+static void corners_over(const box_face *from, const box_face *to, contact_list *l) {
   int v[4];
   double n[3];
   outline(from, v);
@@ -176,7 +178,7 @@ static void corners_over(const box_face *from, const box_face *to, double deepes
     double x[3], u, w, height;
     vertex_of(from->o, v[i], x);
     over_face(to, x, &u, &w, &height);
-    if (fabs(u) <= hu && fabs(w) <= hv && height >= deepest) {
+    if (fabs(u) <= hu && fabs(w) <= hv && height >= l->deepest) {
       add_point(l, x, from->is_a, n, height, from->is_a ? v[i] : VERTEX_B + v[i]);
     }
   }
@@ -186,61 +188,6 @@ static void corners_over(const box_face *from, const box_face *to, double deepes
 static int edge_axis(int v0, int v1) {
   const int bit = v0 ^ v1;
   return (bit == 1) ? 0 : (bit == 2) ? 1 : 2;
-}
-
-/* Crossings of the edge v0 v1 of `inc` with the outline of `ref`, heights above ref. */
-static void edge_crossings(const box_face *ref, const box_face *inc, int v0, int v1,
-                           contact_list *l) {
-  double x0[3], x1[3], p[3], n[3], a[3], b[3];
-  vertex_of(inc->o, v0, x0);
-  vertex_of(inc->o, v1, x1);
-  over_face(ref, x0, &a[0], &a[1], &a[2]);
-  over_face(ref, x1, &b[0], &b[1], &b[2]);
-  v3_scale(ref->is_a ? -1.0 : 1.0, ref->m, n);
-  const double half[2] = {ref->o->h[(ref->k + 1) % 3], ref->o->h[(ref->k + 2) % 3]};
-  for (int side = 0; side < 4; side++) { /* lines u = -h, u = +h, v = -h, v = +h */
-    const int c = side / 2, other = 1 - c;
-    const double line = (side & 1) ? half[c] : -half[c];
-    const double s0 = a[c] - line, s1 = b[c] - line;
-    if (!(s0 * s1 < 0.0) || fabs(s0) <= l->slack || fabs(s1) <= l->slack) {
-      continue;
-    }
-    const double t = s0 / (s0 - s1);
-    if (fabs(a[other] + t * (b[other] - a[other])) >= half[other] - l->slack) {
-      continue;
-    }
-    for (int k = 0; k < 3; k++) {
-      p[k] = x0[k] + t * (x1[k] - x0[k]);
-    }
-    const int su = (c == 0) ? (side & 1) : 0, sv = (c == 1) ? (side & 1) : 0;
-    const int on_ref = edge_of((ref->k + ((c == 0) ? 2 : 1)) % 3, face_corner(ref, su, sv));
-    const int on_inc = edge_of(edge_axis(v0, v1), v0);
-    const int ea = ref->is_a ? on_ref : on_inc, eb = ref->is_a ? on_inc : on_ref;
-    add_point(l, p, inc->is_a, n, a[2] + t * (b[2] - a[2]), EDGE_PAIR + 12 * ea + eb);
-  }
-}
-
-static void face_manifold(const obox *a, const obox *b, const sat_axis *best, bool ref_is_a,
-                          contact_list *l) {
-  double towards[3]; /* out of the reference box */
-  v3_scale(ref_is_a ? -1.0 : 1.0, best->n, towards);
-  const obox *r = ref_is_a ? a : b, *o = ref_is_a ? b : a;
-  const box_face ref = face_towards(r, best->i, towards, ref_is_a);
-  double s[3], back[3];
-  int v[4], k = 0;
-  m3_tmul_vec(o->R, ref.m, s);
-  for (int i = 1; i < 3; i++) {
-    k = (fabs(s[i]) > fabs(s[k])) ? i : k;
-  }
-  v3_scale(-1.0, ref.m, back);
-  const box_face inc = face_towards(o, k, back, !ref_is_a);
-  const double deepest = best->sep - l->slack;
-  corners_over(&inc, &ref, deepest, l);
-  corners_over(&ref, &inc, deepest, l);
-  outline(&inc, v);
-  for (int i = 0; i < 4; i++) {
-    edge_crossings(&ref, &inc, v[i], v[(i + 1) % 4], l);
-  }
 }
 
 /* Lines through vertex va of a along its axis i and vb of b along j: the foot points, and whether
@@ -260,6 +207,91 @@ static bool edge_feet(const obox *a, int i, int va, const obox *b, int j, int vb
   v3_add_scaled(ca, s, ua, pa);
   v3_add_scaled(cb, t, ub, pb);
   return fabs(s) <= a->h[i] && fabs(t) <= b->h[j];
+}
+
+/* Where two outlines cross, seen along the face normal m. */
+typedef struct crossing {
+  double p[3], m[3], height;
+  bool at_a; /* p lies on a */
+} crossing;
+
+/* Crossing of an edge of each box: along their common normal where that is well defined and near
+ * the face normal m (from b to a), else along m, through the point p of box `at_a` at `height`. */
+static void add_crossing(const obox *a, const obox *b, int ia, int va, int ib, int vb,
+                         const crossing *c, contact_list *l) {
+  double ua[3], ub[3], n[3], pa[3], pb[3], d[3];
+  const int feature = EDGE_PAIR + 12 * edge_of(ia, va) + edge_of(ib, vb);
+  column(a->R, ia, ua);
+  column(b->R, ib, ub);
+  v3_cross(ua, ub, n);
+  const double sine = v3_norm(n), along = v3_dot(n, c->m);
+  if (sine > 0.1 && fabs(along) > 0.87 * sine && edge_feet(a, ia, va, b, ib, vb, pa, pb)) {
+    v3_scale(((along > 0.0) ? 1.0 : -1.0) / sine, n, n);
+    v3_sub(pa, pb, d);
+    if (v3_dot(n, d) >= l->deepest) {
+      add_point(l, pa, true, n, v3_dot(n, d), feature);
+    }
+  } else if (c->height >= l->deepest) {
+    add_point(l, c->p, c->at_a, c->m, c->height, feature);
+  }
+}
+
+/* Crossings of the edge v0 v1 of `inc` with the outline of `ref`. */
+static void edge_crossings(const box_face *ref, const box_face *inc, int v0, int v1,
+                           contact_list *l) {
+  double x0[3], x1[3], a[3], b[3];
+  vertex_of(inc->o, v0, x0);
+  vertex_of(inc->o, v1, x1);
+  over_face(ref, x0, &a[0], &a[1], &a[2]);
+  over_face(ref, x1, &b[0], &b[1], &b[2]);
+  crossing at = {.at_a = inc->is_a};
+  v3_scale(ref->is_a ? -1.0 : 1.0, ref->m, at.m);
+  const double half[2] = {ref->o->h[(ref->k + 1) % 3], ref->o->h[(ref->k + 2) % 3]};
+  for (int side = 0; side < 4; side++) { /* lines u = -h, u = +h, v = -h, v = +h */
+    const int c = side / 2, other = 1 - c;
+    const double line = (side & 1) ? half[c] : -half[c];
+    const double s0 = a[c] - line, s1 = b[c] - line;
+    if (!(s0 * s1 < 0.0) || fabs(s0) <= l->slack || fabs(s1) <= l->slack) {
+      continue;
+    }
+    const double t = s0 / (s0 - s1);
+    if (fabs(a[other] + t * (b[other] - a[other])) >= half[other] - l->slack) {
+      continue;
+    }
+    for (int k = 0; k < 3; k++) {
+      at.p[k] = x0[k] + t * (x1[k] - x0[k]);
+    }
+    at.height = a[2] + t * (b[2] - a[2]);
+    const int su = (c == 0) ? (side & 1) : 0, sv = (c == 1) ? (side & 1) : 0;
+    const int axis = (ref->k + ((c == 0) ? 2 : 1)) % 3, corner = face_corner(ref, su, sv);
+    if (ref->is_a) {
+      add_crossing(ref->o, inc->o, axis, corner, edge_axis(v0, v1), v0, &at, l);
+    } else {
+      add_crossing(inc->o, ref->o, edge_axis(v0, v1), v0, axis, corner, &at, l);
+    }
+  }
+}
+
+static void face_manifold(const obox *a, const obox *b, const sat_axis *best, bool ref_is_a,
+                          contact_list *l) {
+  double towards[3]; /* out of the reference box */
+  v3_scale(ref_is_a ? -1.0 : 1.0, best->n, towards);
+  const obox *r = ref_is_a ? a : b, *o = ref_is_a ? b : a;
+  const box_face ref = face_towards(r, best->i, towards, ref_is_a);
+  double s[3], back[3];
+  int v[4], k = 0;
+  m3_tmul_vec(o->R, ref.m, s);
+  for (int i = 1; i < 3; i++) {
+    k = (fabs(s[i]) > fabs(s[k])) ? i : k;
+  }
+  v3_scale(-1.0, ref.m, back);
+  const box_face inc = face_towards(o, k, back, !ref_is_a);
+  corners_over(&inc, &ref, l);
+  corners_over(&ref, &inc, l);
+  outline(&inc, v);
+  for (int i = 0; i < 4; i++) {
+    edge_crossings(&ref, &inc, v[i], v[(i + 1) % 4], l);
+  }
 }
 
 /* Nearest point of a box to x. */
@@ -339,23 +371,20 @@ static void add_closest(const obox *a, const obox *b, double limit, contact_list
   add_point(l, c.pa, true, n, c.distance, c.feature);
 }
 
-/* The edge point, if that axis decides: true when it was used. */
-static bool edge_point(const obox *a, const obox *b, const sat_axis *edge, const sat_axis *face,
-                       contact_list *l) {
-  /* within 0.8 degrees of the face normal the face manifold holds the same crossing and more */
-  if (edge->j < 0 || edge->sep <= face->sep + l->slack || fabs(v3_dot(edge->n, face->n)) > 0.9999) {
-    return false;
-  }
+/* The edge pair of the best edge product, unless the face manifold holds it already. */
+static void edge_point(const obox *a, const obox *b, const sat_axis *edge, contact_list *l) {
   double back[3], pa[3], pb[3];
   v3_scale(-1.0, edge->n, back);
   const int va = support(a, back), vb = support(b, edge->n);
-  if (!edge_feet(a, edge->i, va, b, edge->j, vb, pa, pb) && edge->sep > 0.0) {
-    add_closest(a, b, HUGE_VAL, l);
-    return true;
+  const int feature = EDGE_PAIR + 12 * edge_of(edge->i, va) + edge_of(edge->j, vb);
+  for (int k = 0; k < l->n; k++) {
+    if (l->out[k].feature == (uint32_t)feature) {
+      return;
+    }
   }
-  add_point(l, pa, true, edge->n, edge->sep,
-            EDGE_PAIR + 12 * edge_of(edge->i, va) + edge_of(edge->j, vb));
-  return true;
+  if (edge_feet(a, edge->i, va, b, edge->j, vb, pa, pb)) {
+    add_point(l, pa, true, edge->n, edge->sep, feature);
+  }
 }
 
 static void find_axes(const obox *a, const obox *b, sat_axis *fa, sat_axis *fb, sat_axis *e) {
@@ -394,12 +423,13 @@ int gap_boxes(const piece *pa, const pose *at_a, const piece *pb, const pose *at
   }
   contact_list l = {.out = out, .margin = margin, .ra = a.r, .rb = b.r};
   l.slack = 1e-6 * fmin(v3_norm(a.h), v3_norm(b.h));
+  l.deepest = fmin(sep, 0.0) - l.slack;
   const bool ref_is_a = has_faces(&a) && (!has_faces(&b) || fb.sep <= fa.sep + l.slack);
   const sat_axis *face = ref_is_a ? &fa : &fb;
-  if (edge_point(&a, &b, &edge, face, &l)) {
-    return l.n;
-  }
   face_manifold(&a, &b, face, ref_is_a, &l);
+  if (edge.j >= 0 && edge.sep > face->sep + l.slack) {
+    edge_point(&a, &b, &edge, &l);
+  }
   double nearest = HUGE_VAL;
   for (int i = 0; i < l.n; i++) {
     nearest = fmin(nearest, l.out[i].gap + l.ra + l.rb);

@@ -1,7 +1,7 @@
 /* gap_spatial.c - points, segments (capsules), discs and boxes against each other in space.
  *
- * Swept points and segments: closest points of the cores. A capsule along another, or along a box
- * face, touches at both ends of the overlap. */
+ * Swept points and segments: closest points of the cores, and for capsules along one another both
+ * ends of the overlap. */
 #include "problems/shapes.h"
 #include "problems/vec.h"
 
@@ -78,47 +78,56 @@ static void ends_of(const piece *p, const pose *at, double *e0, double *e1) {
   world_point(at, p->vertex + 3 * (ptrdiff_t)(p->n_vertex - 1), e1);
 }
 
-/* Parallel segments: the overlap of q's shadow on p has two ends; false if there is none. */
-static bool parallel_overlap(const double *p0, const double *p1, const double *q0, const double *q1,
-                             double p_at[2][3], double q_at[2][3]) {
-  double d1[3], d2[3], r[3], c[3];
-  v3_sub(p1, p0, d1);
-  v3_sub(q1, q0, d2);
-  const double l1 = v3_norm(d1), l2 = v3_norm(d2);
+/* Nearly parallel segments touch at both ends of their overlap: each end of either that stands
+ * beside the other one (features 1 to 4), exact for any angle. */
+static int ends_beside(const double *e, double ra, double rb, const double *fallback, double margin,
+                       gap_point *out) {
+  int n = 0;
+  for (int i = 0; i < 4; i++) {
+    const double *x = e + (ptrdiff_t)3 * i, *s0 = (i < 2) ? e + 6 : e, *s1 = s0 + 3;
+    double d[3], r[3], foot[3];
+    v3_sub(s1, s0, d);
+    v3_sub(x, s0, r);
+    const double t = v3_dot(r, d) / v3_dot(d, d);
+    if (t < 0.0 || t > 1.0) {
+      continue;
+    }
+    v3_add_scaled(s0, t, d, foot);
+    const uint32_t feature = 1 + (uint32_t)i;
+    n += (i < 2) ? core_pair(x, ra, foot, rb, fallback, margin, feature, out + n)
+                 : core_pair(foot, ra, x, rb, fallback, margin, feature, out + n);
+  }
+  return n;
+}
+
+static bool nearly_parallel(const double *d1, const double *d2) {
+  const double sine = 0.1; /* [rad] of lying along one another */
+  double c[3];
   v3_cross(d1, d2, c);
-  if (!(l1 > 0.0) || !(l2 > 0.0) || v3_norm(c) > 1e-6 * l1 * l2) {
-    return false;
-  }
-  v3_sub(q0, p0, r);
-  const double s0 = v3_dot(r, d1) / (l1 * l1), s1 = s0 + v3_dot(d2, d1) / (l1 * l1);
-  const double lo = fmax(0.0, fmin(s0, s1)), hi = fmin(1.0, fmax(s0, s1));
-  if (hi - lo <= 1e-6) {
-    return false;
-  }
-  for (int k = 0; k < 2; k++) {
-    const double s = (k == 0) ? lo : hi;
-    v3_add_scaled(p0, s, d1, p_at[k]);
-    v3_add_scaled(q0, (s - s0) / (s1 - s0), d2, q_at[k]);
-  }
-  return true;
+  const double l1 = v3_norm(d1), l2 = v3_norm(d2);
+  return l1 > 0.0 && l2 > 0.0 && v3_norm(c) <= sine * l1 * l2;
 }
 
 static int cores(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                  gap_point *out) {
-  double p0[3], p1[3], q0[3], q1[3], p[2][3], q[2][3], along[3], fallback[3];
-  ends_of(a, pa, p0, p1);
-  ends_of(b, pb, q0, q1);
-  v3_sub(p1, p0, along);
-  any_normal(along, fallback);
-  if (parallel_overlap(p0, p1, q0, q1, p, q)) {
-    int n = 0;
-    for (uint32_t k = 0; k < 2; k++) {
-      n += core_pair(p[k], a->r, q[k], b->r, fallback, margin, 1 + k, out + n);
-    }
-    return n;
+  double e[12], p[3], q[3], d1[3], d2[3], fallback[3]; /* e: the four ends */
+  ends_of(a, pa, e, e + 3);
+  ends_of(b, pb, e + 6, e + 9);
+  v3_sub(e + 3, e, d1);
+  v3_sub(e + 9, e + 6, d2);
+  any_normal(d1, fallback);
+  int n = 0;
+  if (nearly_parallel(d1, d2)) {
+    n = ends_beside(e, a->r, b->r, fallback, margin, out);
   }
-  segment_closest(p0, p1, q0, q1, p[0], q[0]);
-  return core_pair(p[0], a->r, q[0], b->r, fallback, margin, 0, out);
+  segment_closest(e, e + 3, e + 6, e + 9, p, q);
+  n += core_pair(p, a->r, q, b->r, fallback, margin, 0, out + n);
+  for (int i = 0; i + 1 < n; i++) { /* the closest pair is an end: listed already */
+    if (out[i].gap <= out[n - 1].gap + 1e-9 * (v3_norm(d1) + v3_norm(d2))) {
+      return n - 1;
+    }
+  }
+  return n;
 }
 
 /* Swept point at `c` against box b; the normal points from the box to the point. */

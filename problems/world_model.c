@@ -162,7 +162,7 @@ static void add_contact(world *w, int i, double gap, const double *jac, const me
 base_status model_contacts(world *w, double h, double margin, base_error *err) {
   const mech_model *m = w->model;
   const size_t most = (size_t)m->n_contact, rows = most * (size_t)w->dim;
-  double jac[3 * MODEL_DOF_MAX];
+  double jac[3 * MODEL_DOF_MAX] = {0};
   BASE_TRY(free_motion(w, h, err));
   BASE_TRY(store_reserve(&w->store, most, rows, rows * (size_t)m->n_dof, err));
   w->set.n_contact = 0;
