@@ -39,6 +39,18 @@ class Panel:
     ylog: int = 10
     xticks: list = None
     ylim: tuple = None
+    yticks: list = None  # names of 0, 1, 2, ...
+
+
+@dataclasses.dataclass
+class Heat:
+    """A map of words: rows of (text, share or None). On the screen it is a table; on paper it is this."""
+    name: str
+    caption: str
+    rows: list
+    columns: list
+    words: list
+    width: float = style.PAGE
 
 
 @dataclasses.dataclass
@@ -70,6 +82,9 @@ def _axis(ax, panel):
         ax.minorticks_off()
     if panel.ylim:
         ax.set_ylim(*panel.ylim)
+    if panel.yticks:
+        ax.set_yticks(range(len(panel.yticks)), panel.yticks)
+        ax.set_ylim(len(panel.yticks) - 0.5, -0.5)
     ax.set_title(panel.title)
     ax.set_xlabel(panel.xlabel)
 
@@ -101,8 +116,35 @@ def _line(ax, line):
         style.mark_unverified(ax, *zip(*line.bad), look["color"])
 
 
+def draw_heat(heat):
+    """Colour and word say the same thing: darker blue stands longer, orange falls early, white is not defined."""
+    figure, ax = plt.subplots(figsize=(heat.width, 0.5 + 0.165 * len(heat.rows)))
+    shades = np.full((len(heat.rows), len(heat.columns), 4), 1.0)
+    for i, row in enumerate(heat.words):
+        for j, (text, share) in enumerate(row):
+            if share is not None:
+                low, high = np.array([0.96, 0.72, 0.55, 1]), np.array([0.62, 0.80, 0.92, 1])
+                shades[i, j] = low + (high - low) * share if share < 1 else [0.42, 0.68, 0.87, 1]
+            ax.text(j, i, text, ha="center", va="center", fontsize=6, color="#1c2330" if share is not None else "#8a8a8a")
+    ax.imshow(shades, aspect="auto")
+    ax.set_xticks(range(len(heat.columns)), heat.columns, fontsize=6.5)
+    ax.set_yticks(range(len(heat.rows)), heat.rows, fontsize=6.5)
+    ax.xaxis.tick_top()
+    ax.tick_params(length=0)
+    ax.grid(False)
+    ax.set_xticks(np.arange(len(heat.columns) + 1) - 0.5, minor=True)
+    ax.set_yticks(np.arange(len(heat.rows) + 1) - 0.5, minor=True)
+    ax.grid(True, which="minor", color="white", linewidth=1.5)
+    ax.tick_params(which="minor", length=0)
+    for spine in ax.spines.values():
+        spine.set_visible(False)
+    return figure
+
+
 def draw(chart):
     """The chart as a matplotlib figure."""
+    if isinstance(chart, Heat):
+        return draw_heat(chart)
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
     size = (chart.width, chart.height * rows + (0 if chart.end_labels else 0.42))
@@ -207,6 +249,8 @@ def plotly(chart):
         layout[f"yaxis{axis}"] = {**grid, "domain": [round(y0, 4), round(y0 + h, 4)], "anchor": f"x{axis}",
                                   "type": "log" if panel.ylog else "linear",
                                   "title": {"text": panel.ylabel if column == 0 or not chart.share_y else "", "standoff": 4}}
+        if panel.yticks:
+            layout[f"yaxis{axis}"].update(tickvals=list(range(len(panel.yticks))), ticktext=panel.yticks, autorange="reversed", automargin=True)
         if chart.share_y and i:
             layout[f"yaxis{axis}"]["matches"] = "y"
         if panel.title:
@@ -226,6 +270,8 @@ def plotly(chart):
 
 def table(chart):
     """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
+    if isinstance(chart, Heat):
+        return "".join("\t".join([row] + [w for w, _ in words]) + "\n" for row, words in zip(["combination"] + chart.rows, [[(c, None) for c in chart.columns]] + chart.words))
     lines = ["panel line x y low high verified"]
     for p, panel in enumerate(chart.panels):
         for line in panel.lines:

@@ -97,7 +97,7 @@ def render(title, counts, footer, advice, sections):
         body.append({"id": s.id, "title": s.title, "lead": s.lead, "first": tables[:1] if s.id == "claims" else [],
                      "tables": tables[1:] if s.id == "claims" else tables,
                      "charts": [{"name": c.name, "caption": c.caption, "svg": svg(chart_.draw(c)), "json": Markup(chart_.plotly(c).replace("</", "<\\/"))}
-                                for c in s.charts]})
+                                for c in s.charts if isinstance(c, chart_.Chart)]})
     links = [{"id": "advice", "short": "Which one to use"}] + [{"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections]
     return env.get_template("page.html.j2").render(
         title=title, counts=counts, footer=footer, scope=SCOPE, advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,

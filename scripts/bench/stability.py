@@ -4,6 +4,7 @@ import re
 import numpy as np
 
 from bench import rows as rows_
+from bench.chart import Heat
 from bench.section import Cell, Section, Table
 
 # In the order of the questions asked of a cell; thresholds are part of the answer and printed beside the map.
@@ -68,10 +69,14 @@ def section(cells):
         here = some[some["combination"] == combo]
         table.append([combo] + [summary(g) if len(g := here[here["stressor"] == family]) else Cell("not run", "none", "no such cell in this campaign")
                                 for family in families])
+    defined = [r for r in table if any(c.sort is not None for c in r[1:])]
+    heat = Heat("stability", "Stability map: how many rungs of each ladder stand and, if not all, what brings the first one down. Combinations that are "
+                "not defined for any stressor are left out here and named in the table of the page.",
+                [r[0] for r in defined], [f.replace(": ", "\n") for f in families], [[(c.text, c.sort) for c in r[1:]] for r in defined])
     total = sum(len(r) - 1 for r in table)
     blank = sum(c.text == "not run" for r in table for c in r[1:])
     return Section("stability", "What breaks first",
                    "Each stressor is a ladder. A cell says how many rungs stand and, if not all, in one word what the first failing rung does: "
                    f"misses (a prediction), penetrates (more than {DEEP:g} m), gains energy (more than {DRIFT:g} of it), false claim, or the status of an honest failure. "
-                   "Tooltips name the rung.", [],
+                   "Tooltips name the rung.", [heat] if defined else [],
                    [Table("stability", f"Stability map: combinations against stressors ({total - blank} of {total} fields run).", ["combination"] + families, table)])

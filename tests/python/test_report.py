@@ -1,0 +1,162 @@
+"""The report on made-up rows: the same bytes twice, self-contained, honest about failures, and alive in a browser."""
+import csv
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+from bench import accuracy, claims, library, paper, rows, stability  # noqa: E402
+
+HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
+          "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
+          "status_claimed verified note rho res_ncp_rel penetration_m energy_drift_rel err_ref err_worst n_predictions "
+          "n_predictions_missed workspace_B command").split()
+
+
+def cell(campaign, problem, form, opts, solver, step, p, dim, seconds, error, **more):
+    base = {"schema": 1, "campaign": campaign, "part": "x", "problem_family": problem.split(":")[0], "problem": problem, "formulation": form,
+            "formulation_options": opts, "solver": solver, "step_s": step, "duration_s": 0.1, "start": "cold", "tol": 1e-9, "n_bodies": p,
+            "n_dof": 6 * p, "n_contacts": p, "n_active": p, "lcp_dim": dim, "t_solve_s": seconds / 2, "t_total_s": seconds, "n_steps": 10,
+            "status": "ok", "status_claimed": "ok", "verified": "true", "rho": 1e-14, "res_ncp_rel": 1e-12, "err_ref": error, "err_worst": 0.5,
+            "n_predictions": 1, "n_predictions_missed": 0, "workspace_B": 8 * dim * dim, "cell_id": f"{campaign}|{problem}|{form}|{opts}|{solver}|{step}",
+            "command": f"lcpbench simulate '{problem}' --formulation '{form}' --solver '{solver}' --step '{step}'"}
+    base.update(more)
+    return [dict(base, rep=r) for r in range(3)]
+
+
+def lie(**more):
+    return {"status": "unverified", "verified": "false", **more}
+
+
+def campaign_rows():
+    out = []
+    for n in (1, 2, 4, 8):
+        p = 4 * n
+        out += cell("paper", f"stack:n={n}", "regularized", "", "lemke", 0.01, p, p, 1e-5 * p, 1e-6)
+        out += cell("paper", f"stack:n={n}", "velocity", "facets=4", "lemke", 0.01, p, 6 * p, 4e-5 * p**2, 1e-6)
+        out += cell("paper", f"stack:n={n}", "velocity", "facets=4", "liar", 0.01, p, 6 * p, 1e-9, 0.0, **lie())
+    for h in (0.02, 0.01, 0.005):
+        out += cell("paper", "slide:speed=5", "regularized", "", "lemke", h, 4, 4, 1e-4 / h, h)
+        out += cell("paper", "slide:speed=5", "velocity", "facets=4", "lemke", h, 4, 24, 3e-4 / h, h / 2)
+    for n, word in ((1, "ok"), (10, "ok"), (100, "ray")):
+        good = word == "ok"
+        out += cell("stability", f"stack:mass_ratio={n}", "velocity", "facets=4", "lemke", 0.01, 4, 24, 1e-4, 1e-9, status=word,
+                    verified="true" if good else "false")
+    for k, family in enumerate(("a", "b", "c")):
+        for name, seconds in (("lemke", 1e-3 * (k + 1)), ("pgs", 2e-3)):
+            out += cell("library", f"{family}:n=4", "", "", name, "", 0, 4, seconds, "", lcp_dim=4)
+        out += cell("library", f"{family}:n=4", "", "", "liar", "", 0, 4, 1e-9, "", **lie())
+    return out
+
+
+def write(folder, lines):
+    folder.mkdir(parents=True)
+    with open(folder / "results.csv", "w", newline="") as to:
+        out = csv.DictWriter(to, HEADER, restval="", lineterminator="\n")
+        out.writeheader()
+        out.writerows(lines)
+
+
+class Judged(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.tmp = tempfile.TemporaryDirectory()
+        folder = pathlib.Path(cls.tmp.name) / "all"
+        write(folder, campaign_rows())
+        cls.cells = rows.cells(rows.load(folder))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.tmp.cleanup()
+
+    def test_a_lying_solver_is_never_cheapest(self):
+        self.assertEqual(len(self.cells[(self.cells["solver"] == "liar") & self.cells["good"]]), 0)
+        stack = self.cells[self.cells["problem"] == "stack:n=8"]
+        self.assertEqual(accuracy.cheapest(stack, 1e-3)["combination"], "regularized + lemke")
+
+    def test_a_lying_solver_solves_nothing_in_the_profile(self):
+        cost, _, families, solvers = library.matrix(self.cells[self.cells["formulation"] == ""])
+        made = library.profiles(cost, families, solvers, 1.05)
+        liar = next(line for line in made.panels[0].lines if line.name == "liar")
+        self.assertEqual(max(liar.y), 0)
+        self.assertEqual({line.name: max(line.y) for line in made.panels[0].lines}["lemke"], 1)
+
+    def test_a_lying_solver_is_a_cross_in_the_figure(self):
+        made = paper.time_and_error(self.cells)
+        panel = next(p for p in made.panels if p.title == "liar")
+        self.assertEqual([(len(line.x), len(line.bad)) for line in panel.lines], [(0, 4)])
+
+    def test_verdicts_follow_the_rows(self):
+        word = {title: judge(self.cells[self.cells["formulation"] != ""]) for title, judge in claims.CLAIMS}
+        found = [w[0] if w else "no rows" for w in word.values()]
+        self.assertEqual(found[0], "holds")
+        self.assertEqual(found[1], "holds")
+        self.assertEqual(found[-1], "no rows")
+        slower = self.cells.copy()
+        slower.loc[slower["formulation"] == "regularized", ["t_solve_s", "t_total_s"]] *= 1e6
+        self.assertEqual(claims.CLAIMS[1][1](slower)[0], "does not hold")
+
+    def test_no_claim_holds_without_the_formulation(self):
+        other = self.cells[self.cells["formulation"] == "velocity"]
+        self.assertTrue(all(judge(other) is None for _, judge in claims.CLAIMS))
+
+    def test_the_stability_map_names_the_first_failing_rung(self):
+        table = stability.section(self.cells).tables[0]
+        self.assertEqual(table.rows[0][1].text, "ray 2/3")
+        self.assertIn("mass_ratio = 100", table.rows[0][1].title)
+
+    def test_missing_rows_are_an_error(self):
+        with self.assertRaises(rows.BadRows):
+            rows.load_all(self.tmp.name + "/nothing")
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.tmp = tempfile.TemporaryDirectory()
+        cls.folder = pathlib.Path(cls.tmp.name)
+        write(cls.folder / "runs" / "all", campaign_rows())
+        for name in ("one", "two"):
+            subprocess.run([sys.executable, ROOT / "scripts/bench/report.py", cls.folder / "runs", "--out", cls.folder / name], check=True,
+                           stdout=subprocess.DEVNULL)
+        cls.page = (cls.folder / "one/index.html").read_text()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.tmp.cleanup()
+
+    def test_the_same_bytes_twice(self):
+        files = sorted(p.relative_to(self.folder / "one") for p in (self.folder / "one").rglob("*") if p.is_file())
+        self.assertGreater(len(files), 10)
+        for f in files:
+            self.assertEqual((self.folder / "one" / f).read_bytes(), (self.folder / "two" / f).read_bytes(), f)
+
+    def test_nothing_is_fetched(self):
+        text = re.sub(r'<script type="text/plain" id="plotly">.*?</script>', "", self.page, flags=re.S)
+        self.assertEqual(re.findall(r"(?:src|href)=[\"'](?!#|data:)[^\"']*", text), [])
+        self.assertLess(len(self.page.encode()), 5_000_000)
+
+    def test_failures_and_commands_are_in_the_page_without_a_script(self):
+        self.assertIn("false claims", self.page)
+        self.assertIn("lcpbench simulate &#x27;slide:speed=5&#x27;", self.page)
+        self.assertIn("ray 2/3", self.page)
+
+    @unittest.skipUnless(shutil.which("chromium"), "no chromium")
+    def test_it_lives_in_a_browser(self):
+        done = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=60000", "--window-size=1200,9000",
+                               f"--user-data-dir={self.folder / 'profile'}", "--enable-logging=stderr", "--dump-dom", (self.folder / "one/index.html").as_uri()],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        self.assertNotIn("CONSOLE", done.stderr)
+        charts = self.page.count('class="chart" data-chart=')
+        self.assertGreater(charts, 3)
+        self.assertEqual(done.stdout.count('data-drawn="yes"'), charts)
+        self.assertRegex(done.stdout, r"\d+ of \d+ cells")
+
+
+if __name__ == "__main__":
+    unittest.main()
