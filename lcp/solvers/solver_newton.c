@@ -29,7 +29,7 @@ typedef struct options {
 } options;
 
 static const base_field fields[] = {
-    LCP_STOP_FIELDS(options, 1e-10, 200),
+    LCP_STOP_FIELDS(options, 1e-12, 200),
     BASE_FIELD_CHOICE(options, map, "fischer|min", MINIMUM, "complementarity function"),
 };
 
