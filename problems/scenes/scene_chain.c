@@ -25,7 +25,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   const int up = p->dim - 1;
   const double half[3] = {0.2 * l, (p->dim == 2) ? l : 0.2 * l, l}; /* no contacts between links */
   char name[SPEC_NAME], var[2 * SPEC_NAME];
-  kit_world(s, p->dim, p->gravity, p->duration, 0.005);
+  /* tension over link mass and length is a frequency that the step must resolve while it swings */
+  const double stiff = 0.1 / sqrt(p->gravity * (p->heavy + p->n) / l);
+  kit_world(s, p->dim, p->gravity, p->duration, (p->tilt_deg > 0.0) ? fmin(0.005, stiff) : 0.005);
   for (int i = 0; i < p->n; i++) {
     double pos[3] = {sin(a) * l * (2.0 * i + 1.0)};
     spec_body *b;
