@@ -5,6 +5,8 @@
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
+#include "tests/support/few_bodies.h"
+#include "tests/support/tableau_lemke.h"
 
 #include <string.h>
 
@@ -345,6 +347,55 @@ static void mixed_problems(void **state) {
   }
 }
 
+/* Few bodies, many contacts: the factored form, the dense form and the plain tableau agree on w. */
+static void factored_form_agrees_with_dense(void **state) {
+  (void)state;
+  static const int sizes[][3] = {{1, 40, 0}, {1, 20, 4}, {5, 60, 0}, {6, 15, 4}, {3, 9, 6}};
+  const lcp_solver *solver = lcp_solver_find("lemke");
+  for (int i = 0; i < BASE_COUNT(sizes); ++i) {
+    known_lcp k;
+    base_error err = {0};
+    unsigned char opt[512];
+    lcp_instance *instance = NULL;
+    lcp_verdict v;
+    lcp_result res;
+    check_ok(few_bodies(&k, sizes[i][0], sizes[i][1], sizes[i][2], 3, &err), &err);
+    const int n = k.p.M.n;
+    const lcp_capacity cap = lcp_problem_capacity(&k.p);
+    double *z = calloc((size_t)n, sizeof *z);
+    double *dense = calloc((size_t)n * (size_t)n, sizeof *dense);
+    double *work = calloc(tableau_lemke_work(n), sizeof *work);
+    double *other = calloc((size_t)n, sizeof *other);
+    long pivots = 0;
+    base_fields_default(solver->fields, solver->n_fields, opt);
+    check_ok(lcp_instance_open(&instance, solver, &cap, opt, &err), &err);
+    check_ok(lcp_instance_prepare(instance, &k.p, &err), &err);
+    assert_int_equal(lcp_instance_storage(instance), LCP_FACTORED);
+    check_ok(lcp_instance_solve(instance, NULL, z, &res, &err), &err);
+    check_ok(lcp_judge(&k.p, z, &v, &err), &err);
+    assert_int_equal(res.outcome, LCP_SOLVED);
+    assert_true(v.rho <= 1e-12);
+    assert_true(v.rho <= res.residual + 1e-16); /* the bound is a bound */
+    lcp_matrix_to_dense(&k.p.M, dense);
+    assert_int_equal(tableau_lemke(n, dense, k.p.q, other, work, &pivots), LCP_SOLVED);
+    if (sizes[i][2] == 0) { /* M is PSD: w is unique */
+      for (int r = 0; r < n; ++r) {
+        double gap = 0;
+        for (int c = 0; c < n; ++c) {
+          gap += dense[(ptrdiff_t)c * n + r] * (z[c] - other[c]);
+        }
+        check_close(gap, 0, 1e-11);
+      }
+    }
+    lcp_instance_close(instance);
+    free(z);
+    free(dense);
+    free(work);
+    free(other);
+    known_lcp_free(&k);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(murty_and_fathi_take_two_to_the_n),
@@ -358,6 +409,7 @@ int main(void) {
       cmocka_unit_test(bimatrix_game_is_solved),
       cmocka_unit_test(pivot_limit_is_reported),
       cmocka_unit_test(mixed_problems),
+      cmocka_unit_test(factored_form_agrees_with_dense),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

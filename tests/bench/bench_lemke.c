@@ -1,0 +1,218 @@
+/* bench_lemke.c - lemke against the plain dense tableau, against Siconos' Lemke where the build has
+ * it, and its factored form against its own dense form.
+ *
+ * usage: bench_lemke SHARED [REPETITIONS]
+ * CSV on stdout, one row per problem and method: seconds are set-up and solve together, median and
+ * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
+ * first method over this one's. Comment lines give exponents in the number of contacts. */
+#include "lcp/base/clock.h"
+#include "lcp/io/lcp_read.h"
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+#include "tests/support/few_bodies.h"
+#include "tests/support/tableau_lemke.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { REPS_MAX = 51, METHODS_MAX = 3 };
+
+typedef struct method {
+  const char *name;
+  const lcp_solver *solver; /* NULL: the tableau */
+  const lcp_problem *p;
+  lcp_instance *instance;
+  unsigned char options[512];
+  double *work, *z;
+  double seconds[REPS_MAX];
+  lcp_result res;
+  lcp_verdict v;
+} method;
+
+static base_status method_open(method *m, const char *name, const lcp_problem *p, base_error *err) {
+  *m = (method){.name = name, .p = p};
+  m->z = calloc((size_t)p->M.n + 1, sizeof *m->z);
+  if (strcmp(name, "tableau") == 0) {
+    m->work = calloc(tableau_lemke_work(p->M.n), sizeof *m->work);
+    return (m->work != NULL && m->z != NULL) ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "tableau");
+  }
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  m->solver = lcp_solver_find((strncmp(name, "lemke", 5) == 0) ? "lemke" : name);
+  base_fields_default(m->solver->fields, m->solver->n_fields, m->options);
+  return lcp_instance_open(&m->instance, m->solver, &cap, m->options, err);
+}
+
+static base_status method_run(method *m, double *seconds, base_error *err) {
+  const double started = base_seconds();
+  memset(m->z, 0, sizeof *m->z * (size_t)m->p->M.n);
+  if (m->solver == NULL) {
+    long pivots = 0;
+    m->res.outcome = tableau_lemke(m->p->M.n, m->p->M.val, m->p->q, m->z, m->work, &pivots);
+    m->res.work.pivots = pivots;
+  } else {
+    BASE_TRY(lcp_instance_prepare(m->instance, m->p, err));
+    BASE_TRY(lcp_instance_solve(m->instance, NULL, m->z, &m->res, err));
+  }
+  *seconds = base_seconds() - started;
+  return BASE_OK;
+}
+
+static void method_close(method *m) {
+  lcp_instance_close(m->instance);
+  free(m->work);
+  free(m->z);
+}
+
+static int compare(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Times all methods on one problem; returns the median of the last one [s], or -1. */
+static double contest(const char *problem, method *m, int n_method, int reps, base_error *err) {
+  double first = 0;
+  double median = -1;
+  for (int r = -1; r < reps; ++r) { /* -1: warm-up */
+    for (int i = 0; i < n_method; ++i) {
+      if (method_run(&m[i], &m[i].seconds[(r < 0) ? 0 : r], err) != BASE_OK) {
+        return -1;
+      }
+    }
+  }
+  for (int i = 0; i < n_method; ++i) {
+    if (lcp_judge(m[i].p, m[i].z, &m[i].v, err) != BASE_OK) {
+      return -1;
+    }
+    qsort(m[i].seconds, (size_t)reps, sizeof *m[i].seconds, compare);
+    median = m[i].seconds[reps / 2];
+    first = (i == 0) ? median : first;
+    printf("%s,%s,%d,%s,%ld,%.1e,%.6f,%.6f,%.6f,%.1f\n", problem, m[i].name, m[i].p->M.n,
+           lcp_outcome_name(m[i].res.outcome), m[i].res.work.pivots, m[i].v.rho, median,
+           m[i].seconds[reps / 4], m[i].seconds[3 * reps / 4], first / median);
+  }
+  (void)fflush(stdout);
+  return median;
+}
+
+static base_status dense_copy(const lcp_problem *p, double **M, lcp_problem *out, base_error *err) {
+  const size_t n = (size_t)p->M.n;
+  *M = malloc(n * n * sizeof **M);
+  if (*M == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "dense copy of n = %d", p->M.n);
+  }
+  lcp_matrix_to_dense(&p->M, *M);
+  *out = *p;
+  out->M = (lcp_matrix){.storage = LCP_DENSE, .n = p->M.n, .val = *M};
+  return BASE_OK;
+}
+
+static base_status bench_file(const char *shared, const char *name, int reps, base_error *err) {
+  char m_path[1024];
+  char q_path[1024];
+  lcp_file_problem f;
+  lcp_problem dense;
+  double *M = NULL;
+  method m[METHODS_MAX] = {0};
+  int n_method = 0;
+  (void)snprintf(m_path, sizeof m_path, "%s/cases/contact_lcps/%s.M.mtx", shared, name);
+  (void)snprintf(q_path, sizeof q_path, "%s/cases/contact_lcps/%s.q.mtx", shared, name);
+  BASE_TRY(lcp_read_mtx(m_path, q_path, &f, err));
+  base_status s = dense_copy(&f.p, &M, &dense, err);
+  if (s == BASE_OK) {
+    s = method_open(&m[n_method++], "tableau", &dense, err);
+  }
+  if (s == BASE_OK && lcp_solver_find("siconos_lemke") != NULL) {
+    s = method_open(&m[n_method++], "siconos_lemke", &dense, err);
+  }
+  if (s == BASE_OK) {
+    s = method_open(&m[n_method++], "lemke", &f.p, err);
+  }
+  if (s == BASE_OK && contest(name, m, n_method, reps, err) < 0) {
+    s = err->code;
+  }
+  for (int i = 0; i < n_method; ++i) {
+    method_close(&m[i]);
+  }
+  free(M);
+  lcp_file_problem_free(&f);
+  return s;
+}
+
+/* Dense and factored form of few bodies; *seconds is the median of the factored one. */
+static base_status bench_bodies(int bodies, int contacts, int facets, bool with_dense, int reps,
+                                double *seconds, base_error *err) {
+  known_lcp k;
+  lcp_problem dense;
+  double *M = NULL;
+  char name[64];
+  method m[METHODS_MAX] = {0};
+  int n_method = 0;
+  (void)snprintf(name, sizeof name, "bodies%d_contacts%d_facets%d", bodies, contacts, facets);
+  base_status s = few_bodies(&k, bodies, contacts, facets, 7, err);
+  if (s == BASE_OK && with_dense) {
+    s = dense_copy(&k.p, &M, &dense, err);
+    if (s == BASE_OK) {
+      s = method_open(&m[n_method++], "lemke_dense", &dense, err);
+    }
+  }
+  if (s == BASE_OK) {
+    s = method_open(&m[n_method++], "lemke_factored", &k.p, err);
+  }
+  if (s == BASE_OK) {
+    *seconds = contest(name, m, n_method, reps, err);
+    s = (*seconds < 0) ? err->code : BASE_OK;
+  }
+  for (int i = 0; i < n_method; ++i) {
+    method_close(&m[i]);
+  }
+  free(M);
+  known_lcp_free(&k);
+  return s;
+}
+
+/* Fixed bodies, growing contacts: prints the exponent fitted by least squares of logs. */
+static base_status bench_growth(int bodies, int facets, int dense_at, int reps, base_error *err) {
+  static const int contacts[] = {100, 200, 400, 800, 2000, 4000, 8000};
+  const int count = (facets > 0) ? 4 : BASE_COUNT(contacts);
+  double sx = 0, sy = 0, sxx = 0, sxy = 0;
+  for (int i = 0; i < count; ++i) {
+    double t = 0;
+    BASE_TRY(bench_bodies(bodies, contacts[i], facets, contacts[i] == dense_at, reps, &t, err));
+    const double x = log(contacts[i]);
+    sx += x;
+    sy += log(t);
+    sxx += x * x;
+    sxy += x * log(t);
+  }
+  printf("# %d bodies, %d facets: exponent %.2f in contacts, %d to %d\n", bodies, facets,
+         (count * sxy - sx * sy) / (count * sxx - sx * sx), contacts[0], contacts[count - 1]);
+  return BASE_OK;
+}
+
+static base_status bench_all(const char *shared, int reps, base_error *err) {
+  static const char *const files[] = {"pd_n300",    "column_n300",  "boxstack_n300",
+                                      "frand4_p80", "fbox4_p80",    "frand8_p20",
+                                      "fbox4_p200", "column_n1000", "boxstack_n1000"};
+  printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
+  for (int i = 0; i < BASE_COUNT(files); ++i) {
+    BASE_TRY(bench_file(shared, files[i], reps, err));
+  }
+  BASE_TRY(bench_growth(1, 0, 400, reps, err));
+  BASE_TRY(bench_growth(1, 4, 400, reps, err));
+  return bench_growth(20, 0, 2000, reps, err);
+}
+
+int main(int argc, char **argv) {
+  const int reps = (argc > 2) ? atoi(argv[2]) : 5;
+  base_error err = {0};
+  if (argc < 2 || reps < 1 || reps > REPS_MAX) {
+    fprintf(stderr, "usage: bench_lemke SHARED [REPETITIONS, 1 to %d]\n", (int)REPS_MAX);
+    return 2;
+  }
+  if (bench_all(argv[1], reps, &err) != BASE_OK) {
+    fprintf(stderr, "bench_lemke: %s\n", err.text);
+    return 1;
+  }
+  return 0;
+}
