@@ -110,7 +110,7 @@ static bool nearly_parallel(const double *d1, const double *d2) {
 
 static int cores(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                  gap_point *out) {
-  double e[12], p[3], q[3], d1[3], d2[3], fallback[3]; /* e: the four ends */
+  double e[12] = {0}, p[3], q[3], d1[3], d2[3], fallback[3]; /* e: the four ends */
   ends_of(a, pa, e, e + 3);
   ends_of(b, pb, e + 6, e + 9);
   v3_sub(e + 3, e, d1);

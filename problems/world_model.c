@@ -106,7 +106,7 @@ base_status model_acceleration(world *w, double *a, base_error *err) {
 
 static base_status free_motion(world *w, double h, base_error *err) {
   set_store *s = &w->store;
-  double a[MODEL_DOF_MAX];
+  double a[MODEL_DOF_MAX] = {0};
   BASE_TRY(model_acceleration(w, a, err));
   for (int i = 0; i < w->model->n_dof; i++) {
     s->v[i] = w->qv[i];

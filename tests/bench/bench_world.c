@@ -1,6 +1,7 @@
 /* bench_world.c - time and memory of building a sphere pile, detecting its contacts and assembling
  * their rows, against the number of contacts. Run by `meson test --benchmark`. */
 #include "lcp/base/clock.h"
+#include "lcp/base/fields.h"
 #include "lcp/base/rng.h"
 #include "problems/world.h"
 
@@ -67,10 +68,15 @@ static base_status measure(int n, base_error *err) {
   return BASE_OK;
 }
 
-int main(void) {
-  const int sizes[] = {7, 15, 32}; /* about 1e3, 1e4 and 1e5 contacts */
+/* bench_world [N]: only the pile of N^3 spheres (for counting instructions). */
+int main(int argc, char **argv) {
+  int sizes[] = {7, 15, 32}; /* about 1e3, 1e4 and 1e5 contacts */
+  int first = 0;
+  if (argc > 1 && base_parse_int(argv[1], &sizes[2])) {
+    first = 2;
+  }
   printf("n_body,n_contact,n_row,open_s,contacts_s,contact_ns,contact_B\n");
-  for (int i = 0; i < BASE_COUNT(sizes); i++) {
+  for (int i = first; i < BASE_COUNT(sizes); i++) {
     base_error err = {0};
     if (measure(sizes[i], &err) != BASE_OK) {
       fprintf(stderr, "%s: %s\n", err.where, err.text);

@@ -260,6 +260,66 @@ static void pairs_multiplicity_and_no_collision_are_honoured(void **state) {
   spec_free(&s);
 }
 
+/* A dumbbell of two spheres touches the floor with both pieces, at their own places. */
+static void compounds_touch_with_every_piece(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = 3;
+  s.duration = 1.0;
+  spec_body *b = add_body(&s, "bell", SPEC_COMPOUND, 0.1);
+  b->shape.n_part = 2;
+  b->shape.part = calloc(2, sizeof *b->shape.part);
+  for (int i = 0; i < 2; i++) {
+    b->shape.part[i].shape.kind = SPEC_SPHERE;
+    b->shape.part[i].shape.r = 0.1;
+    b->shape.part[i].pos[0] = (i == 0) ? -0.5 : 0.5;
+    b->shape.part[i].quat[0] = 1.0;
+  }
+  b->pos[2] = 0.1;
+  b->quat[0] = b->quat[3] = sqrt(0.5); /* turned by 90 degrees about z */
+  add_floor(&s, 3);
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_contact, 2);
+  assert_true(c.id[0] != c.id[1]);
+  for (int i = 0; i < 2; i++) {
+    double x[3];
+    world_contact_point(w, i, x);
+    check_close(x[0], 0.0, 1e-15);
+    check_close(x[1], (i == 0) ? -0.5 : 0.5, 1e-15);
+    check_close(c.gap[i], 0.0, 1e-15);
+  }
+  world_close(w);
+  spec_free(&s);
+}
+
+/* Contacts far beyond a body's own reach are not listed; what can be met within the step is. */
+static void margin_follows_the_speeds(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  spec_init(&s);
+  s.dim = 2;
+  s.duration = 1.0;
+  spec_body *b = add_body(&s, "ball", SPEC_SPHERE, 0.1);
+  b->pos[1] = 1.0;
+  b->vel[1] = -50.0;
+  add_floor(&s, 2);
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err); /* falls 0.5 m in the step */
+  assert_int_equal(c.n_contact, 0);
+  check_ok(world_contacts(w, 0.02, -1.0, &c, &err), &err); /* 1.0 m */
+  assert_int_equal(c.n_contact, 1);
+  check_ok(world_contacts(w, 0.01, 1.0, &c, &err), &err);
+  assert_int_equal(c.n_contact, 1);
+  world_close(w);
+  spec_free(&s);
+}
+
 static void open_reports_what_it_cannot_do(void **state) {
   (void)state;
   scene_spec s;
@@ -290,6 +350,8 @@ int main(void) {
       cmocka_unit_test(two_bodies_exchange_momentum_through_rows),
       cmocka_unit_test(drift_carries_kinematic_and_belt_motion),
       cmocka_unit_test(pairs_multiplicity_and_no_collision_are_honoured),
+      cmocka_unit_test(compounds_touch_with_every_piece),
+      cmocka_unit_test(margin_follows_the_speeds),
       cmocka_unit_test(open_reports_what_it_cannot_do),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
