@@ -1,0 +1,423 @@
+/* solver_enumerate.c - all 2^n complementary bases, n <= 16, in long double (Murty 1988, chapter 1: the
+ * definition, made a method). The only one here that can say how many solutions there are, and
+ * that there is none although a feasible point exists.
+ *
+ * A nonsingular basis holds at most one solution; it is counted where its support is the basis, so
+ * that degenerate points count once. Bases with M_BB singular hold none, or a face of solutions:
+ * they are asked, by an exact-rule simplex (Bland 1977), only when the others hold none. `variant`
+ * tells "isolated" (all bases that matter were nonsingular), "faces" (a singular basis was
+ * consistent, further solutions are possible) and "no_solution". */
+#include "lcp/base/clock.h"
+#include "lcp/lcp_farkas.h"
+#include "lcp/lcp_solver.h"
+
+enum { N_MAX = 16, COLUMNS_MAX = 2 * N_MAX };
+
+typedef long double real;
+
+typedef struct options {
+  lcp_stop stop;
+} options;
+
+typedef struct enumerate {
+  lcp_stop_state stop;
+  int n;
+  real M[N_MAX][N_MAX], q[N_MAX]; /* R M C, R q: powers of two */
+  double row[N_MAX], col[N_MAX];
+  real z[N_MAX]; /* of the basis at hand, scaled */
+  double answer[N_MAX], farkas[N_MAX], dense[N_MAX * N_MAX];
+  unsigned char basis[N_MAX];
+  long solutions, faces;
+} enumerate;
+
+/* Shares of the terms of a sum below which it is zero: 64-bit mantissas, condition up to 1e5 spare. */
+static const real ZERO = 1e-14L;
+static const real SINGULAR = 1e-15L;
+
+static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
+  (void)opt;
+  enumerate *s = state;
+  lcp_stop_layout(&s->stop, cap, a);
+}
+
+static double power_below(double x) {
+  int e = 0;
+  (void)frexp(x, &e);
+  return (x > 0) ? ldexp(1, -e) : 1;
+}
+
+/* Rows, then columns, to a largest entry in [1/2, 1). */
+static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
+  (void)opt;
+  enumerate *s = state;
+  const int n = p->M.n;
+  if (n > N_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "enumerate: n = %d, at most %d", n, N_MAX);
+  }
+  s->n = n;
+  lcp_matrix_to_dense(&p->M, s->dense);
+  for (int i = 0; i < n; i++) {
+    double top = 0;
+    for (int j = 0; j < n; j++) {
+      top = fmax(top, fabs(s->dense[j * n + i]));
+    }
+    s->row[i] = power_below(top);
+    s->q[i] = (real)p->q[i] * s->row[i];
+  }
+  for (int j = 0; j < n; j++) {
+    double top = 0;
+    for (int i = 0; i < n; i++) {
+      top = fmax(top, fabs(s->dense[j * n + i]) * s->row[i]);
+    }
+    s->col[j] = power_below(top);
+    for (int i = 0; i < n; i++) {
+      s->M[i][j] = (real)s->dense[j * n + i] * s->row[i] * s->col[j];
+    }
+  }
+  return BASE_OK;
+}
+
+typedef enum kind { REGULAR, INCONSISTENT, FACE } kind;
+
+/* Solves M_BB z = -q_B with complete pivoting. FACE: singular and consistent. */
+static kind solve_basis(const enumerate *s, const int *b, int m, real *z) {
+  real a[N_MAX][N_MAX + 1];
+  real bound[N_MAX];
+  int col[N_MAX];
+  for (int i = 0; i < m; i++) {
+    for (int j = 0; j < m; j++) {
+      a[i][j] = s->M[b[i]][b[j]];
+    }
+    a[i][m] = -s->q[b[i]];
+    bound[i] = fabsl(a[i][m]);
+    col[i] = i;
+  }
+  int rank = 0;
+  for (; rank < m; rank++) {
+    int r = rank;
+    int c = rank;
+    for (int i = rank; i < m; i++) {
+      for (int j = rank; j < m; j++) {
+        if (fabsl(a[i][j]) > fabsl(a[r][c])) {
+          r = i;
+          c = j;
+        }
+      }
+    }
+    if (!(fabsl(a[r][c]) > SINGULAR)) {
+      break;
+    }
+    for (int j = 0; j <= m; j++) {
+      const real t = a[r][j];
+      a[r][j] = a[rank][j];
+      a[rank][j] = t;
+    }
+    const real keep = bound[r];
+    bound[r] = bound[rank];
+    bound[rank] = keep;
+    for (int i = 0; i < m; i++) {
+      const real t = a[i][c];
+      a[i][c] = a[i][rank];
+      a[i][rank] = t;
+    }
+    const int label = col[c];
+    col[c] = col[rank];
+    col[rank] = label;
+    for (int i = rank + 1; i < m; i++) {
+      const real f = a[i][rank] / a[rank][rank];
+      for (int j = rank; j <= m; j++) {
+        a[i][j] -= f * a[rank][j];
+      }
+      bound[i] += fabsl(f) * bound[rank];
+    }
+  }
+  for (int i = rank; i < m; i++) {
+    if (fabsl(a[i][m]) > ZERO * bound[i]) {
+      return INCONSISTENT;
+    }
+  }
+  if (rank < m) {
+    return FACE;
+  }
+  for (int i = m - 1; i >= 0; i--) {
+    real sum = a[i][m];
+    for (int j = i + 1; j < m; j++) {
+      sum -= a[i][j] * z[col[j]];
+    }
+    z[col[i]] = sum / a[i][i];
+  }
+  return REGULAR;
+}
+
+/* z by unknown: in K and with w >= 0, up to round-off? *interior: no z_B at zero. */
+static bool feasible(const enumerate *s, const int *b, int m, const real *zb, bool *interior) {
+  real top = 0;
+  *interior = true;
+  for (int k = 0; k < m; k++) {
+    top = fmaxl(top, fabsl(zb[k]));
+  }
+  for (int k = 0; k < m; k++) {
+    if (zb[k] < -ZERO * top) {
+      return false;
+    }
+    *interior = *interior && zb[k] > ZERO * top;
+  }
+  for (int i = 0; i < s->n; i++) {
+    real w = s->q[i];
+    real bound = fabsl(w);
+    for (int k = 0; k < m; k++) {
+      w += s->M[i][b[k]] * zb[k];
+      bound += fabsl(s->M[i][b[k]] * zb[k]);
+    }
+    if (w < -ZERO * bound) {
+      return false;
+    }
+  }
+  return true;
+}
+
+static void keep(enumerate *s, const int *b, int m, const real *zb) {
+  for (int i = 0; i < s->n; i++) {
+    s->answer[i] = 0;
+    s->basis[i] = 0;
+  }
+  for (int k = 0; k < m; k++) {
+    s->answer[b[k]] = (double)fmaxl(zb[k], 0) * s->col[b[k]];
+    s->basis[b[k]] = 1;
+  }
+}
+
+/* ---- feasibility of  sum_k column_k x_k = q, x >= 0  -------------------------------------------- */
+
+typedef struct simplex {
+  real t[N_MAX][COLUMNS_MAX + N_MAX + 1]; /* tableau with artificials and right-hand side */
+  real cost[COLUMNS_MAX + N_MAX + 1];
+  int basic[N_MAX];
+  int n, columns, width;
+} simplex;
+
+/* Variables < n: w_i (column e_i); n + j: z_j (column -M_j). */
+static void simplex_start(simplex *x, const enumerate *s, const int *var, int columns) {
+  x->n = s->n;
+  x->columns = columns;
+  x->width = columns + s->n;
+  for (int c = 0; c <= x->width; c++) {
+    x->cost[c] = 0;
+  }
+  for (int i = 0; i < x->n; i++) {
+    const real sign = (s->q[i] < 0) ? -1 : 1;
+    for (int c = 0; c < columns; c++) {
+      const int v = var[c];
+      const real entry = (v < x->n) ? (real)(v == i) : -s->M[i][v - x->n];
+      x->t[i][c] = sign * entry;
+    }
+    for (int c = columns; c < x->width; c++) {
+      x->t[i][c] = (c - columns == i) ? 1 : 0;
+    }
+    x->t[i][x->width] = sign * s->q[i];
+    x->basic[i] = columns + i;
+    for (int c = 0; c <= x->width; c++) {
+      x->cost[c] -= (c < columns || c == x->width) ? x->t[i][c] : 0;
+    }
+  }
+}
+
+static void simplex_pivot(simplex *x, int r, int c) {
+  const real d = x->t[r][c];
+  for (int k = 0; k <= x->width; k++) {
+    x->t[r][k] /= d;
+  }
+  for (int i = 0; i < x->n; i++) {
+    const real f = x->t[i][c];
+    for (int k = 0; i != r && f != 0 && k <= x->width; k++) {
+      x->t[i][k] -= f * x->t[r][k];
+    }
+  }
+  const real f = x->cost[c];
+  for (int k = 0; k <= x->width; k++) {
+    x->cost[k] -= f * x->t[r][k];
+  }
+  x->basic[r] = c;
+}
+
+/* Bland's rule: never cycles. Cost: minus the sum of the artificials, zero when feasible. */
+static bool simplex_feasible(simplex *x, const enumerate *s) {
+  real size = 0;
+  for (int i = 0; i < x->n; i++) {
+    size += fabsl(s->q[i]);
+  }
+  for (;;) {
+    int c = 0;
+    while (c < x->columns && !(x->cost[c] < -ZERO)) {
+      c++;
+    }
+    int r = -1;
+    for (int i = 0; c < x->columns && i < x->n; i++) {
+      if (x->t[i][c] > ZERO) {
+        const real a = (r < 0) ? 0 : x->t[i][x->width] * x->t[r][c];
+        const real b = (r < 0) ? 0 : x->t[r][x->width] * x->t[i][c];
+        if (r < 0 || a < b || (a == b && x->basic[i] < x->basic[r])) {
+          r = i;
+        }
+      }
+    }
+    if (c == x->columns || r < 0) {
+      return fabsl(x->cost[x->width]) <= 16 * ZERO * size;
+    }
+    simplex_pivot(x, r, c);
+  }
+}
+
+static bool face_solution(enumerate *s, simplex *x, unsigned mask) {
+  int var[N_MAX];
+  for (int i = 0; i < s->n; i++) {
+    var[i] = ((mask >> i) & 1u) != 0 ? s->n + i : i;
+  }
+  simplex_start(x, s, var, s->n);
+  if (!simplex_feasible(x, s)) {
+    return false;
+  }
+  for (int i = 0; i < s->n; i++) {
+    s->answer[i] = 0;
+    s->basis[i] = ((mask >> i) & 1u) != 0;
+  }
+  for (int i = 0; i < s->n; i++) {
+    const int v = (x->basic[i] < s->n) ? var[x->basic[i]] : -1;
+    if (v >= s->n) {
+      s->answer[v - s->n] = (double)fmaxl(x->t[i][x->width], 0) * s->col[v - s->n];
+    }
+  }
+  return true;
+}
+
+/* Multipliers of the infeasible phase one: reduced costs of the artificials. */
+static bool infeasible(enumerate *s, simplex *x, const lcp_problem *p) {
+  int var[COLUMNS_MAX];
+  for (int i = 0; i < 2 * s->n; i++) {
+    var[i] = i;
+  }
+  simplex_start(x, s, var, 2 * s->n);
+  if (simplex_feasible(x, s)) {
+    return false;
+  }
+  for (int i = 0; i < s->n; i++) {
+    const real sign = (s->q[i] < 0) ? -1 : 1;
+    const real y = sign * (x->cost[x->columns + i] - 1);
+    s->farkas[i] = (y > ZERO) ? (double)y * s->row[i] : 0;
+  }
+  return lcp_farkas_prove(&p->M, p->q, NULL, s->farkas);
+}
+
+static int members(unsigned mask, int n, int *b) {
+  int m = 0;
+  for (int i = 0; i < n; i++) {
+    if (((mask >> i) & 1u) != 0) {
+      b[m++] = i;
+    }
+  }
+  return m;
+}
+
+/* False: out of time or iterations. */
+static bool visit_all(enumerate *s, const lcp_stop *stop, bool *found, lcp_result *res) {
+  for (unsigned mask = 0; mask < 1u << s->n; mask++) {
+    if (res->work.iterations >= stop->max_iter) {
+      res->outcome = LCP_MAX_ITER;
+      return false;
+    }
+    if (mask % 256 == 255 && base_seconds() - s->stop.started > stop->max_seconds) {
+      res->outcome = LCP_TIME_LIMIT;
+      return false;
+    }
+    int b[N_MAX];
+    const int m = members(mask, s->n, b);
+    const kind k = solve_basis(s, b, m, s->z);
+    res->work.iterations++;
+    res->work.factorizations++;
+    s->faces += k == FACE;
+    bool interior = false;
+    if (k != REGULAR || !feasible(s, b, m, s->z, &interior)) {
+      continue;
+    }
+    s->solutions += interior;
+    if (!*found) {
+      keep(s, b, m, s->z);
+      *found = true;
+    }
+  }
+  return true;
+}
+
+static bool search_faces(enumerate *s, simplex *x, lcp_work *work) {
+  for (unsigned mask = 0; mask < 1u << s->n; mask++) {
+    int b[N_MAX];
+    const int m = members(mask, s->n, b);
+    if (solve_basis(s, b, m, s->z) == FACE) {
+      work->fallbacks++;
+      if (face_solution(s, x, mask)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  (void)trace; /* a search has no residual */
+  enumerate *s = state;
+  const lcp_stop *stop = &((const options *)opt)->stop;
+  simplex x;
+  bool found = false;
+  lcp_stop_begin(&s->stop, p);
+  s->solutions = 0;
+  s->faces = 0;
+  for (int i = 0; i < s->n; i++) {
+    z[i] = 0;
+  }
+  if (!visit_all(s, stop, &found, res)) {
+    return BASE_OK;
+  }
+  found = found || (s->faces > 0 && search_faces(s, &x, &res->work));
+  res->variant = (s->faces > 0) ? "faces" : "isolated";
+  res->solutions = (found && s->solutions == 0) ? 1 : s->solutions;
+  if (!found && infeasible(s, &x, p)) {
+    res->outcome = LCP_INFEASIBLE;
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->farkas};
+    return BASE_OK;
+  }
+  if (!found) {
+    res->variant = "no_solution";
+    res->outcome = LCP_STALLED;
+    return BASE_OK;
+  }
+  for (int i = 0; i < s->n; i++) {
+    z[i] = s->answer[i];
+  }
+  const lcp_stop once = {
+      .tol = stop->tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
+  const bool ended = lcp_stop_test(&s->stop, &once, p, z, NULL, res);
+  res->outcome = (ended && res->residual <= stop->tol) ? LCP_SOLVED : LCP_NUMERICAL;
+  if (res->outcome == LCP_SOLVED) {
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->basis};
+  }
+  return BASE_OK;
+}
+
+static const base_field fields[] = {LCP_STOP_FIELDS(options, 1e-10, 65536)};
+
+const lcp_solver lcp_solver_enumerate = {
+    .name = "enumerate",
+    .title = "enumeration",
+    .cite = "Murty 1988, chapter 1",
+    .sets = 1u << LCP_ORTHANT,
+    .storages = 1u << LCP_DENSE,
+    .exact = true,
+    .fields = fields,
+    .n_fields = BASE_COUNT(fields),
+    .options_size = sizeof(options),
+    .state_size = sizeof(enumerate),
+    .layout = layout,
+    .prepare = prepare,
+    .solve = solve,
+};
