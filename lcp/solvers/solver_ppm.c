@@ -406,6 +406,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
     res->outcome = ended;
     res->certificate = (lcp_certificate){
         .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
+  } else if (met && (lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {
+    res->outcome = LCP_SOLVED; /* a basis does not tell the two ends of a box apart */
   } else if (met) {
     for (int i = 0; i < p->M.n; i++) {
       s->tries[i] = s->where[i] == BASIC;

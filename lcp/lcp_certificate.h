@@ -1,0 +1,44 @@
+/* lcp/lcp_certificate.h - what a solver proved, as a text file, and its check without any solver.
+ *
+ *   lcpbench certificate 1
+ *   kind basis|farkas|ray
+ *   n 3
+ *   i basic z          (basis: one line a row, basic 0 or 1)    i y    (farkas, ray)
+ *
+ * Numbers are decimal with 17 digits, so they read back as the same binary64. A check sees the problem
+ * and the file only:
+ *   farkas  y >= 0, M'y <= 0, q'y < 0 in exact rational arithmetic (GMP), any n;
+ *   basis   n <= 64: M_BB z_B = -q_B is solved in rational arithmetic and z_B >= 0, w_N >= 0 are
+ *           tested exactly. A degenerate problem with rounded data may fail that by round-off, and
+ *           above n = 64 it is not tried: then rho of the file's z (lcp_judge.h, extended precision)
+ *           decides, and `exact` is false;
+ *   ray     v >= 0, v != 0: a ray proves nothing alone, so it never counts as exact. */
+#pragma once
+
+#include "lcp/lcp_solver.h"
+
+enum { LCP_CERT_EXACT_N = 64 };
+
+typedef struct lcp_certificate_file {
+  lcp_certificate_kind kind;
+  int n;
+  unsigned char *basis; /* n, owned; NULL unless LCP_CERT_BASIS */
+  double *vector;       /* n, owned: z of a basis, y, or v */
+} lcp_certificate_file;
+
+typedef struct lcp_certificate_verdict {
+  bool holds;
+  bool exact;      /* decided in rational arithmetic */
+  double residual; /* basis: rho of the file's z; farkas: q'y / (|q|'|y|) (negative) */
+  const char *why; /* static: the rule that failed, or what was shown */
+} lcp_certificate_verdict;
+
+/* z[n]: solution of a basis certificate, else unused. BASE_EINVAL for LCP_CERT_NONE. */
+base_status lcp_certificate_write(const char *path, int n, const lcp_certificate *c,
+                                  const double *z, base_error *err);
+base_status lcp_certificate_read(const char *path, lcp_certificate_file *out, base_error *err);
+void lcp_certificate_free(lcp_certificate_file *f);
+
+/* BASE_EINVAL: n does not match, or sets other than orthant and free rows. */
+base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_file *f,
+                                   lcp_certificate_verdict *out, base_error *err);

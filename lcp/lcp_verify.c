@@ -1,0 +1,267 @@
+/* lcp_verify.c - certificates checked in rational arithmetic. GMP's own allocator ends the process
+ * when memory runs out; sizes are bounded (n <= 64 for the elimination, one sum at a time else). */
+#include "lcp/lcp_certificate.h"
+#include "lcp/lcp_judge.h"
+
+#include <gmp.h>
+#include <stdlib.h>
+
+/* ---- Farkas -------------------------------------------------------------------------------- */
+
+/* sum += a b */
+static void add_product(mpq_t sum, mpq_t x, mpq_t y, double a, double b) {
+  if (a != 0 && b != 0) {
+    mpq_set_d(x, a);
+    mpq_set_d(y, b);
+    mpq_mul(x, x, y);
+    mpq_add(sum, sum, x);
+  }
+}
+
+static bool is_free(const lcp_problem *p, const unsigned char *set, int i) {
+  return p->block != NULL && set[i] == LCP_FREE;
+}
+
+static const char *farkas_fault(const lcp_problem *p, const lcp_csc *M, const unsigned char *set,
+                                const double *y) {
+  mpq_t sum;
+  mpq_t a;
+  mpq_t b;
+  mpq_inits(sum, a, b, NULL);
+  const char *fault = NULL;
+  for (int i = 0; i < p->M.n; i++) {
+    add_product(sum, a, b, p->q[i], y[i]);
+    fault = (y[i] < 0 && !is_free(p, set, i)) ? "y has a negative entry" : fault;
+  }
+  fault = (mpq_sgn(sum) >= 0) ? "q'y is not negative" : fault;
+  for (int j = 0; j < p->M.n && fault == NULL; j++) {
+    mpq_set_si(sum, 0, 1);
+    for (int k = M->colptr[j]; k < M->colptr[j + 1]; k++) {
+      add_product(sum, a, b, M->val[k], y[M->rowind[k]]);
+    }
+    const int sign = mpq_sgn(sum);
+    fault = (sign > 0 || (sign < 0 && is_free(p, set, j))) ? "M'y has a positive entry" : NULL;
+  }
+  mpq_clears(sum, a, b, NULL);
+  return fault;
+}
+
+/* ---- basis --------------------------------------------------------------------------------- */
+
+typedef struct exact {
+  int n, m;
+  int row[LCP_CERT_EXACT_N];                       /* basic rows */
+  mpq_t a[LCP_CERT_EXACT_N][LCP_CERT_EXACT_N + 1]; /* [M_BB | -q_B] */
+  mpq_t M[LCP_CERT_EXACT_N][LCP_CERT_EXACT_N];
+  mpq_t z[LCP_CERT_EXACT_N], t;
+} exact;
+
+static void exact_open(exact *e, const lcp_problem *p, const double *dense,
+                       const unsigned char *basis) {
+  e->n = p->M.n;
+  e->m = 0;
+  mpq_init(e->t);
+  for (int i = 0; i < e->n; i++) {
+    mpq_init(e->z[i]);
+    e->row[e->m] = i;
+    e->m += basis[i] != 0;
+    for (int j = 0; j < e->n; j++) {
+      mpq_init(e->M[i][j]);
+      mpq_set_d(e->M[i][j], dense[(ptrdiff_t)j * e->n + i]);
+    }
+  }
+  for (int i = 0; i < e->m; i++) {
+    for (int j = 0; j <= e->m; j++) {
+      mpq_init(e->a[i][j]);
+      if (j < e->m) {
+        mpq_set(e->a[i][j], e->M[e->row[i]][e->row[j]]);
+      } else {
+        mpq_set_d(e->a[i][j], -p->q[e->row[i]]);
+      }
+    }
+  }
+}
+
+static void exact_close(exact *e) {
+  for (int i = 0; i < e->n; i++) {
+    mpq_clear(e->z[i]);
+    for (int j = 0; j < e->n; j++) {
+      mpq_clear(e->M[i][j]);
+    }
+  }
+  for (int i = 0; i < e->m; i++) {
+    for (int j = 0; j <= e->m; j++) {
+      mpq_clear(e->a[i][j]);
+    }
+  }
+  mpq_clear(e->t);
+}
+
+/* Row i -= f times row k, f = a_ic / a_kc. */
+static void eliminate(exact *e, int i, int k, int c) {
+  if (mpq_sgn(e->a[i][c]) == 0) {
+    return;
+  }
+  mpq_t f;
+  mpq_init(f);
+  mpq_div(f, e->a[i][c], e->a[k][c]);
+  for (int j = c; j <= e->m; j++) {
+    mpq_mul(e->t, f, e->a[k][j]);
+    mpq_sub(e->a[i][j], e->a[i][j], e->t);
+  }
+  mpq_clear(f);
+}
+
+/* Gauss-Jordan; unknowns of dependent columns stay zero. False: no solution. */
+static bool exact_solve(exact *e) {
+  int lead[LCP_CERT_EXACT_N];
+  int rank = 0;
+  for (int c = 0; c < e->m && rank < e->m; c++) {
+    int r = rank;
+    while (r < e->m && mpq_sgn(e->a[r][c]) == 0) {
+      r++;
+    }
+    if (r == e->m) {
+      continue;
+    }
+    for (int j = 0; j <= e->m; j++) {
+      mpq_swap(e->a[r][j], e->a[rank][j]);
+    }
+    for (int i = 0; i < e->m; i++) {
+      if (i != rank) {
+        eliminate(e, i, rank, c);
+      }
+    }
+    lead[rank++] = c;
+  }
+  for (int i = rank; i < e->m; i++) {
+    if (mpq_sgn(e->a[i][e->m]) != 0) {
+      return false;
+    }
+  }
+  for (int i = 0; i < rank; i++) {
+    mpq_div(e->z[e->row[lead[i]]], e->a[i][e->m], e->a[i][lead[i]]);
+  }
+  return true;
+}
+
+static const char *basis_fault(exact *e, const lcp_problem *p, const unsigned char *basis,
+                               const unsigned char *set) {
+  if (!exact_solve(e)) {
+    return "M_BB z = -q_B has no solution";
+  }
+  mpq_t w;
+  mpq_init(w);
+  const char *fault = NULL;
+  for (int i = 0; i < e->n && fault == NULL; i++) {
+    mpq_set_d(w, p->q[i]);
+    for (int j = 0; j < e->n; j++) {
+      mpq_mul(e->t, e->M[i][j], e->z[j]);
+      mpq_add(w, w, e->t);
+    }
+    const bool free_row = is_free(p, set, i);
+    if (mpq_sgn(e->z[i]) < 0 && !free_row) {
+      fault = "a basic z is negative";
+    } else if (mpq_sgn(w) < 0 || (free_row && mpq_sgn(w) != 0) || (basis[i] && mpq_sgn(w) != 0)) {
+      fault = "a w has the wrong sign";
+    }
+  }
+  mpq_clear(w);
+  return fault;
+}
+
+static base_status verify_basis(const lcp_problem *p, const lcp_certificate_file *f,
+                                const unsigned char *set, lcp_certificate_verdict *out,
+                                base_error *err) {
+  lcp_verdict v;
+  BASE_TRY(lcp_judge(p, f->vector, &v, err));
+  out->residual = v.rho;
+  out->why = "rho of z in extended precision";
+  out->holds = v.rho <= LCP_VERIFY_EXACT;
+  if (p->M.n > LCP_CERT_EXACT_N) {
+    return BASE_OK;
+  }
+  double *dense = malloc(((size_t)p->M.n * (size_t)p->M.n + 1) * sizeof *dense);
+  exact *e = malloc(sizeof *e);
+  if (dense == NULL || e == NULL) {
+    free(dense);
+    free(e);
+    return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
+  }
+  lcp_matrix_to_dense(&p->M, dense);
+  exact_open(e, p, dense, f->basis);
+  const char *fault = basis_fault(e, p, f->basis, set);
+  exact_close(e);
+  free(e);
+  free(dense);
+  out->exact = fault == NULL;
+  if (out->exact) {
+    out->why = "the basis solves the problem in rational arithmetic";
+  } else if (!out->holds) {
+    out->why = fault;
+  }
+  return BASE_OK;
+}
+
+/* ---- all kinds ----------------------------------------------------------------------------- */
+
+static base_status verify_farkas(const lcp_problem *p, const lcp_certificate_file *f,
+                                 const unsigned char *set, lcp_certificate_verdict *out,
+                                 base_error *err) {
+  lcp_csc M;
+  BASE_TRY(lcp_matrix_to_csc(&p->M, &M, err));
+  const char *fault = farkas_fault(p, &M, set, f->vector);
+  lcp_csc_free(&M);
+  long double gain = 0;
+  long double size = 0;
+  for (int i = 0; i < p->M.n; i++) {
+    gain += (long double)p->q[i] * f->vector[i];
+    size += fabsl((long double)p->q[i] * f->vector[i]);
+  }
+  out->residual = (size > 0) ? (double)(gain / size) : 0;
+  out->holds = fault == NULL;
+  out->exact = fault == NULL;
+  out->why = (fault == NULL) ? "y >= 0, M'y <= 0, q'y < 0 in rational arithmetic" : fault;
+  return BASE_OK;
+}
+
+static void verify_ray(const lcp_certificate_file *f, lcp_certificate_verdict *out) {
+  bool sign = true;
+  bool zero = true;
+  for (int i = 0; i < f->n; i++) {
+    sign = sign && f->vector[i] >= 0;
+    zero = zero && f->vector[i] == 0;
+  }
+  out->holds = sign && !zero;
+  out->why = out->holds ? "a ray: proves nothing alone" : "not a ray: v >= 0, v != 0 fails";
+}
+
+base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_file *f,
+                                   lcp_certificate_verdict *out, base_error *err) {
+  *out = (lcp_certificate_verdict){.why = ""};
+  if (f->n != p->M.n) {
+    return BASE_FAIL(err, BASE_EINVAL, "certificate: %d rows, the problem has %d", f->n, p->M.n);
+  }
+  if ((lcp_problem_sets(p) & ((1u << LCP_BOX) | (1u << LCP_CONE))) != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "certificate: only orthant and free rows are checked");
+  }
+  unsigned char *set = calloc((size_t)p->M.n + 1, 1);
+  if (set == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
+  }
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    for (int i = 0; i < p->block[k].size; i++) {
+      set[p->block[k].start + i] = (unsigned char)p->block[k].set;
+    }
+  }
+  base_status status = BASE_OK;
+  if (f->kind == LCP_CERT_BASIS) {
+    status = verify_basis(p, f, set, out, err);
+  } else if (f->kind == LCP_CERT_FARKAS) {
+    status = verify_farkas(p, f, set, out, err);
+  } else {
+    verify_ray(f, out);
+  }
+  free(set);
+  return status;
+}
