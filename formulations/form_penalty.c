@@ -12,6 +12,7 @@
  * otherwise divide by zero.
  */
 #include "formulations/formulation.h"
+#include "formulations/impulse_log.h"
 #include "formulations/penalty_law.h"
 
 #include <gsl/gsl_errno.h>
@@ -41,15 +42,6 @@ static const base_field fields[] = {
                "right-hand sides in one step before it is given up"),
 };
 
-/* Memory of one contact in penetration. */
-typedef struct touch {
-  uint64_t id;
-  double v_impact; /* [m/s] */
-  double force[3]; /* at the last accepted state [N] */
-  double impulse[3];
-  bool seen;
-} touch;
-
 typedef struct state {
   const options *opt;
   world *w; /* borrowed, during step only */
@@ -58,9 +50,8 @@ typedef struct state {
   gsl_odeiv2_system system;
   gsl_odeiv2_driver *driver; /* the multistep method asks its driver for the error level */
   double substep;            /* proposal carried from step to step [s] */
-  touch *touched;
-  int n_touch, cap_touch;
-  double *impulse, *bias; /* of the set after the step */
+  impulse_log log;           /* `memory` is the closing speed at the start of the contact */
+  double *impulse, *bias;    /* of the set after the step */
   int cap_row, cap_contact;
   contact_set set;
   long evaluations;
@@ -73,24 +64,14 @@ static const double instant = 1e-9; /* [s] */
 
 static const double first_substep = 1e-6; /* [s]; error control finds the right one */
 
-static touch *find_touch(state *s, uint64_t id) {
-  for (int i = 0; i < s->n_touch; i++) {
-    if (s->touched[i].id == id) {
-      return &s->touched[i];
-    }
-  }
-  return NULL;
-}
-
 /* Contact-frame force of contact i of the set (normal, tangents); rows beyond friction get none. */
-static void contact_force(const state *s, const contact_set *c, int i, const touch *known,
+static void contact_force(const state *s, const contact_set *c, int i, const impulse_entry *known,
                           double f[3]) {
   const options *o = s->opt;
   const double *u = c->u_before + c->row_start[i];
   const double closing = -u[0];
   const double e = (c->restitution != NULL) ? c->restitution[i] : 0.0;
-  const double v_i =
-      (known != NULL) ? known->v_impact : (closing > o->impact_floor ? closing : o->impact_floor);
+  const double v_i = (known != NULL) ? known->memory : fmax(closing, o->impact_floor);
   f[1] = f[2] = 0.0;
   f[0] = penalty_normal_force((penalty_model)o->law, o->stiffness, o->damping, e, v_i, -c->gap[i],
                               closing);
@@ -137,7 +118,7 @@ static int right_hand_side(double t, const double y[], double dy[], void *params
   for (int i = 0; i < c.n_contact; i++) {
     double f[3];
     if (c.gap[i] < 0.0) {
-      contact_force(s, &c, i, find_touch(s, c.id[i]), f);
+      contact_force(s, &c, i, impulse_log_find(&s->log, c.id[i]), f);
       add_acceleration(&c, i, f, dy + s->n_config);
     }
   }
@@ -166,68 +147,25 @@ static int jacobian(double t, const double y[], double *dfdy, double dfdt[], voi
   return status;
 }
 
-static base_status grow_touched(state *s, base_error *err) {
-  if (s->n_touch < s->cap_touch) {
-    return BASE_OK;
-  }
-  const int cap = (s->cap_touch > 0) ? 2 * s->cap_touch : 16;
-  touch *more = realloc(s->touched, (size_t)cap * sizeof *more);
-  if (more == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %d contacts", cap);
-  }
-  s->touched = more;
-  s->cap_touch = cap;
-  return BASE_OK;
-}
-
 /* Updates the memory at an accepted state and adds the trapezoid of the substep dt. */
 static base_status accept(state *s, double t, double dt, base_error *err) {
   contact_set c;
   world_set_state(s->w, t, s->y, s->y + s->n_config);
   BASE_TRY(world_contacts(s->w, instant, 0.0, &c, err));
-  for (int i = 0; i < s->n_touch; i++) {
-    s->touched[i].seen = false;
-  }
+  impulse_log_begin(&s->log);
   for (int i = 0; i < c.n_contact; i++) {
     if (c.gap[i] >= 0.0) {
       continue;
     }
-    touch *k = find_touch(s, c.id[i]);
-    if (k == NULL) {
-      BASE_TRY(grow_touched(s, err));
-      const double closing = -c.u_before[c.row_start[i]];
-      k = &s->touched[s->n_touch++];
-      *k = (touch){.id = c.id[i],
-                   .v_impact = closing > s->opt->impact_floor ? closing : s->opt->impact_floor};
-    }
+    const double closing = -c.u_before[c.row_start[i]];
+    impulse_entry *e;
     double f[3];
-    contact_force(s, &c, i, k, f);
-    for (int r = 0; r < 3; r++) {
-      k->impulse[r] += 0.5 * dt * (k->force[r] + f[r]);
-      k->force[r] = f[r];
-    }
-    k->seen = true;
+    BASE_TRY(impulse_log_at(&s->log, c.id[i], fmax(closing, s->opt->impact_floor), &e, err));
+    contact_force(s, &c, i, e, f);
+    impulse_log_add(e, dt, f);
   }
-  for (int i = 0; i < s->n_touch; i++) {
-    touch *k = &s->touched[i];
-    for (int r = 0; r < 3 && !k->seen; r++) {
-      k->impulse[r] += 0.5 * dt * k->force[r];
-      k->force[r] = 0.0;
-    }
-  }
+  impulse_log_end(&s->log, dt);
   return BASE_OK;
-}
-
-/* Contacts that have separated give back their memory at the end of a step. */
-static void drop_separated(state *s) {
-  int kept = 0;
-  for (int i = 0; i < s->n_touch; i++) {
-    if (s->touched[i].seen) {
-      s->touched[kept] = s->touched[i];
-      memset(s->touched[kept++].impulse, 0, sizeof s->touched[0].impulse);
-    }
-  }
-  s->n_touch = kept;
 }
 
 static const gsl_odeiv2_step_type *method(int integrator) {
@@ -242,7 +180,7 @@ static void close(void *st) {
     gsl_odeiv2_driver_free(s->driver);
   }
   free(s->y);
-  free(s->touched);
+  impulse_log_close(&s->log);
   free(s->impulse);
   free(s->bias);
 }
@@ -255,7 +193,7 @@ static base_status open(void *st, const void *opt, base_error *err) {
 
 static void forget(void *st) {
   state *s = st;
-  s->n_touch = 0;
+  s->log.n = 0;
   s->substep = 0.0;
 }
 
@@ -299,16 +237,10 @@ static base_status report(state *s, double h, formulation_answer *out, base_erro
   contact_set *c = &s->set;
   BASE_TRY(world_contacts(s->w, h, -1.0, c, err));
   BASE_TRY(grow_rows(s, c, err));
-  memset(s->impulse, 0, (size_t)c->n_row * sizeof *s->impulse);
+  const int active = impulse_log_write(&s->log, c, s->impulse);
   double energy = 0.0;
-  int active = 0;
   for (int i = 0; i < c->n_contact; i++) {
-    const touch *k = find_touch(s, c->id[i]);
     s->bias[i] = HUGE_VAL; /* no complementarity is claimed */
-    for (int r = 0; k != NULL && r < 1 + c->rows[i].tangent; r++) {
-      s->impulse[c->row_start[i] + r] = k->impulse[r];
-    }
-    active += (k != NULL);
     energy += penalty_energy((penalty_model)s->opt->law, s->opt->stiffness, -c->gap[i]);
   }
   *out = (formulation_answer){.impulse = s->impulse,
@@ -353,7 +285,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
     BASE_TRY(accept(s, t, t - from, err));
   }
   BASE_TRY(report(s, h, out, err));
-  drop_separated(s);
+  impulse_log_next_step(&s->log);
   return BASE_OK;
 }
 

@@ -1,0 +1,86 @@
+#include "formulations/impulse_log.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+impulse_entry *impulse_log_find(impulse_log *l, uint64_t id) {
+  for (int i = 0; i < l->n; i++) {
+    if (l->entry[i].id == id) {
+      return &l->entry[i];
+    }
+  }
+  return NULL;
+}
+
+base_status impulse_log_at(impulse_log *l, uint64_t id, double memory, impulse_entry **out,
+                           base_error *err) {
+  *out = impulse_log_find(l, id);
+  if (*out != NULL) {
+    return BASE_OK;
+  }
+  if (l->n == l->cap) {
+    const int cap = (l->cap > 0) ? 2 * l->cap : 16;
+    impulse_entry *more = realloc(l->entry, (size_t)cap * sizeof *more);
+    if (more == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "impulse log: no memory for %d contacts", cap);
+    }
+    l->entry = more;
+    l->cap = cap;
+  }
+  *out = &l->entry[l->n++];
+  **out = (impulse_entry){.id = id, .memory = memory};
+  return BASE_OK;
+}
+
+void impulse_log_begin(impulse_log *l) {
+  for (int i = 0; i < l->n; i++) {
+    l->entry[i].seen = false;
+  }
+}
+
+void impulse_log_add(impulse_entry *e, double dt, const double force[3]) {
+  for (int r = 0; r < 3; r++) {
+    e->impulse[r] += 0.5 * dt * (e->force[r] + force[r]);
+    e->force[r] = force[r];
+  }
+  e->seen = true;
+}
+
+void impulse_log_end(impulse_log *l, double dt) {
+  static const double none[3] = {0, 0, 0};
+  for (int i = 0; i < l->n; i++) {
+    if (!l->entry[i].seen) {
+      impulse_log_add(&l->entry[i], dt, none);
+      l->entry[i].seen = false;
+    }
+  }
+}
+
+void impulse_log_next_step(impulse_log *l) {
+  int kept = 0;
+  for (int i = 0; i < l->n; i++) {
+    if (l->entry[i].seen) {
+      l->entry[kept] = l->entry[i];
+      memset(l->entry[kept++].impulse, 0, sizeof l->entry[0].impulse);
+    }
+  }
+  l->n = kept;
+}
+
+int impulse_log_write(impulse_log *l, const contact_set *c, double *impulse) {
+  int known = 0;
+  memset(impulse, 0, (size_t)c->n_row * sizeof *impulse);
+  for (int i = 0; i < c->n_contact; i++) {
+    const impulse_entry *e = impulse_log_find(l, c->id[i]);
+    for (int r = 0; e != NULL && r < 1 + c->rows[i].tangent; r++) {
+      impulse[c->row_start[i] + r] = e->impulse[r];
+    }
+    known += (e != NULL);
+  }
+  return known;
+}
+
+void impulse_log_close(impulse_log *l) {
+  free(l->entry);
+  *l = (impulse_log){0};
+}

@@ -1,0 +1,33 @@
+/* formulations/impulse_log.h - impulses of contacts over one step of a formulation that integrates
+ * the motion itself: trapezoids of the forces at accepted states, plus jumps, keyed by contact id. */
+#pragma once
+
+#include "problems/contact_set.h"
+
+typedef struct impulse_entry {
+  uint64_t id;
+  double force[3];   /* at the last accepted state, contact frame [N] */
+  double impulse[3]; /* of this step [N s] */
+  double memory;     /* one number the owner keeps while the contact lasts */
+  bool seen;         /* touching at the last accepted state */
+} impulse_entry;
+
+typedef struct impulse_log {
+  impulse_entry *entry; /* owned */
+  int n, cap;
+} impulse_log;
+
+impulse_entry *impulse_log_find(impulse_log *l, uint64_t id); /* NULL if absent */
+/* The entry of id, a new one (zero, with `memory`) if there is none. */
+base_status impulse_log_at(impulse_log *l, uint64_t id, double memory, impulse_entry **out,
+                           base_error *err);
+/* One accepted substep of dt: begin, then add every touching contact, then end. */
+void impulse_log_begin(impulse_log *l);
+void impulse_log_add(impulse_entry *e, double dt, const double force[3]);
+void impulse_log_end(impulse_log *l, double dt); /* contacts not seen have lost their force */
+/* After a step: forgets contacts that no longer touch, zeroes the impulses of the others. */
+void impulse_log_next_step(impulse_log *l);
+/* impulse[n_row] of the set from the log, zero where the log has no entry; returns how many of the
+ * set's contacts have one. */
+int impulse_log_write(impulse_log *l, const contact_set *c, double *impulse);
+void impulse_log_close(impulse_log *l);
