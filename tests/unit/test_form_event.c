@@ -1,0 +1,124 @@
+/* Event-driven stepping against closed forms: a bouncing ball through its Zeno point, a block that
+ * slides to rest, both to the accuracy of the integrator. */
+#include "tests/support/check.h"
+
+#include "formulations/formulation.h"
+#include "tests/support/tableau.h"
+
+#include <string.h>
+
+static base_status solve(void *ctx, const lcp_problem *p, double *z, lcp_outcome *claimed,
+                         base_error *err) {
+  (void)err;
+  ++*(long *)ctx;
+  *claimed = LCP_SOLVED;
+  if (p->M.n > 0) {
+    *claimed = tableau_solve(p, z);
+  }
+  return BASE_OK;
+}
+
+typedef struct fixture {
+  scene_spec spec;
+  world *w;
+  formulation_run *run;
+  unsigned char opt[256];
+  long solves;
+} fixture;
+
+static void open_scene(fixture *x, const spec_body *body, double e, double mu) {
+  base_error err = {0};
+  const formulation *f = formulation_find("event");
+  const double up[3] = {0, 1, 0};
+  spec_body *b;
+  spec_static *floor;
+  assert_non_null(f);
+  memset(x, 0, sizeof *x);
+  spec_init(&x->spec);
+  x->spec.dim = 2;
+  x->spec.gravity[1] = -9.81;
+  x->spec.duration = 1.0;
+  check_ok(spec_add_body(&x->spec, "body", &b, &err), &err);
+  b->shape = body->shape;
+  b->mass = body->mass;
+  b->inertia[0] = body->inertia[0];
+  b->pos[1] = body->pos[1];
+  b->vel[0] = body->vel[0];
+  check_ok(spec_add_static(&x->spec, "floor", up, 0.0, &floor, &err), &err);
+  x->spec.restitution.dflt = e;
+  x->spec.friction.dflt = mu;
+  check_ok(spec_check_all(&x->spec, &err), &err);
+  check_ok(world_open(&x->w, &x->spec, x->spec.effects, &err), &err);
+  base_fields_default(f->fields, f->n_fields, x->opt);
+  check_ok(formulation_open(&x->run, f, x->opt, &err), &err);
+}
+
+static void close_scene(fixture *x) {
+  formulation_close(x->run);
+  world_close(x->w);
+  spec_free(&x->spec);
+}
+
+static formulation_answer advance(fixture *x, double h, int steps) {
+  base_error err = {0};
+  formulation_answer a = {0};
+  const formulation_solver solver = {solve, &x->solves};
+  for (int i = 0; i < steps; i++) {
+    check_ok(formulation_step(x->run, x->w, h, &solver, &a, &err), &err);
+    assert_true(a.solved);
+  }
+  return a;
+}
+
+static double observe(const fixture *x, const char *var) {
+  double value = NAN;
+  assert_true(world_observe(x->w, var, NULL, &value));
+  return value;
+}
+
+/* Drop from H = 1 m, e = 0.8, sampled between the first two impacts at t0 = sqrt(2 H/g) and
+ * t0 (1 + 2 e); at rest after the Zeno time t0 (1 + e)/(1 - e) = 4.06 s. */
+static void bounces_where_newton_says(void **state) {
+  (void)state;
+  fixture x;
+  const spec_body ball = {
+      .shape = {.kind = SPEC_SPHERE, .r = 0.1}, .mass = 1.0, .inertia = {0.005}, .pos = {0, 1.1}};
+  open_scene(&x, &ball, 0.8, 0.0);
+  (void)advance(&x, 0.07, 10);
+  const double t0 = sqrt(2.0 / 9.81), t = 0.7 - t0, v = 0.8 * 9.81 * t0;
+  check_close(observe(&x, "body.y"), 0.1 + v * t - 0.5 * 9.81 * t * t, 1e-9);
+  check_close(observe(&x, "body.vy"), v - 9.81 * t, 1e-9);
+  const formulation_answer a = advance(&x, 0.1, 38); /* to 4.5 s */
+  check_close(observe(&x, "body.y"), 0.1, 1e-7);
+  check_close(observe(&x, "body.vy"), 0.0, 1e-7);
+  assert_int_equal(a.n_active, 1);
+  check_close(a.impulse[a.set->row_start[0]], 0.981, 1e-6); /* the weight over one step */
+  close_scene(&x);
+}
+
+/* A block from 3 m/s with mu = 0.4 stops after v/(mu g) at v^2/(2 mu g) exactly. */
+static void slides_to_rest(void **state) {
+  (void)state;
+  fixture x;
+  const spec_body block = {.shape = {.kind = SPEC_BOX, .half = {0.2, 0.1}},
+                           .mass = 1.5,
+                           .inertia = {0.025},
+                           .pos = {0, 0.1},
+                           .vel = {3.0}};
+  open_scene(&x, &block, 0.0, 0.4);
+  (void)advance(&x, 0.05, 10);
+  check_close(observe(&x, "body.vx"), 3.0 - 0.4 * 9.81 * 0.5, 1e-8);
+  (void)advance(&x, 0.05, 10);
+  check_close(observe(&x, "body.x"), 9.0 / (2 * 0.4 * 9.81), 1e-8);
+  check_close(observe(&x, "body.vx"), 0.0, 1e-8);
+  assert_true(x.solves > 0);
+  close_scene(&x);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(bounces_where_newton_says),
+      cmocka_unit_test(slides_to_rest),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
