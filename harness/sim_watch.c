@@ -32,9 +32,11 @@ static unsigned contact_effects(const contact_set *set, const formulation_answer
   for (int end = k + rows.rolling; k < end; k++) {
     seen |= (row[k] != 0.0) ? EFFECT_ROLLING : 0u;
   }
-  if (set->restitution != NULL && set->restitution[i] > 0.0 &&
-      set->u_before[set->row_start[i]] < 0.0) {
-    seen |= EFFECT_RESTITUTION;
+  if (set->restitution != NULL && set->restitution[i] > 0.0) {
+    /* a bounce: the bias asks for e times the approach (rounding at rest asks for nothing) */
+    const double bounce = set->restitution[i] * set->u_before[set->row_start[i]];
+    const bool asked = a->bias == NULL || a->bias[i] <= 0.999 * bounce;
+    seen |= (bounce < 0.0 && asked) ? EFFECT_RESTITUTION : 0u;
   }
   return seen;
 }

@@ -47,7 +47,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     j->anchor[0] = sin(a) * l * 2.0 * i;
     j->anchor[up] = -cos(a) * l * 2.0 * i;
   }
-  s->effects = EFFECT_JOINTS | EFFECT_ROTATION;
+  s->effects = EFFECT_JOINTS | ((p->tilt_deg > 0.0) ? EFFECT_ROTATION : 0u);
   (void)snprintf(var, sizeof var, "c%d.pos", p->n - 1);
   BASE_TRY(spec_add_observe(s, var, err));
   BASE_TRY(kit_finite(s, err));

@@ -1,6 +1,8 @@
-/* Every registered scene: builds from its table, claims only effects that are there, predicts. */
+/* Every registered scene: builds from its table, and its claims are run: declared effects must show,
+ * no other effect may matter, predictions must hold. Each kind of false claim is planted once. */
 #include "tests/support/check.h"
 
+#include "harness/predictions.h"
 #include "problems/scene.h"
 
 #include <stdio.h>
@@ -75,11 +77,133 @@ static void wrong_parameters_are_refused(void **state) {
   }
 }
 
+/* ---- claims are run ------------------------------------------------------------------------- */
+
+typedef enum fault {
+  FAULT_NONE,
+  FAULT_UNSOLVED,
+  FAULT_MISSED,
+  FAULT_UNDECLARED,
+  FAULT_MISSING
+} fault;
+static const char *const fault_names[] = {"none", "no formulation solved every step",
+                                          "a prediction is missed", "an undeclared effect matters",
+                                          "a declared effect never shows"};
+
+typedef struct verdict {
+  bool solved;
+  int n, n_missed;
+  unsigned seen;
+} verdict;
+
+/* One run with the given effects; its predictions judged. */
+static verdict run(const scene_spec *given, unsigned effects, const char *form,
+                   const char *solver) {
+  scene_spec spec = *given; /* a view; nothing of it is freed */
+  formulation_choice f;
+  solver_choice s;
+  sim_result r = {0};
+  series record = {0};
+  prediction_summary p;
+  base_error err = {0};
+  verdict v = {0};
+  spec.effects = effects;
+  check_ok(formulation_choose(form, &f, &err), &err);
+  check_ok(solver_choose(solver, &s, &err), &err);
+  const sim_request q = {.spec = &spec,
+                         .effects = effects,
+                         .form = &f,
+                         .solver = &s,
+                         .h = spec.h[0],
+                         .duration = spec.duration};
+  check_ok(simulate(&q, &record, &r, &err), &err);
+  predictions_summarise(&q, &record, &r, &p);
+  v.solved = (r.status == RUN_OK) != spec.expect_unsolved;
+  v.n = p.n;
+  v.n_missed = p.n_missed;
+  v.seen = r.effects_seen;
+  series_close(&record);
+  formulation_choice_free(&f);
+  solver_choice_free(&s);
+  return v;
+}
+
+/* Effects whose work a run can see; the others belong to the data. */
+enum {
+  VISIBLE = EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_ROLLING |
+            EFFECT_TORSION | EFFECT_JOINTS | EFFECT_ROTATION
+};
+
+/* At rest by symmetry: what they declare beyond contact is there for solvers to meet the whole
+ * problem, and has nothing to do. */
+static unsigned idle_effects(const scene_spec *s) {
+  static const char *const resting[] = {"pyramid", "silo", "stack", "wall"};
+  for (int i = 0; i < BASE_COUNT(resting); i++) {
+    if (strcmp(s->id, resting[i]) == 0) {
+      return EFFECT_FRICTION | EFFECT_ROTATION;
+    }
+  }
+  return 0;
+}
+
+static fault judge(const scene_spec *s) {
+  static const char *const ways[][2] = {{"velocity:facets=8", "lemke"}, {"coulomb", "nsgs"}};
+  verdict v = {0};
+  for (int w = 0; w < BASE_COUNT(ways) && !v.solved; w++) {
+    v = run(s, s->effects, ways[w][0], ways[w][1]);
+    if (v.solved && v.n_missed > 0) {
+      const verdict all = run(s, s->effects | s->present, ways[w][0], ways[w][1]);
+      return (all.solved && all.n_missed == 0) ? FAULT_UNDECLARED : FAULT_MISSED;
+    }
+  }
+  if (!v.solved) {
+    return FAULT_UNSOLVED;
+  }
+  const unsigned unseen = s->effects & VISIBLE & ~v.seen & ~idle_effects(s);
+  return (unseen != 0 && s->model == NULL) ? FAULT_MISSING : FAULT_NONE;
+}
+
+static void every_claim_holds(void **state) {
+  (void)state;
+  int n, n_bad = 0;
+  const scene *const *all = scenes(&n);
+  for (int i = 0; i < n; i++) {
+    scene_spec s;
+    base_error err = {0};
+    check_ok(scene_load(all[i]->name, &s, &err), &err);
+    const fault f = judge(&s);
+    if (f != FAULT_NONE) {
+      print_error("%s: %s\n", all[i]->name, fault_names[f]);
+      n_bad++;
+    }
+    spec_free(&s);
+  }
+  assert_int_equal(n_bad, 0);
+}
+
+static void false_claims_are_found(void **state) {
+  (void)state;
+  scene_spec s;
+  base_error err = {0};
+  check_ok(scene_load("incline", &s, &err), &err);
+  assert_int_equal(judge(&s), FAULT_NONE);
+  s.effects &= ~(unsigned)EFFECT_FRICTION; /* it sticks by friction alone */
+  assert_int_equal(judge(&s), FAULT_UNDECLARED);
+  s.effects |= EFFECT_FRICTION | EFFECT_RESTITUTION; /* it never hits anything */
+  s.restitution.dflt = 0.5;
+  assert_int_equal(judge(&s), FAULT_MISSING);
+  spec_free(&s);
+  check_ok(scene_load("slide", &s, &err), &err);
+  s.check[0].value *= 1.1;
+  assert_int_equal(judge(&s), FAULT_MISSED);
+  spec_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_scene_builds),
-      cmocka_unit_test(ranges_hold),
-      cmocka_unit_test(wrong_parameters_are_refused),
+      cmocka_unit_test(every_scene_builds),           cmocka_unit_test(ranges_hold),
+      cmocka_unit_test(wrong_parameters_are_refused), cmocka_unit_test(every_claim_holds),
+      cmocka_unit_test(false_claims_are_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
