@@ -320,6 +320,86 @@ static void margin_follows_the_speeds(void **state) {
   spec_free(&s);
 }
 
+/* A tower of yawed boxes on the floor, spinning: many contacts, changing features. */
+static void busy_scene(scene_spec *s) {
+  spec_init(s);
+  s->dim = 3;
+  s->gravity[2] = -9.81;
+  s->duration = 1.0;
+  s->friction.dflt = 0.5;
+  for (int i = 0; i < 8; i++) {
+    char name[] = {'b', (char)('0' + i), '\0'};
+    spec_body *b = add_body(s, name, SPEC_BOX, 0.1);
+    b->pos[2] = 0.1 + 0.2 * i;
+    b->quat[0] = cos(0.2 * i);
+    b->quat[3] = sin(0.2 * i);
+    b->omega[2] = 0.5 * i;
+  }
+  add_floor(s, 3);
+}
+
+/* Every contact takes a little: something like friction, without a solver. */
+static void step_busy(world *w, int n, double *v, double *scratch, double *impulse) {
+  contact_set c;
+  for (int i = 0; i < n; i++) {
+    check_ok(world_contacts(w, 0.001, -1.0, &c, &err), &err);
+    for (int k = 0; k < c.n_row; k++) {
+      impulse[k] = 1e-3 * (k % 3 == 0);
+    }
+    contact_velocity(&c, impulse, v, scratch);
+    check_ok(world_advance(w, v, impulse, &err), &err);
+  }
+}
+
+static void steps_do_not_allocate_and_repeat_bit_for_bit(void **state) {
+  (void)state;
+  double v[48], scratch[48], impulse[1024], q[2][56], u[2][48];
+  for (int run = 0; run < 2; run++) {
+    scene_spec s;
+    world *w;
+    busy_scene(&s);
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    step_busy(w, 20, v, scratch, impulse);
+    const long before = check_heap_calls;
+    step_busy(w, 50, v, scratch, impulse);
+    assert_int_equal(check_heap_calls - before, 0);
+    assert_int_equal(world_n_config(w), 56);
+    world_get_state(w, q[run], u[run]);
+    world_close(w);
+    spec_free(&s);
+  }
+  assert_memory_equal(q[0], q[1], sizeof q[0]);
+  assert_memory_equal(u[0], u[1], sizeof u[0]);
+}
+
+/* Every heap call of opening and of the first step fails in turn: always ENOMEM, never a crash. */
+static void running_out_of_memory_is_reported(void **state) {
+  (void)state;
+  scene_spec s;
+  busy_scene(&s);
+  int failures = 0;
+  for (long k = 1;; k++) {
+    world *w = NULL;
+    contact_set c;
+    check_heap_fail_at = k;
+    base_status status = world_open(&w, &s, ~0u, &err);
+    if (status == BASE_OK) {
+      status = world_contacts(w, 0.001, -1.0, &c, &err);
+    }
+    const bool survived = check_heap_fail_at > 0; /* fewer than k calls were made */
+    check_heap_fail_at = 0;
+    world_close(w);
+    if (survived) {
+      assert_int_equal(status, BASE_OK);
+      break;
+    }
+    assert_int_equal(status, BASE_ENOMEM);
+    failures++;
+  }
+  assert_true(failures > 30);
+  spec_free(&s);
+}
+
 static void open_reports_what_it_cannot_do(void **state) {
   (void)state;
   scene_spec s;
@@ -352,6 +432,8 @@ int main(void) {
       cmocka_unit_test(pairs_multiplicity_and_no_collision_are_honoured),
       cmocka_unit_test(compounds_touch_with_every_piece),
       cmocka_unit_test(margin_follows_the_speeds),
+      cmocka_unit_test(steps_do_not_allocate_and_repeat_bit_for_bit),
+      cmocka_unit_test(running_out_of_memory_is_reported),
       cmocka_unit_test(open_reports_what_it_cannot_do),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
