@@ -1,0 +1,27 @@
+/* solvers/siconos.h - what the adapters of Siconos' solvers share (built with -Dsiconos=enabled). */
+#pragma once
+
+#include "lcp/lcp_solver.h"
+
+typedef struct siconos_options {
+  lcp_stop stop;
+} siconos_options;
+
+/* Copies, so that the library may write where it likes. */
+typedef struct siconos_state {
+  double *M, *q, *w, *mu; /* n*n column-major, n, n, blocks */
+} siconos_state;
+
+void siconos_layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a);
+base_status siconos_prepare(void *state, const lcp_problem *p, const void *opt, base_error *err);
+
+/* Runs the LCP solver with Siconos' number `id`. The outcome is the library's own claim. */
+base_status siconos_solve_lcp(int id, siconos_state *s, const lcp_problem *p, const void *opt,
+                              double *z, lcp_result *res);
+
+/* As above for the cone solver `id`: every block a cone of one part with two rows. */
+base_status siconos_solve_cone(int id, siconos_state *s, const lcp_problem *p, const void *opt,
+                               double *z, lcp_result *res);
+
+enum { SICONOS_FIELDS = 4 };
+extern const base_field siconos_fields[SICONOS_FIELDS];

@@ -1,0 +1,29 @@
+/* solver_siconos_pgs.c - Siconos' projected Gauss-Seidel (libsiconos-numerics), a peer. */
+#include "lcp/solvers/siconos.h"
+
+#include <lcp_cst.h>
+
+static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  (void)trace; /* the library keeps no history */
+  return siconos_solve_lcp(SICONOS_LCP_PGS, state, p, opt, z, res);
+}
+
+const lcp_solver lcp_solver_siconos_pgs = {
+    .name = "siconos_pgs",
+    .title = "Siconos PGS",
+    .cite = "Siconos numerics 4.4, SICONOS_LCP_PGS",
+    .sets = 1u << LCP_ORTHANT,
+    .storages = 1u << LCP_DENSE,
+    .exact = false,
+    .warm = true,
+    .allocates = true,
+    .peer = true,
+    .fields = siconos_fields,
+    .n_fields = SICONOS_FIELDS,
+    .options_size = sizeof(siconos_options),
+    .state_size = sizeof(siconos_state),
+    .layout = siconos_layout,
+    .prepare = siconos_prepare,
+    .solve = solve,
+};
