@@ -2,7 +2,6 @@
 
 #include "lcp/base/fields.h"
 
-#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,7 +92,8 @@ static const char *from_environment(const char *option) {
   char name[64] = "LCPBENCH_";
   size_t used = strlen(name);
   for (const char *c = option + 2; *c != '\0' && used + 1 < sizeof name; c++) {
-    name[used++] = (*c == '-') ? '_' : (char)toupper((unsigned char)*c);
+    const bool lower = *c >= 'a' && *c <= 'z';
+    name[used++] = (char)(lower ? *c - 'a' + 'A' : *c == '-' ? '_' : *c);
   }
   name[used] = '\0';
   const char *value = getenv(name);
@@ -103,9 +103,10 @@ static const char *from_environment(const char *option) {
 static base_status take_environment(const arg_table *t, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
     const char *value = from_environment(t->option[i].name);
-    if (value != NULL && t->option[i].kind != ARG_LIST) {
-      BASE_TRY(store(&t->option[i], value, err));
+    if (value == NULL || t->option[i].kind == ARG_LIST) {
+      continue;
     }
+    BASE_TRY(store(&t->option[i], value, err));
   }
   return BASE_OK;
 }
@@ -136,13 +137,15 @@ base_status args_parse(const arg_table *t, int argc, char **argv, const char **p
   *n_positional = 0;
   BASE_TRY(take_environment(t, err));
   for (int i = 0; i < argc; i++) {
-    if (strncmp(argv[i], "--", 2) == 0) {
-      BASE_TRY(take_option(t, argc, argv, &i, err));
-    } else if (*n_positional == t->max_positional) {
+    const bool option = strncmp(argv[i], "--", 2) == 0;
+    if (!option && *n_positional == t->max_positional) {
       return BASE_FAIL(err, BASE_EINVAL, "'%s': unexpected argument", argv[i]);
-    } else {
-      positional[(*n_positional)++] = argv[i];
     }
+    if (!option) {
+      positional[(*n_positional)++] = argv[i];
+      continue;
+    }
+    BASE_TRY(take_option(t, argc, argv, &i, err));
   }
   if (*n_positional < t->min_positional) {
     return BASE_FAIL(err, BASE_EINVAL, "%s is missing", t->positional_name);

@@ -244,7 +244,7 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
     return text_member(f, key, v, c->title, sizeof c->title, err);
   }
   if (strcmp(key, "seed") == 0) {
-    double seed;
+    double seed = 0.0;
     BASE_TRY(real_member(f, key, v, 0.0, &seed, err));
     c->seed = (uint64_t)seed;
     return BASE_OK;

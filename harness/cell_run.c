@@ -27,7 +27,7 @@ void cell_identity(const cell_job *job, record *r) {
   r->process = job->process;
   r->seed = (int64_t)job->campaign->seed;
   r->threads = 1;
-  r->quick = job->campaign->quick;
+  r->quick = job->campaign->quick ? 1 : 0;
   r->t_limit_s = job->campaign->limits.time;
   r->canary_s = job->canary;
   SET_TEXT(r->campaign, job->campaign->name);
@@ -155,7 +155,7 @@ static void fill_verdict(const sim_result *q, record *r) {
   SET_TEXT(r->status, run_status_name(q->status));
   SET_TEXT(r->status_claimed, run_status_name(q->claimed));
   SET_TEXT(r->note, q->note);
-  r->verified = q->verified && q->status == RUN_OK;
+  r->verified = (q->verified && q->status == RUN_OK) ? 1 : 0;
   r->rho = q->rho_max;
   r->res_natural = q->natural_max;
   r->res_natural_rel = q->natural_rel_max;
@@ -201,7 +201,7 @@ static base_status sample_scene(measured *m, record *r, double *seconds, base_er
   sim_times sum = {0};
   double cpu = 0.0;
   double longest = 0.0;
-  sim_result q;
+  sim_result q = {0};
   for (int i = 0; i < m->n_inner; i++) {
     series record_;
     const double from = base_cpu_seconds();
@@ -324,7 +324,7 @@ static void fill_solve(const solve_record *q, record *r) {
   SET_TEXT(r->status, run_status_name(q->status));
   SET_TEXT(r->status_claimed, q->has_claim ? lcp_outcome_name(q->claim.outcome) : "");
   SET_TEXT(r->note, q->note);
-  r->verified = q->verified && q->status == RUN_OK;
+  r->verified = (q->verified && q->status == RUN_OK) ? 1 : 0;
   if (!q->has_claim) {
     return;
   }

@@ -49,21 +49,20 @@ static void judge_word(isolate_channel *out, const lcp_unit *u, case_status word
   char text[300];
   (void)snprintf(text, sizeof text, "claimed %s%s%s", case_lcp_name(word), note[0] ? ": " : "",
                  note);
-  if ((c->false_claim & word) != 0) {
-    emit(out, u, "status", CHECK_FAILED, text);
-  } else if (word == CASE_INFEASIBLE && !r->certificate_holds) {
-    emit(out, u, "status", CHECK_FAILED, "claimed infeasible without a proof that holds");
-  } else if (word == CASE_NOT_APPLICABLE) {
-    emit(out, u, "status", CHECK_SKIPPED, text);
-  } else if ((c->correct & word) != 0) {
-    emit(out, u, "status", CHECK_PASSED, text);
-  } else if ((c->honest_failure & word) != 0) {
-    (void)snprintf(text, sizeof text, "honest failure: %s, rho=%.3g", case_lcp_name(word),
-                   r->verdict.rho);
-    emit(out, u, "status", CHECK_SKIPPED, text);
-  } else {
-    emit(out, u, "status", CHECK_FAILED, text);
+  const bool unproved = word == CASE_INFEASIBLE && !r->certificate_holds;
+  check_verdict verdict = CHECK_FAILED; /* also for a word in none of the case's lists */
+  if ((c->false_claim & word) == 0 && !unproved) {
+    if (word == CASE_NOT_APPLICABLE) {
+      verdict = CHECK_SKIPPED;
+    } else if ((c->correct & word) != 0) {
+      verdict = CHECK_PASSED;
+    } else if ((c->honest_failure & word) != 0) {
+      verdict = CHECK_SKIPPED;
+      (void)snprintf(text, sizeof text, "honest failure: %s, rho=%.3g", case_lcp_name(word),
+                     r->verdict.rho);
+    }
   }
+  emit(out, u, "status", verdict, unproved ? "claimed infeasible, but no proof holds" : text);
 }
 
 /* Data that are no problem must be refused before any solver sees them. */

@@ -62,7 +62,9 @@ static void describe_end(const isolate_end *end, const isolate_limits *l, check_
     break;
   }
   for (char *c = o->reason; *c != '\0'; c++) {
-    *c = (*c == '\n') ? ' ' : *c;
+    if (*c == '\n') {
+      *c = ' ';
+    }
   }
 }
 

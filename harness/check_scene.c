@@ -119,6 +119,20 @@ static bool not_applicable(const scene_spec *spec, const char *name, const char 
   return false;
 }
 
+/* What the scene says of each effect switched off. */
+static base_status run_off(const check_plan *plan, scene_unit *u, base_error *err) {
+  const scene_spec *spec = u->request.spec;
+  for (int k = 0; k < spec->n_off && isolate_stop_requested() == 0; k++) {
+    u->off = &spec->off[k];
+    if (!spec_check_applies(&u->off->check, u->forms, 0)) {
+      continue;
+    }
+    u->request.effects = spec->effects & ~u->off->effect;
+    BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
+  }
+  return BASE_OK;
+}
+
 /* The scene with one formulation and solver: as declared at every step length, then each effect
  * off. */
 static base_status run_pair(const check_plan *plan, scene_unit *u, base_error *err) {
@@ -131,13 +145,7 @@ static base_status run_pair(const check_plan *plan, scene_unit *u, base_error *e
     u->off = NULL;
     u->blank.step = u->request.h;
     BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
-    for (int k = 0; k < spec->n_off && isolate_stop_requested() == 0; k++) {
-      u->off = &spec->off[k];
-      if (spec_check_applies(&u->off->check, u->forms, 0)) {
-        u->request.effects = spec->effects & ~u->off->effect;
-        BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
-      }
-    }
+    BASE_TRY(run_off(plan, u, err));
   }
   return BASE_OK;
 }

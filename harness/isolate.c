@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* sched_setaffinity, pipe2, wait4 */
 #include "harness/isolate.h"
 
 #include "lcp/base/clock.h"
@@ -68,10 +67,12 @@ static void limit_child(const isolate_limits *l) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody measures on after the parent was killed */
   const struct rlimit none = {0, 0};
   (void)setrlimit(RLIMIT_CORE, &none);
+#ifndef __SANITIZE_ADDRESS__ /* whose shadow memory is far larger than any limit */
   if (l->memory > 0) {
     const struct rlimit space = {(rlim_t)l->memory, (rlim_t)l->memory};
     (void)setrlimit(RLIMIT_AS, &space);
   }
+#endif
   if (l->cpu >= 0) {
     cpu_set_t set;
     CPU_ZERO(&set);

@@ -1,4 +1,3 @@
-#define _GNU_SOURCE /* sched_getaffinity */
 #include "harness/machine.h"
 
 #include "lcp/base/clock.h"

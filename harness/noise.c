@@ -78,7 +78,7 @@ static double timed(double *x, size_t n, int rounds) {
 
 /* Medians of SAMPLES timings under each of two labels, in random order. */
 static double log_ratio(double *x, size_t n, int rounds, base_rng *rng, double *one) {
-  double t[2][SAMPLES];
+  double t[2][SAMPLES] = {{0}};
   int filled[2] = {0, 0};
   while (filled[0] + filled[1] < 2 * SAMPLES) {
     int label = (int)(base_rng_bits(rng) & 1u);
@@ -94,7 +94,7 @@ static double log_ratio(double *x, size_t n, int rounds, base_rng *rng, double *
 static void measure_class(noise_class *c, size_t n, int rounds, double budget, base_rng *rng) {
   double *x = calloc(n, sizeof *x);
   double ratio[PAIRS];
-  double sample[PAIRS];
+  double sample[PAIRS] = {0};
   int m = 0;
   const double from = base_seconds();
   while (x != NULL && m < PAIRS && (m < 5 || base_seconds() - from < budget)) {

@@ -218,15 +218,15 @@ static base_status selected(const cell *c, const plan_filter *f, bool *out, base
 static base_status add_cell(plan *p, const campaign_part *part, const char *const value[AXIS_COUNT],
                             const plan_filter *f, base_error *err) {
   cell c = {.skip = ""};
+  const char **text[AXIS_COUNT] = {
+      [AXIS_problems] = &c.problem,   [AXIS_formulations] = &c.formulation,
+      [AXIS_solvers] = &c.solver,     [AXIS_steps] = &c.step,
+      [AXIS_durations] = &c.duration, [AXIS_tolerances] = &c.tol,
+      [AXIS_starts] = &c.start,       [AXIS_effects] = &c.effects};
   BASE_TRY(keep(p, part->name, &c.part, err));
-  BASE_TRY(keep(p, value[AXIS_problems], &c.problem, err));
-  BASE_TRY(keep(p, value[AXIS_formulations], &c.formulation, err));
-  BASE_TRY(keep(p, value[AXIS_solvers], &c.solver, err));
-  BASE_TRY(keep(p, value[AXIS_steps], &c.step, err));
-  BASE_TRY(keep(p, value[AXIS_durations], &c.duration, err));
-  BASE_TRY(keep(p, value[AXIS_tolerances], &c.tol, err));
-  BASE_TRY(keep(p, value[AXIS_starts], &c.start, err));
-  BASE_TRY(keep(p, value[AXIS_effects], &c.effects, err));
+  for (int a = 0; a < AXIS_COUNT; a++) {
+    BASE_TRY(keep(p, value[a], text[a], err));
+  }
   BASE_TRY(cell_key(p->campaign, &c, err));
   bool wanted;
   BASE_TRY(selected(&c, f, &wanted, err));

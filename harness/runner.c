@@ -30,52 +30,56 @@ static bool ends_cell(const record *r) {
   return !run_status_find(r->status, &s) || s != RUN_OK;
 }
 
-static bool row_of(const record *r, const cell *c, const machine *m) {
-  return strcmp(r->cell_id, c->id) == 0 && strcmp(r->host_class, m->cpu_model) == 0;
+/* What a row says of its unit. */
+typedef struct row_key {
+  char id[CELL_ID];
+  int64_t process;
+  bool ends; /* the whole cell */
+} row_key;
+
+static int by_id(const void *a, const void *b) {
+  return strcmp(((const row_key *)a)->id, ((const row_key *)b)->id);
 }
 
-/* Rows by cell id, for the look-up. */
-static int by_cell(const void *a, const void *b) {
-  return strcmp((*(const record *const *)a)->cell_id, (*(const record *const *)b)->cell_id);
-}
-
-static const record *const *first_row(const record **sorted, int n, const char *id) {
+static int first_key(const row_key *key, int n, const char *id) {
   int lo = 0;
   int hi = n;
   while (lo < hi) {
     const int mid = lo + (hi - lo) / 2;
-    if (strcmp(sorted[mid]->cell_id, id) < 0) {
+    if (strcmp(key[mid].id, id) < 0) {
       lo = mid + 1;
     } else {
       hi = mid;
     }
   }
-  return sorted + lo;
+  return lo;
 }
 
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err) {
   memset(done, 0, (size_t)p->n_unit * sizeof *done);
-  const int n = (rows != NULL) ? rows->n : 0;
-  const record **sorted = calloc((size_t)n + 1, sizeof *sorted);
-  if (sorted == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory to look up %d rows", n);
+  row_key *key = calloc((size_t)rows->n + 1, sizeof *key);
+  if (key == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory to look up %d rows", rows->n);
   }
-  for (int i = 0; i < n; i++) {
-    sorted[i] = &rows->row[i];
-  }
-  qsort(sorted, (size_t)n, sizeof(const record *), by_cell);
   machine m;
   machine_read(&m);
-  for (int u = 0; u < p->n_unit; u++) {
-    const cell *c = &p->cell[p->unit[u].cell];
-    const record *const *r = first_row(sorted, n, c->id);
-    for (; r < sorted + n && strcmp((*r)->cell_id, c->id) == 0; r++) {
-      if (row_of(*r, c, &m) && ((*r)->process == p->unit[u].process || ends_cell(*r))) {
-        done[u] = true;
-      }
+  int n = 0;
+  for (int i = 0; i < rows->n; i++) {
+    const record *r = &rows->row[i];
+    if (strcmp(r->host_class, m.cpu_model) == 0) { /* times of another machine are not these */
+      (void)snprintf(key[n].id, sizeof key[n].id, "%.16s", r->cell_id);
+      key[n].process = r->process;
+      key[n++].ends = ends_cell(r);
     }
   }
-  free(sorted);
+  qsort(key, (size_t)n, sizeof *key, by_id);
+  for (int u = 0; u < p->n_unit; u++) {
+    const char *id = p->cell[p->unit[u].cell].id;
+    for (int k = first_key(key, n, id); k < n && strcmp(key[k].id, id) == 0; k++) {
+      done[u] = done[u] || key[k].ends || key[k].process == p->unit[u].process;
+    }
+  }
+  free(key);
   return BASE_OK;
 }
 
@@ -403,9 +407,10 @@ static base_status prepare(runner *r, base_error *err) {
   }
   r->done = calloc((size_t)p->n_unit + 1, sizeof *r->done);
   r->ended = calloc((size_t)p->n_cell + 1, sizeof *r->ended);
-  base_status done = (r->done == NULL || r->ended == NULL)
-                         ? BASE_FAIL(err, BASE_ENOMEM, "no memory for the run")
-                         : load_rows(r, &rows, err);
+  if (r->done == NULL || r->ended == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the run");
+  }
+  base_status done = load_rows(r, &rows, err);
   if (done == BASE_OK) {
     done = runner_done(p, &rows, r->done, err);
   }

@@ -33,7 +33,7 @@ typedef struct runner_summary {
 base_status runner_run(const plan *p, const runner_options *o, runner_summary *out,
                        base_error *err);
 
-/* Which units have their rows? done[n_unit]; needs no run. `rows` may be NULL. */
+/* Which units have their rows? done[n_unit]. */
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err);
 
 /* "DIR/name" */

@@ -7,7 +7,8 @@
 
 static bool same_var(const series_var *v, const spec_check *c) {
   return strcmp(v->var, c->var) == 0 && v->has_dir == c->has_dir &&
-         (!c->has_dir || memcmp(v->dir, c->dir, sizeof v->dir) == 0);
+         (!c->has_dir ||
+          (v->dir[0] == c->dir[0] && v->dir[1] == c->dir[1] && v->dir[2] == c->dir[2]));
 }
 
 const series_var *series_find_var(const series *s, const spec_check *c) {

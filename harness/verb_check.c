@@ -69,26 +69,39 @@ static void free_plan(check_plan *plan) {
   }
 }
 
-static base_status run_cases(const check_plan *plan, const case_file *f, base_error *err) {
+static base_status run_lcps(const check_plan *plan, const case_file *f, base_error *err) {
   for (int i = 0; i < f->n_lcp; i++) {
-    if (check_selected(plan, f->lcp[i].id)) {
-      BASE_TRY(check_lcp_case(plan, &f->lcp[i], err));
+    if (!check_selected(plan, f->lcp[i].id)) {
+      continue;
     }
+    BASE_TRY(check_lcp_case(plan, &f->lcp[i], err));
   }
+  return BASE_OK;
+}
+
+static base_status run_scenes(const check_plan *plan, const case_file *f, base_error *err) {
   for (int i = 0; i < f->scenes.n_scene; i++) {
-    if (check_selected(plan, f->scenes.scene[i].id)) {
-      BASE_TRY(check_scene_case(plan, &f->scenes.scene[i], err));
+    if (!check_selected(plan, f->scenes.scene[i].id)) {
+      continue;
     }
+    BASE_TRY(check_scene_case(plan, &f->scenes.scene[i], err));
   }
   for (int i = 0; i < f->scenes.n_failed; i++) {
     if (check_selected(plan, f->scenes.failed[i].id)) {
       check_skip(plan, f->scenes.failed[i].id, f->scenes.failed[i].err.text);
     }
   }
+  return BASE_OK;
+}
+
+static base_status run_cases(const check_plan *plan, const case_file *f, base_error *err) {
+  BASE_TRY(run_lcps(plan, f, err));
+  BASE_TRY(run_scenes(plan, f, err));
   for (int i = 0; i < f->n_equivalence; i++) {
-    if (check_selected(plan, f->equivalence[i].id)) {
-      BASE_TRY(check_equivalence(plan, &f->equivalence[i], &f->scenes, err));
+    if (!check_selected(plan, f->equivalence[i].id)) {
+      continue;
     }
+    BASE_TRY(check_equivalence(plan, &f->equivalence[i], &f->scenes, err));
   }
   return BASE_OK;
 }

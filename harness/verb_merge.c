@@ -46,6 +46,9 @@ static base_status check_rows(record_table *t, const merge_options *o, base_erro
                        t->row[i].build_hash);
     }
   }
+  if (t->n == 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "merge: the folders hold no rows");
+  }
   qsort(t->row, (size_t)t->n, sizeof *t->row, by_key);
   for (int i = 1; i < t->n && !o->duplicates; i++) {
     if (same_key(&t->row[i], &t->row[i - 1])) {

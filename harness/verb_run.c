@@ -5,6 +5,7 @@
 #include "harness/registry.h"
 #include "harness/runner.h"
 #include "harness/verdict.h"
+#include "lcp/base/fields.h"
 
 #include <signal.h>
 #include <stdio.h>
@@ -21,12 +22,14 @@ typedef struct run_options {
 } run_options;
 
 static base_status parse_shard(const char *text, plan_filter *f, base_error *err) {
-  char tail;
   if (text == NULL) {
     return BASE_OK;
   }
-  if (sscanf(text, "%d/%d%c", &f->shard, &f->n_shard, &tail) != 2 || f->n_shard < 1 ||
-      f->shard < 1 || f->shard > f->n_shard) {
+  char first[16];
+  const size_t len = strcspn(text, "/");
+  (void)snprintf(first, sizeof first, "%.*s", (int)len, text);
+  if (text[len] != '/' || !base_parse_int(first, &f->shard) ||
+      !base_parse_int(text + len + 1, &f->n_shard) || f->shard < 1 || f->shard > f->n_shard) {
     return BASE_FAIL(err, BASE_EINVAL, "--shard %s: need k/n with 1 <= k <= n", text);
   }
   return BASE_OK;

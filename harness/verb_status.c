@@ -13,38 +13,45 @@ static int by_cell(const void *a, const void *b) {
   return strcmp(((const record *)a)->cell_id, ((const record *)b)->cell_id);
 }
 
-static void print_status(record_table *t, const char *dir) {
-  int by_status[RUN_STATUS_COUNT] = {0};
-  int cells = 0;
-  int missed = 0;
-  double slow = 0.0;
-  double fast = 0.0;
-  qsort(t->row, (size_t)t->n, sizeof *t->row, by_cell);
-  for (int i = 0; i < t->n; i++) {
-    const record *r = &t->row[i];
-    const bool first = i == 0 || strcmp(r->cell_id, t->row[i - 1].cell_id) != 0;
-    run_status s;
+typedef struct status_counts {
+  int cells, missed, by_status[RUN_STATUS_COUNT];
+  double slow, fast; /* canary [s] */
+} status_counts;
+
+static void count_row(const record *r, bool first_of_cell, status_counts *c) {
+  run_status s;
+  if (first_of_cell) {
+    c->cells++;
+    c->missed += (r->n_predictions_missed > 0) ? 1 : 0;
     if (run_status_find(r->status, &s)) {
-      by_status[s] += first ? 1 : 0;
-    }
-    cells += first ? 1 : 0;
-    missed += (first && r->n_predictions_missed > 0) ? 1 : 0;
-    if (r->canary_s > 0.0) {
-      slow = (r->canary_s > slow) ? r->canary_s : slow;
-      fast = (fast == 0.0 || r->canary_s < fast) ? r->canary_s : fast;
+      c->by_status[s]++;
     }
   }
-  (void)printf("%s: %d rows of %d cells%s\n", dir, t->n, cells,
+  if (r->canary_s > 0.0) {
+    c->slow = (r->canary_s > c->slow) ? r->canary_s : c->slow;
+    c->fast = (c->fast == 0.0 || r->canary_s < c->fast) ? r->canary_s : c->fast;
+  }
+}
+
+static void print_status(record_table *t, const char *dir) {
+  status_counts c = {0};
+  if (t->n > 0) {
+    qsort(t->row, (size_t)t->n, sizeof *t->row, by_cell);
+  }
+  for (int i = 0; i < t->n; i++) {
+    count_row(&t->row[i], i == 0 || by_cell(&t->row[i], &t->row[i - 1]) != 0, &c);
+  }
+  (void)printf("%s: %d rows of %d cells%s\n", dir, t->n, c.cells,
                t->torn ? ", the last row is torn (the next run drops it)" : "");
   for (int s = 0; s < RUN_STATUS_COUNT; s++) {
-    if (by_status[s] > 0) {
-      (void)printf("  %-11s %d\n", run_status_name((run_status)s), by_status[s]);
+    if (c.by_status[s] > 0) {
+      (void)printf("  %-11s %d\n", run_status_name((run_status)s), c.by_status[s]);
     }
   }
-  (void)printf("  %d cells miss a prediction\n", missed);
-  if (fast > 0.0 && slow > 1.03 * fast) {
+  (void)printf("  %d cells miss a prediction\n", c.missed);
+  if (c.fast > 0.0 && c.slow > 1.03 * c.fast) {
     (void)printf("  the canary drifted by %.1f %%: times are not comparable throughout\n",
-                 100.0 * (slow / fast - 1.0));
+                 100.0 * (c.slow / c.fast - 1.0));
   }
 }
 

@@ -1,6 +1,5 @@
 /* lcpbench submit: a campaign as shards for GNU parallel or a Slurm job array. The engine only starts
  * `lcpbench run --shard k/n`; which one it was cannot change a row. */
-#define _XOPEN_SOURCE 700 /* realpath */
 #include "harness/args.h"
 #include "harness/campaign.h"
 #include "harness/cli.h"

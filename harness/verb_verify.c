@@ -1,7 +1,6 @@
 /* lcpbench verify: recomputes the verdicts of a campaign folder. Answers that are stored are judged
  * again from the problem; every other cell is run again by its own command, and must give the same
  * verdict, counters and bits. */
-#define _GNU_SOURCE /* pipe2 */
 #include "harness/args.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"

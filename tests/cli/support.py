@@ -11,6 +11,7 @@ import traceback
 LCPBENCH = os.environ["LCPBENCH"]
 FAULTY = os.environ["LCPBENCH_FAULTY"]
 SHARED = pathlib.Path(os.environ.get("LCPBENCH_SHARED", "../shared"))
+SANITIZED = os.environ.get("LCPBENCH_SANITIZE", "none") != "none"
 
 
 class Skip(Exception):
@@ -20,7 +21,7 @@ class Skip(Exception):
 def run(*args, exe=LCPBENCH, code=0, timeout=120, **env):
     """Runs lcpbench; checks the exit code (None: any) and returns the completed process."""
     full = dict(os.environ, OPENBLAS_NUM_THREADS="1", **env)
-    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n != "LCPBENCH_SHARED"]:
+    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n not in ("LCPBENCH_SHARED", "LCPBENCH_SANITIZE")]:
         del full[name]
     done = subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, env=full)
     if code is not None and done.returncode != code:
