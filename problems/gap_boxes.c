@@ -13,6 +13,7 @@
 
 typedef struct obox {
   double c[3], R[9], h[3], r; /* axis k is column k of R; r: sweeping radius */
+  int thick;                  /* bit k: h[k] > 0. Coinciding corners go by one number. */
 } obox;
 
 typedef struct sat_axis {
@@ -41,6 +42,7 @@ static obox place(const piece *p, const pose *at) {
   obox o;
   double centre[3];
   o.r = p->r;
+  o.thick = (p->kind == PIECE_BOX) ? 7 : 1;
   if (p->kind == PIECE_BOX) {
     m3_mul(at->R, p->rot, o.R);
     v3_copy(p->half, o.h);
@@ -93,7 +95,8 @@ static void vertex_of(const obox *o, int v, double *x) {
 }
 
 /* Edge along axis k through vertex v: 4 k + the signs on the two other axes. */
-static int edge_of(int k, int v) {
+static int edge_of(const obox *o, int k, int v) {
+  v &= o->thick;
   return 4 * k + ((v >> ((k + 1) % 3)) & 1) + 2 * ((v >> ((k + 2) % 3)) & 1);
 }
 
@@ -179,7 +182,8 @@ static void corners_over(const box_face *from, const box_face *to, contact_list 
     vertex_of(from->o, v[i], x);
     over_face(to, x, &u, &w, &height);
     if (fabs(u) <= hu && fabs(w) <= hv && height >= l->deepest) {
-      add_point(l, x, from->is_a, n, height, from->is_a ? v[i] : VERTEX_B + v[i]);
+      const int corner = v[i] & from->o->thick;
+      add_point(l, x, from->is_a, n, height, from->is_a ? corner : VERTEX_B + corner);
     }
   }
 }
@@ -220,7 +224,7 @@ typedef struct crossing {
 static void add_crossing(const obox *a, const obox *b, int ia, int va, int ib, int vb,
                          const crossing *c, contact_list *l) {
   double ua[3], ub[3], n[3], pa[3], pb[3], d[3];
-  const int feature = EDGE_PAIR + 12 * edge_of(ia, va) + edge_of(ib, vb);
+  const int feature = EDGE_PAIR + 12 * edge_of(a, ia, va) + edge_of(b, ib, vb);
   column(a->R, ia, ua);
   column(b->R, ib, ub);
   v3_cross(ua, ub, n);
@@ -330,10 +334,10 @@ static closest closest_features(const obox *a, const obox *b, double slack) {
   for (int v = 0; v < 8; v++) {
     vertex_of(a, v, x);
     clamp_to(b, x, y);
-    keep_closer(&c, x, y, v, 0.0);
+    keep_closer(&c, x, y, v & a->thick, 0.0);
     vertex_of(b, v, x);
     clamp_to(a, x, y);
-    keep_closer(&c, y, x, VERTEX_B + v, 0.0);
+    keep_closer(&c, y, x, VERTEX_B + (v & b->thick), 0.0);
   }
   for (int e = 0; e < 144; e++) {
     const int i = e / 48, j = (e % 12) / 4;
@@ -346,7 +350,7 @@ static closest closest_features(const obox *a, const obox *b, double slack) {
     vertex_of(b, vb, b0);
     vertex_of(b, vb | (1 << j), b1);
     segment_closest(a0, a1, b0, b1, pa, pb);
-    keep_closer(&c, pa, pb, EDGE_PAIR + 12 * edge_of(i, va) + edge_of(j, vb), slack);
+    keep_closer(&c, pa, pb, EDGE_PAIR + 12 * edge_of(a, i, va) + edge_of(b, j, vb), slack);
   }
   return c;
 }
@@ -376,7 +380,7 @@ static void edge_point(const obox *a, const obox *b, const sat_axis *edge, conta
   double back[3], pa[3], pb[3];
   v3_scale(-1.0, edge->n, back);
   const int va = support(a, back), vb = support(b, edge->n);
-  const int feature = EDGE_PAIR + 12 * edge_of(edge->i, va) + edge_of(edge->j, vb);
+  const int feature = EDGE_PAIR + 12 * edge_of(a, edge->i, va) + edge_of(b, edge->j, vb);
   for (int k = 0; k < l->n; k++) {
     if (l->out[k].feature == (uint32_t)feature) {
       return;

@@ -108,7 +108,7 @@ static void swapping_the_sides_flips_the_normals(void **state) {
   base_rng r = base_rng_seeded(12);
   for (int dim = 2; dim <= 3; dim++) {
     const int n = (dim == 2) ? N_PLANAR : N_SPATIAL;
-    for (int i = 0; i < 40 * n * n; i++) {
+    for (int i = 0; i < 400 * n * n; i++) {
       any_piece a, b;
       gap_point ab[GAP_MAX], ba[GAP_MAX];
       any_shape(&a, (dim == 2) ? planar_shape((i / n) % n) : &spatial[(i / n) % n], dim);
@@ -123,6 +123,7 @@ static void swapping_the_sides_flips_the_normals(void **state) {
       for (int k = 0; k < m; k++) { /* the same points, perhaps in another order */
         double best = HUGE_VAL;
         for (int l = 0; l < m; l++) {
+          assert_true(k == l || ab[k].feature != ab[l].feature);
           double d[3], s[3];
           v3_sub(ab[k].x, ba[l].x, d);
           v3_add_scaled(ab[k].n, 1.0, ba[l].n, s);
@@ -348,6 +349,27 @@ static void stacked_boxes_rest_on_four_points(void **state) {
   }
 }
 
+/* A capsule rolling about its own axis on a box keeps its two ids: its corners coincide. */
+static void capsules_keep_their_ids_when_they_roll(void **state) {
+  (void)state;
+  any_piece rod, box;
+  any_shape(&rod, &spatial[2], 3);
+  any_shape(&box, &spatial[3], 3);
+  uint32_t first[2] = {0, 0};
+  for (int i = 0; i < 100; i++) {
+    const double turn = 0.1 * i, low[3] = {0, 0, 0}, high[3] = {0, 0, 0.3 - 1e-4};
+    const double q0[4] = {1, 0, 0, 0}, q1[4] = {cos(turn / 2), sin(turn / 2), 0, 0};
+    const pose p0 = any_pose(low, q0), p1 = any_pose(high, q1);
+    gap_point g[GAP_MAX];
+    assert_int_equal(gap_spatial(&rod.p, &p1, &box.p, &p0, 1e-3, g), 2);
+    for (int k = 0; k < 2; k++) {
+      first[k] = (i == 0) ? g[k].feature : first[k];
+      assert_int_equal(g[k].feature, first[k]);
+      check_close(g[k].gap, -1e-4, 1e-12);
+    }
+  }
+}
+
 /* A square turned by 45 degrees on an equal square: an octagon of crossings. */
 static void turned_square_rests_on_eight_crossings(void **state) {
   (void)state;
@@ -376,6 +398,7 @@ int main(void) {
       cmocka_unit_test(separated_planar_shapes_report_their_distance),
       cmocka_unit_test(separated_spatial_shapes_report_their_distance),
       cmocka_unit_test(stacked_boxes_rest_on_four_points),
+      cmocka_unit_test(capsules_keep_their_ids_when_they_roll),
       cmocka_unit_test(turned_square_rests_on_eight_crossings),
       cmocka_unit_test(half_space_lists_every_corner),
       cmocka_unit_test(tilted_disc_touches_at_its_lowest_rim_point),
