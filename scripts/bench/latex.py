@@ -2,12 +2,16 @@
 from bench import chart as chart_, style
 from bench.section import table_tex, tex
 
-HEAD = r"""\documentclass[twocolumn,10pt]{article}
+HEAD = r"""\documentclass[10pt]{article}
 \usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{lmodern}
-\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm,columnsep=6mm]{geometry}
-\usepackage{graphicx,booktabs,amsmath}
+\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
+\usepackage{graphicx,booktabs,tabularx,amsmath}
+\newcolumntype{Y}{>{\raggedright\arraybackslash}X}
+\renewcommand{\topfraction}{0.95}
+\renewcommand{\floatpagefraction}{0.8}
+\setcounter{topnumber}{4}
 \input{macros}
 \title{\CampaignTitle}
 \author{made from \NumRows\ rows, \NumCells\ cells, by scripts/report}
@@ -35,9 +39,8 @@ def write(folder, facts, sections):
         for c in charts:
             style.save(chart_.draw(c), folder / "figures", c.name)
             (folder / "figures" / f"{c.name}.dat").write_text(chart_.table(c))
-            star = "" if c.width <= style.COLUMN else "*"
-            body.append(f"\\begin{{figure{star}}}\\centering\\includegraphics[width=\\{'columnwidth' if not star else 'textwidth'}]{{figures/{c.name}.pdf}}\n"
-                        f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure{star}}}\n")
+            body.append(f"\\begin{{figure}}[htbp]\\centering\\includegraphics[width={c.width if c.width < style.PAGE else 7.08}in]{{figures/{c.name}.pdf}}\n"
+                        f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure}}\n")
         for t in tables:
             (folder / "tables" / f"{t.name}.tex").write_text(table_tex(t))
             body.append(f"\\input{{tables/{t.name}}}\n")

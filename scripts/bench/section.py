@@ -89,27 +89,33 @@ def table_html(table):
 TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}",
        "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"\ensuremath{\mu}", "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}",
        "×": r"\ensuremath{\times}", "→": r"\ensuremath{\to}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}", "–": "--", "—": "---",
-       "∞": r"\ensuremath{\infty}"}
+       "∞": r"\ensuremath{\infty}", ",": r",\allowbreak{}", ":": r":\allowbreak{}"}
 
 
 def tex(text):
     return "".join(TEX.get(c, c) for c in str(text)).replace("\n", " ")
 
 
+SHORT, MANY = 20, 8  # characters of a column that need no wrapping; columns that fit on a page
+
+
 def table_tex(table, most=40):
-    """A booktabs table; long ones are cut at `most` rows, and say so."""
+    """A booktabs table; columns of long text wrap, a wide table is scaled, a long one is cut at `most` rows and says so."""
     keep = [i for i in range(len(table.header)) if i != table.code]
-    out = ["\\begin{table*}", "\\centering\\small", f"\\caption{{{tex(table.caption)}}}\\label{{tab:{table.name}}}",
-           "\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%",
-           "\\begin{tabular}{" + "l" * len(keep) + "}", "\\toprule", " & ".join(tex(table.header[i]) for i in keep) + r" \\", "\\midrule"]
-    bold = {"good"}
-    for row in table.rows[:most]:
-        cells = [as_cell(row[i]) for i in keep]
-        out.append(" & ".join(f"\\textbf{{{tex(c.text)}}}" if c.mark in bold and c.text else tex(c.text) for c in cells) + r" \\")
-    out += ["\\bottomrule", "\\end{tabular}}"]
+    body = [[as_cell(row[i]) for i in keep] for row in table.rows[:most]]
+    wraps = [max([len(c[k].text) for c in body] + [0]) > SHORT for k in range(len(keep))]
+    wide = len(keep) > MANY or not any(wraps)
+    columns = "l" * len(keep) if wide else "".join("Y" if w else "l" for w in wraps)
+    start = (["\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%", f"\\begin{{tabular}}{{{columns}}}"] if wide
+             else [f"\\begin{{tabularx}}{{\\textwidth}}{{{columns}}}"])
+    out = ["\\begin{table}[htbp]", "\\centering\\footnotesize", f"\\caption{{{tex(table.caption)}}}\\label{{tab:{table.name}}}", *start, "\\toprule",
+           " & ".join(tex(table.header[i]) for i in keep) + r" \\", "\\midrule"]
+    for row in body:
+        out.append(" & ".join(f"\\textbf{{{tex(c.text)}}}" if c.mark == "good" and c.text else tex(c.text) for c in row) + r" \\")
+    out += ["\\bottomrule", "\\end{tabular}}" if wide else "\\end{tabularx}"]
     if len(table.rows) > most:
-        out.append(f"\\par\\footnotesize {most} of {len(table.rows)} rows; all of them in the page.")
-    out.append("\\end{table*}")
+        out.append(f"\\par {most} of {len(table.rows)} rows; all of them in the page.")
+    out.append("\\end{table}")
     return "\n".join(out) + "\n"
 
 
