@@ -8,11 +8,14 @@
 
 typedef struct lemke_options {
   lcp_stop stop;
+  int start;    /* index into "origin|sliding" */
   int restarts; /* first bases tried after a ray that proves nothing */
 } lemke_options;
 
 static const base_field FIELDS[] = {
     LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
+    BASE_FIELD_CHOICE(lemke_options, start, "origin|sliding", 0,
+                      "first basis where z is zero: all w, or every contact sliding"),
     BASE_FIELD(lemke_options, restarts, BASE_INT, "1", 4, 0, 1000,
                "other first bases tried after a ray that proves nothing"),
 };
@@ -98,6 +101,29 @@ static bool start_basis(lemke_state *k, const double *z) {
     k->path.in_z[i] = s->is_free[i] || active;
   }
   return warm;
+}
+
+/* Contacts slide against their free velocity: for each unknown s without a diagonal whose column is
+ * positive (a slip speed) the row i of the column with the least q_i < 0 is made basic with s.
+ * True when there is one. */
+static bool start_sliding(lemke_state *k) {
+  const lemke_system *s = &k->system;
+  bool any = false;
+  for (int j = 0; j < s->n; ++j) {
+    int best = -1;
+    bool slip = s->diagonal[j] == 0 && !s->is_free[j];
+    for (int p = s->colptr[j]; p < s->colptr[j + 1] && slip; ++p) {
+      const int i = s->rowind[p];
+      slip = s->val[p] > 0 && i < s->n && s->diagonal[i] > 0;
+      best = (best < 0 || s->q[i] < s->q[best]) ? i : best;
+    }
+    if (slip && best >= 0 && s->q[best] < 0) {
+      k->path.in_z[j] = 1;
+      k->path.in_z[best] = 1;
+      any = true;
+    }
+  }
+  return any;
 }
 
 static lcp_outcome outcome_of(lemke_end end) {
@@ -190,6 +216,7 @@ static bool ray_is_final(const lcp_problem *p) {
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
   bool warm = start_basis(k, z);
+  warm = warm || (o->start == 1 && start_sliding(k));
   for (int a = 0; a < BASE_COUNT(ATTEMPTS);) {
     const lemke_end end = lemke_path_run(&k->path, &k->system, ATTEMPTS[a]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
