@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static const double LOOKS_BAD = 1e-15;
+static const double LOOKS_BAD = 5e-15;
 
 /* Diagonal of P: what S does not account for. Into zref for the time being. */
 static void product_diagonal(const lemke_system *s) {
