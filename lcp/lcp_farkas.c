@@ -99,7 +99,7 @@ bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char 
   }
   const int k = denominator(y, M->n, top);
   for (int i = 0; i < M->n; i++) {
-    y[i] = (k > 0) ? nearbyint(k * (y[i] / top)) : y[i] / top;
+    y[i] = (k > 0) ? nearbyint(k * (y[i] / top)) : ldexp(y[i], -ilogb(top)); /* no digit lost */
   }
   return holds(M, q, kind, y);
 }

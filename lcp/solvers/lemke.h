@@ -26,8 +26,9 @@ void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a
 void lemke_system_build(lemke_system *s, const lcp_problem *p);
 
 /* rho of lcp_judge.h at the scaled point z (rows; velocities beyond n are recomputed); for a
- * factored M an upper bound of it. Any scaling gives the same rho. */
-double lemke_residual(const lemke_system *s, const double *z);
+ * factored M an upper bound of it. Any scaling gives the same rho. *defect is max |min(z, w)| of the
+ * scaled problem, whose q is of size 1. */
+double lemke_residual(const lemke_system *s, const double *z, double *defect);
 
 /* Relative sizes below which a pivot is taken for zero and a ratio for a tie. */
 typedef struct lemke_tolerance {

@@ -109,8 +109,9 @@ static double row_residual(const lemke_system *s, int i, double z, double zref, 
   return s->is_free[i] ? fabs(y) : fabs(fmin(x, y));
 }
 
-double lemke_residual(const lemke_system *s, const double *z) {
+double lemke_residual(const lemke_system *s, const double *z, double *defect) {
   double rho = 0;
+  *defect = 0;
   products(s, z);
   scales(s);
   for (int i = 0; i < s->n; ++i) {
@@ -125,6 +126,8 @@ double lemke_residual(const lemke_system *s, const double *z) {
       return HUGE_VAL;
     }
     rho = fmax(rho, r);
+    const double w = (double)s->w[i];
+    *defect = fmax(*defect, s->is_free[i] ? fabs(w) : fabs(fmin(z[i], w)));
   }
   return rho;
 }

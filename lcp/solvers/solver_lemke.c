@@ -38,6 +38,10 @@ static const lemke_tolerance ATTEMPTS[] = {{1e-11, 1e-12}, {1e-14, 1e-15}, {1e-8
  * even where the tolerance is met (two contacts parallel up to 2^-40). */
 static const double ROUND_OFF = 1e-14;
 
+/* Round-off in w must be small against q, not only against M z: a basis singular but for rounding
+ * gives z so large that rho, relative to M z, would pass anything. */
+static const double DATA_SHARE = 1e-3;
+
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   lemke_state *k = state;
@@ -79,16 +83,17 @@ static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
     return false;
   }
   read_point(k, k->trial);
-  const double rho = lemke_residual(&k->system, k->trial);
+  double defect = 0;
+  const double rho = lemke_residual(&k->system, k->trial, &defect);
   res->work.matvecs++;
-  if (rho < res->residual) {
+  if (rho < res->residual && defect <= DATA_SHARE) {
     res->residual = rho;
     for (int i = 0; i < k->system.n; ++i) {
       k->best[i] = ldexp(k->trial[i], k->system.q_exp + k->system.col_exp[i]);
     }
     memcpy(k->basis, k->path.in_z, (size_t)k->system.n);
   }
-  return rho <= fmin(stop->tol, ROUND_OFF);
+  return rho <= fmin(stop->tol, ROUND_OFF) && defect <= DATA_SHARE;
 }
 
 /* True when the start point names a basis other than that of a cold start. */

@@ -252,6 +252,32 @@ static void infeasible_is_proved(void **state) {
   check_close(s.vector[0], s.vector[1], 0);
 }
 
+/* M = G G' of rank 2 in rounded numbers, y > 0 in its null space, q'y < 0: infeasible but for
+ * rounding, which makes M regular and "solved" by z of 1e16. */
+static void rounding_makes_nothing_feasible(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(17);
+  for (int trial = 0; trial < 200; ++trial) {
+    small s;
+    double g[3][2];
+    start(&s, 3);
+    for (int k = 0; k < 2; ++k) { /* columns orthogonal to y = (0.3, 0.7, 1.1) */
+      g[0][k] = base_rng_between(&r, -1, 1);
+      g[1][k] = base_rng_between(&r, -1, 1);
+      g[2][k] = -(0.3 * g[0][k] + 0.7 * g[1][k]) / 1.1;
+    }
+    for (int i = 0; i < 3; ++i) {
+      s.q[i] = base_rng_between(&r, -1, -0.1);
+      for (int j = 0; j < 3; ++j) {
+        *at(&s, i, j) = g[i][0] * g[j][0] + g[i][1] * g[j][1];
+      }
+    }
+    run(&s);
+    assert_true(s.res.outcome != LCP_SOLVED);
+    assert_true(s.res.outcome != LCP_INFEASIBLE || s.res.certificate.kind == LCP_CERT_FARKAS);
+  }
+}
+
 /* Feasible but unsolvable: a ray proves nothing and must not be called a proof. */
 static void ray_is_not_a_proof(void **state) {
   (void)state;
@@ -405,6 +431,7 @@ int main(void) {
       cmocka_unit_test(warm_start_takes_no_pivot),
       cmocka_unit_test(two_runs_give_the_same_bits),
       cmocka_unit_test(infeasible_is_proved),
+      cmocka_unit_test(rounding_makes_nothing_feasible),
       cmocka_unit_test(ray_is_not_a_proof),
       cmocka_unit_test(bimatrix_game_is_solved),
       cmocka_unit_test(pivot_limit_is_reported),
