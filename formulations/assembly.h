@@ -115,6 +115,9 @@ base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_row
 /* The same without the blocks between different groups: C is then known on its diagonal only. */
 base_status form_assembly_begin_own(form_assembly *a, const contact_set *c, form_rows rows,
                                     const form_rule *rule, contact_memory *memory, base_error *err);
+/* assembly_active.c: the active groups with their rows, r and bias; a step of the two above. */
+void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows,
+                          const form_rule *rule, contact_memory *memory);
 void form_assembly_close(form_assembly *a);
 
 static inline int form_rows_of(const form_assembly *a, int i) {

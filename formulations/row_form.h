@@ -45,7 +45,7 @@ void row_form_forget(void *state);
 #define ROW_FORM_FIELDS(T)                                                                         \
   BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0, "matrix handed to the solver"),      \
       BASE_FIELD_CHOICE(T, level, "velocity|position", 0, "level of the normal rows"),             \
-      BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows of a mixed problem"),      \
+      BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows (always when factored)"),  \
       BASE_FIELD_CHOICE(T, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),       \
       BASE_FIELD_CHOICE(T, restitution, "newton|none", 0, "law of impact"),                        \
       BASE_FIELD(T, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),          \

@@ -108,9 +108,6 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
                              base_error *err) {
   const size_t n = (size_t)a->n_row;
   const size_t nnz = (a->n_group > 0) ? a->block_at[a->near_start[a->n_group]] : 0;
-  if (storage == ROW_FACTORED && a->n_joint_group > 0) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: needs joints=mixed");
-  }
   if (storage == ROW_AUTO) {
     storage = (n <= 64 || nnz > n * n / 4) ? ROW_DENSE : ROW_CSC;
   }

@@ -16,7 +16,8 @@ typedef struct row_matrix {
   void *mem, *val_mem; /* owned */
 } row_matrix;
 
-/* Joints that were eliminated cannot be expressed by factors: ROW_FACTORED is then refused. */
+/* ROW_FACTORED takes an assembly of own blocks only, with its joints still in it: joints that were
+ * eliminated cannot be expressed by factors. */
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err);
 void row_matrix_close(row_matrix *m);
