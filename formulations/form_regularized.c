@@ -29,6 +29,7 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
     BASE_FIELD(options, mode_iter, BASE_INT, "1", 200, 1, 1e6, "most solves in a step"),
+    BASE_FIELD(options, prox, BASE_REAL, "1", 1e-6, 0, 1, "proximal term from the third solve on"),
     BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the pure secant"),
     BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
@@ -52,6 +53,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->rows = BASE_ARRAY(m, reg_row, s->cap_row);
   s->b = BASE_ARRAY(m, double, p);
   s->z0 = BASE_ARRAY(m, double, p);
+  s->anchor = BASE_ARRAY(m, double, p);
   s->lambda = BASE_ARRAY(m, double, s->cap_row);
   s->u = BASE_ARRAY(m, double, s->cap_row);
   s->best = BASE_ARRAY(m, double, s->cap_row);
@@ -98,13 +100,42 @@ static void finish(regularized *s, bool solved) {
   form_assembly_answer(&s->a, s->lambda);
 }
 
+/* Redundant contacts leave lambda_n undetermined: a pivoting method jumps from one extreme
+ * distribution to another, and the friction bounds with it. The proximal point term
+ *
+ *   A + delta D,  b - delta D lambda_n',   D = diag C_nn,  lambda_n' of the last iterate
+ *
+ * keeps what A does not determine at its last value; where the iteration settles it vanishes, and
+ * what is left of it counts in the residual (Martinet 1970; Rockafellar 1976). Used from the third
+ * solve of a step on: most steps never see it. */
+static void add_proximal_term(regularized *s) {
+  const int p = s->a.n_contact;
+  s->proximal = s->opt.prox > 0 && s->iteration >= 2;
+  for (int i = 0; i < p && s->proximal; i++) {
+    const double delta = s->opt.prox * form_own_block(&s->a, i)[0];
+    s->A[(ptrdiff_t)i * p + i] += delta;
+    s->b[i] -= delta * s->anchor[i];
+  }
+}
+
+/* What the proximal term still does to the normal rows, over the largest impulse. */
+static double proximal_residual(const regularized *s, const double *z) {
+  double worst = 0;
+  for (int i = 0; i < s->a.n_contact && s->proximal; i++) {
+    worst = fmax(worst, s->opt.prox * fabs(z[i] - s->anchor[i]));
+  }
+  return (s->largest > 0) ? worst / s->largest : 0;
+}
+
 /* A, b for the current modes; where the compliance matrix is singular the step ends unsolved. */
 static void reduce(regularized *s) {
   reg_rows_collect(s);
   if (!(s->by_mass ? reg_mass_reduce(s) : reg_contact_reduce(s))) {
     memset(s->lambda, 0, (size_t)s->a.n_row * sizeof *s->lambda);
     finish(s, false);
+    return;
   }
+  add_proximal_term(s);
 }
 
 /* The mass matrix is the cheaper of the two from a few contacts on; contact space takes joints, and
@@ -144,6 +175,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   s->answer = (formulation_answer){
       .solved = true, .lcp_dim = p, .n_active = p, .stiffness_ratio = HUGE_VAL};
   s->iteration = 0;
+  s->largest = 0;
   s->done = false;
   s->best_residual = HUGE_VAL;
   reg_parts_build(s);
@@ -243,7 +275,8 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     reg_contact_expand(s, z, s->lambda);
     form_assembly_velocity(&s->a, s->lambda, s->u);
   }
-  const double residual = reg_law_residual(s, s->lambda, s->u);
+  const double residual = fmax(reg_law_residual(s, s->lambda, s->u), proximal_residual(s, z));
+  memcpy(s->anchor, z, (size_t)s->a.n_contact * sizeof *z);
   if (broken || residual <= s->opt.tol) {
     s->answer.residual = residual;
     finish(s, claimed == LCP_SOLVED);

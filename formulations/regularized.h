@@ -40,6 +40,7 @@ typedef struct reg_options {
   int activation, restitution;
   double tol;      /* of the mode loop, on the friction impulses over the largest impulse [1] */
   int mode_iter;   /* most solves in a step */
+  double prox;     /* weight of the proximal term [1] */
   int newton_iter; /* solves after which all slip is treated by the secant */
   double push, push_speed, rest, joint_push;
 } reg_options;
@@ -97,9 +98,10 @@ typedef struct regularized {
   int n_rows;
   bool any_slip; /* some part has a slip column */
 
-  double *A, *b, *z0;        /* p*p, p, p */
-  double *sigma;             /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
-  double *xyc;               /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
+  double *anchor;     /* p: lambda_n of the last iterate, centre of the proximal term [N s] */
+  double *A, *b, *z0; /* p*p, p, p */
+  double *sigma;      /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
+  double *xyc;        /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
   double *lambda, *u, *best; /* assembly rows */
   double *t;                 /* n_rows */
   lcp_block *block;
@@ -108,7 +110,8 @@ typedef struct regularized {
   reg_mass mass;
 
   int iteration;
-  bool done, claimed_ok;
+  bool done;
+  bool proximal; /* the term is in A and b of this solve */
   double best_residual;
   double largest; /* impulse of the last iterate [N s] */
   formulation_answer answer;

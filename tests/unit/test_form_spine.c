@@ -136,8 +136,8 @@ static void joints_in_and_out(void **state) {
 static void both_forms_agree(void **state) {
   (void)state;
   static const char *const opts[][2] = {
-      {"form=contact,tol=1e-13", "form=mass,tol=1e-13"},
-      {"form=contact,model=viscous,tol=1e-13", "form=mass,model=viscous,tol=1e-13"}};
+      {"form=contact,tol=1e-13,prox=0", "form=mass,tol=1e-13,prox=0"},
+      {"form=contact,model=viscous,tol=1e-13,prox=0", "form=mass,model=viscous,tol=1e-13,prox=0"}};
   int compared = 0;
   for (int i = 0; i < BASE_COUNT(opts); i++) {
     for (int which = 0; which < 24; which++) {
