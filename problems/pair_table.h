@@ -6,19 +6,20 @@
 
 #include <stdint.h>
 
+typedef struct pair_entry {
+  uint64_t key; /* the two sides, smaller first */
+  double value;
+  int order;
+} pair_entry;
+
 typedef struct pair_table {
   double dflt;
   int n;
-  uint64_t *key; /* sorted */
-  double *value;
+  pair_entry *entry; /* sorted by key */
 } pair_table;
-
-/* Index of the side called `name`, -1 if there is none. */
-int pair_side(const scene_spec *s, const char *name);
 
 /* A later pair overrides an earlier one of the same sides. */
 base_status pair_table_open(pair_table *t, const scene_spec *s, double dflt, const spec_pair *pair,
                             int n_pair, base_error *err);
 void pair_table_close(pair_table *t);
 double pair_value(const pair_table *t, int side_a, int side_b);
-bool pair_any_positive(const pair_table *t);

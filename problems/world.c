@@ -71,7 +71,7 @@ static base_status open_tables(world *w, base_error *err) {
   BASE_TRY(pair_table_open(&w->torsion, s, t->dflt, t->pair, t->n_pair, err));
   BASE_TRY(pair_table_open(&w->apart, s, 0.0, s->no_collision, s->n_no_collision, err));
   for (int i = 0; i < w->apart.n; i++) {
-    w->apart.value[i] = 1.0;
+    w->apart.entry[i].value = 1.0;
   }
   return BASE_OK;
 }
