@@ -234,6 +234,44 @@ static void drift_carries_kinematic_and_belt_motion(void **state) {
   spec_free(&s);
 }
 
+/* A turning paddle and a body with one prescribed axis: their gap changes as J v + drift says. */
+static void driven_rotation_enters_the_drift(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    spec_init(&s);
+    s.dim = dim;
+    s.duration = 1.0;
+    spec_body *paddle = add_body(&s, "paddle", SPEC_BOX, 0.5);
+    paddle->kinematic = true;
+    paddle->vel[1] = 0.2;
+    paddle->omega[2] = 3.0;
+    paddle->omega[0] = (dim == 3) ? 1.0 : 0.0;
+    spec_body *ball = add_body(&s, "ball", SPEC_SPHERE, 0.1);
+    ball->pos[0] = 0.3;
+    ball->pos[1] = 0.65;
+    ball->prescribed = SPEC_X;
+    ball->prescribed_v0[0] = -0.4;
+    ball->prescribed_a[0] = 2.0;
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    const double h = 1e-6;
+    check_ok(world_contacts(w, h, 0.2, &c, &err), &err);
+    assert_int_equal(c.n_contact, 1);
+    assert_int_equal(c.n_dof, (dim == 2) ? 2 : 5);
+    const double gap = c.gap[0], v[5] = {0.3, 0.1, 0.2, -0.1, 0.4};
+    double u;
+    contact_relative_velocity(&c, v, c.u_drift, &u);
+    check_ok(world_advance(w, v, NULL, &err), &err);
+    check_ok(world_contacts(w, h, 0.2, &c, &err), &err);
+    check_close((c.gap[0] - gap) / h, u, 1e-5);
+    check_close(observe(w, "ball.vx"), -0.4 + 2.0 * h, 1e-15);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
 static void pairs_multiplicity_and_no_collision_are_honoured(void **state) {
   (void)state;
   scene_spec s;
@@ -429,6 +467,7 @@ int main(void) {
       cmocka_unit_test(free_spin_keeps_energy_and_momentum),
       cmocka_unit_test(two_bodies_exchange_momentum_through_rows),
       cmocka_unit_test(drift_carries_kinematic_and_belt_motion),
+      cmocka_unit_test(driven_rotation_enters_the_drift),
       cmocka_unit_test(pairs_multiplicity_and_no_collision_are_honoured),
       cmocka_unit_test(compounds_touch_with_every_piece),
       cmocka_unit_test(margin_follows_the_speeds),
