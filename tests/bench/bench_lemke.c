@@ -1,5 +1,6 @@
-/* bench_lemke.c - lemke against the plain dense tableau, against Siconos' Lemke where the build has
- * it, and its factored form against its own dense form.
+/* bench_lemke.c - lemke, and on symmetric problems ppm, block_pivoting and pgs_sm, against the plain
+ * dense tableau and against Siconos' Lemke where the build has it; lemke's factored form against its
+ * own dense form.
  *
  * usage: bench_lemke SHARED [REPETITIONS]
  * CSV on stdout, one row per problem and method: seconds are set-up and solve together, median and
@@ -16,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPS_MAX = 51, METHODS_MAX = 3 };
+enum { REPS_MAX = 51, METHODS_MAX = 6 };
 
 typedef struct method {
   const char *name;
@@ -125,8 +126,10 @@ static base_status bench_file(const char *shared, const char *name, int reps, ba
   if (s == BASE_OK && lcp_solver_find("siconos_lemke") != NULL) {
     s = method_open(&m[n_method++], "siconos_lemke", &dense, err);
   }
-  if (s == BASE_OK) {
-    s = method_open(&m[n_method++], "lemke", &f.p, err);
+  static const char *const ours[] = {"lemke", "ppm", "block_pivoting", "pgs_sm"};
+  const bool symmetric = lcp_matrix_is_symmetric(&f.p.M);
+  for (int i = 0; s == BASE_OK && i < (symmetric ? BASE_COUNT(ours) : 1); ++i) {
+    s = method_open(&m[n_method++], ours[i], &f.p, err);
   }
   if (s == BASE_OK && contest(name, m, n_method, reps, err) < 0) {
     s = err->code;
