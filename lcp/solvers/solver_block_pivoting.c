@@ -207,6 +207,24 @@ static void start(block_pivoting *s, const lcp_problem *p, int all, double weigh
   }
 }
 
+/* The natural map of the true problem against the data alone: on an infeasible monotone problem z
+ * grows without bound and takes any residual relative to z along, but not this one. */
+static bool small_for_data(const block_pivoting *s, const lcp_problem *p, double tol,
+                           const double *z) {
+  double size = 0;
+  for (int i = 0; i < p->M.n; i++) {
+    size = fmax(size, fabs(s->scale[i] * p->q[i]));
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    const double w = s->scale[i] * s->stop.w[i];
+    const double r = s->is_free[i] ? fabs(w) : fabs(fmin(z[i] / s->scale[i], w));
+    if (r > 10 * tol * size + 1e-14 * s->scale[i] * s->stop.tau[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* Hands z out on K and asks the residual of the true problem. */
 static bool accepted(block_pivoting *s, const lcp_problem *p, double tol, double *z,
                      lcp_result *res) {
@@ -215,7 +233,8 @@ static bool accepted(block_pivoting *s, const lcp_problem *p, double tol, double
     z[i] = s->in[i] ? s->scale[i] * v : 0;
   }
   const lcp_stop once = {.tol = tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
-  return lcp_stop_test(&s->stop, &once, p, z, NULL, res) && res->outcome == LCP_SOLVED;
+  const bool met = lcp_stop_test(&s->stop, &once, p, z, NULL, res) && res->outcome == LCP_SOLVED;
+  return met && small_for_data(s, p, tol, z);
 }
 
 static bool proves_infeasible(block_pivoting *s, const lcp_problem *p) {
@@ -247,37 +266,39 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
   res->variant = "proximal";
   start(s, p, o->start == 0, o->proximal);
   double best = HUGE_VAL;
+  bool solved = false;
   for (int k = 0, idle = 0; k < OUTER_MAX; k++) {
     for (int i = 0; i < p->M.n; i++) {
       s->q[i] = s->scale[i] * p->q[i] - s->weight[i] * s->last[i];
     }
     const end e = pivot(s, p, &o->stop, res, status);
+    const bool good = e == FOUND && accepted(s, p, o->stop.tol, s->tmp, res);
+    const bool better = e == FOUND && res->residual < 0.5 * best;
+    if (solved && !(good && better)) {
+      res->residual = best;
+      return LCP_SOLVED;
+    }
     if (e != FOUND) {
       return of_end(e);
     }
-    (void)accepted(s, p, o->stop.tol, s->tmp, res);
-    const bool better = res->residual < 0.5 * best;
-    idle = better ? 0 : idle + 1;
-    for (int i = 0; i < p->M.n && (better || best > o->stop.tol); i++) {
+    for (int i = 0; i < p->M.n; i++) {
       z[i] = s->tmp[i];
     }
-    if (!better && fmin(best, res->residual) <= o->stop.tol) {
-      res->residual = fmin(best, res->residual);
-      return LCP_SOLVED;
-    }
-    best = fmin(best, res->residual);
-    if (idle >= 2 && proves_infeasible(s, p)) {
+    idle = better ? 0 : idle + 1;
+    best = good ? res->residual : fmin(best, res->residual);
+    solved = good;
+    if (!solved && idle >= 2 && proves_infeasible(s, p)) {
       res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->move};
       return LCP_INFEASIBLE;
     }
-    if (idle >= 12) {
+    if (!solved && idle >= 12) {
       return LCP_STALLED;
     }
     for (int i = 0; i < p->M.n; i++) {
       s->last[i] = s->z[i];
     }
   }
-  return (best <= o->stop.tol) ? LCP_SOLVED : LCP_STALLED;
+  return solved ? LCP_SOLVED : LCP_STALLED;
 }
 
 static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
