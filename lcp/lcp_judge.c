@@ -1,6 +1,7 @@
 /* lcp_judge.c - the independent residuals, accumulated in long double. */
 #include "lcp/lcp_judge.h"
 
+#include "lcp/lcp_column.h"
 #include "lcp/lcp_cone.h"
 
 #include <stdlib.h>
@@ -9,7 +10,7 @@
 typedef struct judge {
   const lcp_problem *p;
   const double *z;
-  lcp_csc M;
+  lcp_columns columns;         /* of M, in long double; a factored M is never formed */
   long double *w, *tau0, *tau; /* n */
   double *zref, *d;            /* n */
 } judge;
@@ -26,7 +27,7 @@ static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
 }
 
 static void judge_close(judge *j) {
-  lcp_csc_free(&j->M);
+  lcp_columns_close(&j->columns);
   free(j->w);
   free(j->tau0);
   free(j->tau);
@@ -42,24 +43,29 @@ static void measure(judge *j) {
     j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
   }
   for (int c = 0; c < n; c++) {
-    for (int k = j->M.colptr[c]; k < j->M.colptr[c + 1]; k++) {
-      const long double term = (long double)j->M.val[k] * j->z[c];
-      j->w[j->M.rowind[k]] += term;
-      j->tau0[j->M.rowind[k]] += fabsl(term);
-      if (j->M.rowind[k] == c) {
-        j->d[c] = j->M.val[k];
+    const lcp_column col = lcp_columns_at(&j->columns, c);
+    for (int k = 0; k < col.count; k++) {
+      const long double term = col.val[k] * j->z[c];
+      j->w[col.row[k]] += term;
+      j->tau0[col.row[k]] += fabsl(term);
+      if (col.row[k] == c) {
+        j->d[c] = (double)col.val[k];
       }
     }
   }
   for (int c = 0; c < n; c++) {
+    const lcp_column col = lcp_columns_at(&j->columns, c);
     long double ref = (j->d[c] != 0.0) ? j->tau0[c] / fabsl((long double)j->d[c]) : 0.0L;
-    const bool empty = j->M.colptr[c] == j->M.colptr[c + 1];
-    for (int k = j->M.colptr[c]; j->d[c] == 0.0 && k < j->M.colptr[c + 1]; k++) {
-      ref = fmaxl(ref, j->tau0[j->M.rowind[k]] / fabsl((long double)j->M.val[k]));
+    bool empty = true;
+    for (int k = 0; k < col.count; k++) {
+      if (col.val[k] != 0.0L) {
+        empty = false;
+        ref = (j->d[c] == 0.0) ? fmaxl(ref, j->tau0[col.row[k]] / fabsl(col.val[k])) : ref;
+      }
     }
     j->zref[c] = empty ? 1.0 : (double)ref;
-    for (int k = j->M.colptr[c]; k < j->M.colptr[c + 1]; k++) {
-      j->tau[j->M.rowind[k]] += fabsl((long double)j->M.val[k]) * j->zref[c];
+    for (int k = 0; k < col.count; k++) {
+      j->tau[col.row[k]] += fabsl(col.val[k]) * j->zref[c];
     }
   }
 }
@@ -173,7 +179,7 @@ base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, b
   if (!judge_open(&j, p, z)) {
     s = BASE_FAIL(err, BASE_ENOMEM, "judge: no memory for %d rows", p->M.n);
   } else {
-    s = lcp_matrix_to_csc(&p->M, &j.M, err);
+    s = lcp_columns_open(&j.columns, &p->M, err);
   }
   if (s == BASE_OK) {
     measure(&j);

@@ -4,9 +4,25 @@
 #include <limits.h>
 
 static base_status check_values(const double *x, size_t n, const char *what, base_error *err) {
+  if (n > 0 && x == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: missing", what);
+  }
   for (size_t i = 0; i < n; i++) {
     if (!isfinite(x[i])) {
       return BASE_FAIL(err, BASE_EINVAL, "%s[%zu] is %g: need finite numbers", what, i, x[i]);
+    }
+  }
+  return BASE_OK;
+}
+
+/* Offsets start at 0 and never decrease. */
+static base_status check_offsets(const int *start, int n, const char *what, base_error *err) {
+  if (start == NULL || start[0] != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: need offsets that start at 0", what);
+  }
+  for (int i = 0; i < n; i++) {
+    if (start[i + 1] < start[i]) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s[%d]: offsets decrease", what, i + 1);
     }
   }
   return BASE_OK;
@@ -17,14 +33,11 @@ static base_status check_csc(const lcp_csc *m, int n, const char *what, base_err
     return BASE_FAIL(err, BASE_EINVAL, "%s is %d x %d: need %d x %d", what, m->n_row, m->n_col, n,
                      n);
   }
-  if (m->colptr[0] != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s: column pointers start at %d, need 0", what,
-                     m->colptr[0]);
+  BASE_TRY(check_offsets(m->colptr, n, "column pointers", err));
+  if (m->colptr[n] > 0 && m->rowind == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: row indices missing", what);
   }
   for (int j = 0; j < n; j++) {
-    if (m->colptr[j + 1] < m->colptr[j]) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s: column pointers decrease at column %d", what, j);
-    }
     for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
       const bool ordered = k == m->colptr[j] || m->rowind[k] > m->rowind[k - 1];
       if (m->rowind[k] < 0 || m->rowind[k] >= n || !ordered) {
@@ -45,11 +58,28 @@ static base_status check_bodies(const lcp_factored *f, base_error *err) {
                        dofs);
     }
   }
-  return check_values(f->weight, (size_t)f->weight_start[f->n_body], "W", err);
+  BASE_TRY(check_values(f->weight, (size_t)f->weight_start[f->n_body], "W", err));
+  for (int b = 0; b < f->n_body; b++) {
+    const int n = f->dof_start[b + 1] - f->dof_start[b];
+    const double *W = f->weight + f->weight_start[b];
+    for (int k = 0; k < n * n; k++) {
+      if (W[k] != W[k % n * n + k / n]) {
+        return BASE_FAIL(err, BASE_EINVAL, "body %d: weight block is not symmetric", b);
+      }
+    }
+  }
+  return BASE_OK;
 }
 
 static base_status check_factored(const lcp_factored *f, int n, base_error *err) {
-  if (f->row_start[0] != 0 || f->row_start[f->n_group] != n) {
+  if (f == NULL || f->n_body < 0 || f->n_group < 0 || (f->n_group > 0 && f->body == NULL)) {
+    return BASE_FAIL(err, BASE_EINVAL, "factored matrix: missing parts or negative counts");
+  }
+  BASE_TRY(check_offsets(f->dof_start, f->n_body, "dof_start", err));
+  BASE_TRY(check_offsets(f->weight_start, f->n_body, "weight_start", err));
+  BASE_TRY(check_offsets(f->row_start, f->n_group, "row_start", err));
+  BASE_TRY(check_offsets(f->jac_start, f->n_group, "jac_start", err));
+  if (f->row_start[f->n_group] != n) {
     return BASE_FAIL(err, BASE_EINVAL, "factored matrix: groups cover rows %d..%d, need 0..%d",
                      f->row_start[0], f->row_start[f->n_group], n);
   }
@@ -59,9 +89,9 @@ static base_status check_factored(const lcp_factored *f, int n, base_error *err)
     int cols = 0;
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
-      if (b < -1 || b >= f->n_body) {
-        return BASE_FAIL(err, BASE_EINVAL, "group %d touches body %d: need -1..%d", g, b,
-                         f->n_body - 1);
+      if (b < -1 || b >= f->n_body || (side == 1 && b >= 0 && b == f->body[2 * g])) {
+        return BASE_FAIL(err, BASE_EINVAL, "group %d touches body %d: need two different of -1..%d",
+                         g, b, f->n_body - 1);
       }
       cols += (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
     }
@@ -75,6 +105,10 @@ static base_status check_factored(const lcp_factored *f, int n, base_error *err)
 
 static base_status check_cone(const lcp_block *b, int k, base_error *err) {
   int size = 1;
+  if (b->n_part < 0 || b->n_part > LCP_PARTS_MAX) {
+    return BASE_FAIL(err, BASE_EINVAL, "cone block %d has %d parts: need 0..%d", k, b->n_part,
+                     LCP_PARTS_MAX);
+  }
   for (int i = 0; i < b->n_part; i++) {
     size += b->part_dim[i];
     if (b->part_dim[i] < 1 || b->part_dim[i] > 2 || !(b->part_mu[i] >= 0.0) ||
@@ -84,7 +118,7 @@ static base_status check_cone(const lcp_block *b, int k, base_error *err) {
                        k, i, b->part_dim[i], b->part_mu[i]);
     }
   }
-  if (b->n_part < 0 || b->n_part > LCP_PARTS_MAX || size != b->size) {
+  if (size != b->size) {
     return BASE_FAIL(err, BASE_EINVAL, "cone block %d has %d rows: its parts need %d", k, b->size,
                      size);
   }
@@ -93,7 +127,8 @@ static base_status check_cone(const lcp_block *b, int k, base_error *err) {
 
 static base_status check_box(const lcp_problem *p, const lcp_block *b, base_error *err) {
   for (int i = b->start; i < b->start + b->size; i++) {
-    if (p->lo == NULL || p->hi == NULL || !(p->lo[i] <= p->hi[i])) {
+    if (p->lo == NULL || p->hi == NULL || !(p->lo[i] <= p->hi[i]) || p->lo[i] == HUGE_VAL ||
+        p->hi[i] == -HUGE_VAL) {
       return BASE_FAIL(err, BASE_EINVAL, "box row %d: need lo <= hi", i);
     }
   }
@@ -113,6 +148,8 @@ static base_status check_blocks(const lcp_problem *p, base_error *err) {
       BASE_TRY(check_cone(b, k, err));
     } else if (b->set == LCP_BOX) {
       BASE_TRY(check_box(p, b, err));
+    } else if (b->set != LCP_ORTHANT && b->set != LCP_FREE) {
+      return BASE_FAIL(err, BASE_EINVAL, "block %d: unknown set %d", k, (int)b->set);
     }
   }
   if (p->block != NULL && next != p->M.n) {
@@ -131,6 +168,9 @@ base_status lcp_problem_check(const lcp_problem *p, base_error *err) {
   }
   switch (M->storage) {
   case LCP_DENSE:
+    if (M->n > 46340) { /* n*n is counted in an int */
+      return BASE_FAIL(err, BASE_EINVAL, "size n=%d: too large for dense storage", M->n);
+    }
     BASE_TRY(check_values(M->val, (size_t)M->n * (size_t)M->n, "M", err));
     break;
   case LCP_CSC:
@@ -139,6 +179,8 @@ base_status lcp_problem_check(const lcp_problem *p, base_error *err) {
   case LCP_FACTORED:
     BASE_TRY(check_factored(M->factored, M->n, err));
     break;
+  default:
+    return BASE_FAIL(err, BASE_EINVAL, "M: unknown storage %d", (int)M->storage);
   }
   BASE_TRY(check_values(p->q, (size_t)M->n, "q", err));
   return check_blocks(p, err);
