@@ -14,7 +14,7 @@ typedef struct options {
 } options;
 
 static const base_field fields[] = {
-    LCP_STOP_FIELDS(options, 1e-8, 10000),
+    LCP_LOOP_SWEEP_FIELDS(options, 1e-8, 10000),
     BASE_FIELD(options, omega, BASE_REAL, "1", 0.0, 0.0, 1.99,
                "damping factor; 0: one over the largest eigenvalue of D^-1 M"),
 };

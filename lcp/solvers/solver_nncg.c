@@ -17,7 +17,7 @@ typedef struct options {
 } options;
 
 static const base_field fields[] = {
-    LCP_STOP_FIELDS(options, 1e-8, 10000),
+    LCP_LOOP_SWEEP_FIELDS(options, 1e-8, 10000),
 };
 
 typedef struct state {

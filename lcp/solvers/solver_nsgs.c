@@ -14,7 +14,7 @@ typedef struct options {
 } options;
 
 static const base_field fields[] = {
-    LCP_STOP_FIELDS(options, 1e-8, 10000),
+    LCP_LOOP_SWEEP_FIELDS(options, 1e-8, 10000),
     BASE_FIELD(options, omega, BASE_REAL, "1", 1.0, 0.01, 1.0, "relaxation factor"),
 };
 

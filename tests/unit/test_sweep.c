@@ -65,7 +65,7 @@ static void pgs_contracts_on_a_tower_as_theory_says(void **state) {
   }
   const lcp_problem p = dense(N, M, q);
   lcp_trace trace = {.cap = LEN, .iteration = iteration, .residual = residual};
-  const lcp_result r = run("pgs", "tol=1e-9,max_iter=2000", &p, z, &trace);
+  const lcp_result r = run("pgs", "tol=1e-9,max_iter=2000,check_every=1", &p, z, &trace);
   assert_int_equal(r.outcome, LCP_SOLVED);
   const double pi = 3.14159265358979323846, half = cos(pi / (2 * N));
   const double rate = pow(residual[400] / residual[300], 0.01);
@@ -98,7 +98,7 @@ static void pgs_says_stalled_where_it_cycles(void **state) {
   memset(z, 0, sizeof z);
   const lcp_result r = run("pgs", "", &rotation, z, NULL);
   assert_string_equal(lcp_outcome_name(r.outcome), "stalled");
-  assert_true(r.work.iterations < 20);
+  assert_true(r.work.iterations <= 40);
 }
 
 static void infeasible_problems_are_never_claimed(void **state) {
@@ -148,7 +148,7 @@ static void pgs_solves_a_contact_block_in_one_sweep(void **state) {
   p.block = &block;
   p.n_block = 1;
   double z[4] = {0};
-  const lcp_result r = run("pgs", "", &p, z, NULL);
+  const lcp_result r = run("pgs", "check_every=1", &p, z, NULL);
   assert_int_equal(r.outcome, LCP_SOLVED);
   assert_string_equal(r.variant, "block");
   assert_int_equal(r.work.iterations, 1);
