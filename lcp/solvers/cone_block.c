@@ -45,7 +45,7 @@ static double root(curve f, void *data, double a, double fa, double b, double fb
 /* y = (T + a I)^-1 x for a 1x1 or 2x2 block T at row and column `at` of A. */
 static void solve_part(const double *A, int n, int at, int dim, double a, const double *x,
                        double *y) {
-  const double *T = A + at + at * n;
+  const double *T = &A[at + at * n];
   if (dim == 1) {
     y[0] = x[0] / (T[0] + a);
     return;
@@ -74,8 +74,8 @@ static double slide(double a, void *data) {
   solve_part(s->A, n, 1, dim, a, s->A + 1, g);
   double top = s->b[0], bottom = s->A[0], size = 0.0;
   for (int i = 0; i < dim; i++) {
-    top -= s->A[(1 + i) * n] * f[i];
-    bottom -= s->A[(1 + i) * n] * g[i];
+    top -= s->A[n + i * (ptrdiff_t)n] * f[i];
+    bottom -= s->A[n + i * (ptrdiff_t)n] * g[i];
   }
   s->r[0] = -top / bottom;
   for (int i = 0; i < dim; i++) {
@@ -165,38 +165,41 @@ typedef struct stacked {
   double r[LCP_CONE_MAX];
 } stacked;
 
+/* Part `part` (rows from `at`) to its optimum for the others; returns how far it moved, its size. */
+static double settle_part(stacked *s, int part, int at, double *size) {
+  const int n = s->k->size, dim = s->k->part_dim[part];
+  double f[2] = {0}, change = 0.0;
+  for (int i = 0; i < dim; i++) {
+    f[i] = s->b[at + i];
+    for (int j = 0; j < n; j++) {
+      f[i] += (j < at || j >= at + dim) ? s->A[at + i + j * n] * s->r[j] : 0.0;
+    }
+  }
+  disc d = {s->A, f, n, at, dim, s->k->part_mu[part] * s->r[0], {0}};
+  solve_disc(&d);
+  for (int i = 0; i < dim; i++) {
+    change += fabs(d.x[i] - s->r[at + i]);
+    *size += fabs(d.x[i]);
+    s->r[at + i] = d.x[i];
+  }
+  return change;
+}
+
 /* w_n at a given normal impulse, tangential parts at their optimum; leaves r. */
 static double normal_velocity(double rn, void *data) {
   stacked *s = data;
   const int n = s->k->size;
+  double change = 1.0, size = 0.0;
   s->r[0] = rn;
-  for (int sweep = 0; sweep < 500; sweep++) {
-    double change = 0.0, size = 0.0;
-    int at = 1;
-    for (int p = 0; p < s->k->n_part; at += s->k->part_dim[p++]) {
-      double f[2] = {0};
-      const int dim = s->k->part_dim[p];
-      for (int i = 0; i < dim; i++) {
-        f[i] = s->b[at + i];
-        for (int j = 0; j < n; j++) {
-          f[i] += (j < at || j >= at + dim) ? s->A[at + i + j * n] * s->r[j] : 0.0;
-        }
-      }
-      disc d = {s->A, f, n, at, dim, s->k->part_mu[p] * rn, {0}};
-      solve_disc(&d);
-      for (int i = 0; i < dim; i++) {
-        change += fabs(d.x[i] - s->r[at + i]);
-        size += fabs(d.x[i]);
-        s->r[at + i] = d.x[i];
-      }
-    }
-    if (change <= 1e-15 * size) {
-      break;
+  for (int sweep = 0; sweep < 500 && change > 1e-15 * size; sweep++) {
+    change = size = 0.0;
+    for (int p = 0, at = 1; p < s->k->n_part; at += s->k->part_dim[p++]) {
+      change += settle_part(s, p, at, &size);
     }
   }
   double w = s->b[0];
   for (int j = 0; j < n; j++) {
-    w += s->A[j * n] * s->r[j];
+    w += s->A[j * (ptrdiff_t)n] * s->r[j];
   }
   return w;
 }

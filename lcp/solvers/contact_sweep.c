@@ -55,7 +55,7 @@ static bool arm_of(const double *rows, double sign, double d[3][3], double *r) {
   }
   for (int k = 0; k < 3; k++) {
     double part[3];
-    cross(d[k], rows + 6 * k + 3, part);
+    cross(d[k], &rows[6 * k + 3], part);
     for (int i = 0; i < 3; i++) {
       r[i] += 0.5 * sign * part[i];
     }
@@ -80,6 +80,9 @@ static bool geometry_of(const lcp_factored *f, int g, geometry *out) {
     rows[s] = (f->body[2 * g + s] >= 0) ? jac : NULL;
     jac += (rows[s] != NULL) ? 18 : 0;
   }
+  if (rows[0] == NULL && rows[1] == NULL) {
+    return false;
+  }
   for (int k = 0; k < 3; k++) {
     for (int i = 0; i < 3; i++) {
       out->d[k][i] = (rows[0] != NULL) ? rows[0][6 * k + i] : -rows[1][6 * k + i];
@@ -102,9 +105,9 @@ static bool geometry_of(const lcp_factored *f, int g, geometry *out) {
 }
 
 static bool admits_group(const lcp_gs *gs, const lcp_factored *f, int g) {
-  const int i = f->row_start[g], *body = &f->body[2 * g];
+  const int i = f->row_start[g], *body = &f->body[2 * (ptrdiff_t)g];
   geometry unused;
-  if (f->row_start[g + 1] - i != 3 || (body[0] < 0 && body[1] < 0) || body[0] == body[1]) {
+  if (f->row_start[g + 1] - i != 3 || body[0] == body[1]) {
     return false;
   }
   for (int r = 0; r < 3; r++) {
@@ -172,7 +175,7 @@ static int pass(const lcp_contact_sweep *s, const lcp_factored *f, int n, int do
   window w = {.used = 0};
   *n_left = 0;
   for (int k = 0; k < n; k++) {
-    const int c = s->left[k], *body = &f->body[2 * c];
+    const int c = s->left[k], *body = &f->body[2 * (ptrdiff_t)c];
     const unsigned long long taken =
         ((body[0] >= 0) ? s->open[body[0]] : 0) | ((body[1] >= 0) ? s->open[body[1]] : 0);
     int slot;

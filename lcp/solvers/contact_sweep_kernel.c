@@ -22,8 +22,8 @@
   } while (0)
 
 #define LOAD(body, k, part)                                                                        \
-  (*(const lcp_v4 *)(const void *)((body) + 16 * (size_t)(k) + 4 * (part)))
-#define STORE(body, k, part) (*(lcp_v4 *)(void *)((body) + 16 * (size_t)(k) + 4 * (part)))
+  (*(const lcp_v4 *)(const void *)((body) + 16 * (size_t)(k) + 4 * (size_t)(part)))
+#define STORE(body, k, part) (*(lcp_v4 *)(void *)((body) + 16 * (size_t)(k) + 4 * (size_t)(part)))
 
 #define GATHER(x, body, index, part)                                                               \
   do {                                                                                             \
@@ -52,6 +52,7 @@
    : ((i) == 1) ? (m)[1] * (c)[0] + ((m)[3] * (c)[1] + (m)[4] * (c)[2])                            \
                 : (m)[2] * (c)[0] + ((m)[4] * (c)[1] + (m)[5] * (c)[2]))
 
+/* NOLINTNEXTLINE(readability-function-size,readability-function-cognitive-complexity): one kernel */
 CLONES void lcp_contact_kernel_full(lcp_contact_batch *batch, int count, double *body,
                                     double omega) {
   const lcp_v4 zero = {0, 0, 0, 0};

@@ -38,8 +38,8 @@ static void fill(const tableau *t, const double *M, const double *q) {
       row[j] = (i == j) ? 1.0 : 0.0;
       row[m + j] = -t->s[i] * M[i + j * m] * t->s[j];
     }
-    row[2 * m] = -1.0;
-    row[2 * m + 1] = t->s[i] * q[i];
+    row[t->stride - 2] = -1.0;
+    row[t->stride - 1] = t->s[i] * q[i];
     t->basis[i] = i;
   }
 }
@@ -129,7 +129,7 @@ static bool run(const tableau *t) {
 }
 
 bool lcp_small_lemke(int m, const double *M, const double *q, double *z, double *work) {
-  int basis[LCP_SMALL_MAX];
+  int basis[LCP_SMALL_MAX] = {0};
   tableau t = {.m = m, .stride = 2 * m + 2, .t = work, .basis = basis};
   t.s = work + (size_t)m * (size_t)t.stride;
   t.work = t.s + m;

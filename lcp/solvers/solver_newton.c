@@ -12,7 +12,7 @@
  *                0.9 of its smallest value so far (it ends exactly, on an active set); otherwise as
  *                above.
  * A Jacobian that is singular to working precision is replaced by that of M + e D for the direction
- * only (Facchinei & Pang 2003, section 9.1; nonsingular for P0 matrices), e = 1e-10 ... 1, counted in
+ * only (Facchinei & Pang 2003, section 9.1; nonsingular for P0 matrices), e = 1e-10 ... 0.1, counted in
  * `fallbacks`; F itself is never changed. Linear solves: dense LU or KLU. */
 #include "lcp/linear/direct.h"
 #include "lcp/solvers/loop.h"
@@ -139,9 +139,10 @@ static bool direction(state *s, const lcp_problem *p, lcp_result *res, base_stat
   for (int i = 0; i < n; i++) {
     s->g[i] = s->db[i] * s->s[i];
   }
-  for (double e = 0.0; e <= 1.0; e = (e == 0.0) ? 1e-10 : 1e3 * e) {
-    for (int i = 0; e > 0.0 && i < n; i++) {
-      s->da[i] += e * s->db[i];
+  static const double perturbation[] = {0.0, 1e-10, 1e-7, 1e-4, 0.1};
+  for (int k = 0; k < BASE_COUNT(perturbation); k++) {
+    for (int i = 0; k > 0 && i < n; i++) {
+      s->da[i] += perturbation[k] * s->db[i];
     }
     res->work.factorizations++;
     if (lcp_direct_factor(&s->direct, &p->M, NULL, s->da, s->g, s->s, status)) {
@@ -213,11 +214,12 @@ static double dot(int n, const double *a, const double *b) {
 static bool search(state *s, const lcp_problem *p, double *z, double top, double slope,
                    lcp_result *res) {
   double t = 1.0;
-  for (int k = 0; k < 50; k++, t *= 0.5) {
+  for (int k = 0; k < 50; k++) {
     if (probe(s, p, z, t, res) <= top + 1e-4 * t * slope) {
       memcpy(z, s->trial, (size_t)p->M.n * sizeof *z);
       return true;
     }
+    t *= 0.5;
     res->work.linesearches++;
   }
   return false;

@@ -4,7 +4,7 @@
  * M symmetric: the LCP is the optimality condition of min z'Mz/2 + q'z over K.
  *   "spg"  spectral projected gradient (Birgin, Martinez & Raydan 2000, algorithm SPG2):
  *          d = P(z - a c^2 w) - z,  a = |d|^2 / d'Md in the metric 1/c^2,  nonmonotone line search
- *          over the last 10 values; on a quadratic it costs no product of its own.
+ *          over the last 50 values; on a quadratic it costs no product of its own.
  * M nonsymmetric: no gradient exists; the monotone LCP is a variational inequality.
  *   "extragradient"  self-adaptive projection and contraction (Khobotov 1987; He & Liao 2002):
  *          x = P(z - b c r w(z)),  b cut until b |r (w(z) - w(x))| <= 0.9 |(z - x) / c|,
@@ -20,7 +20,7 @@
 
 #include <string.h>
 
-enum { MEMORY = 10 };
+enum { MEMORY = 50 }; /* 10 in the paper; that cuts the long steps stiff stacks live on */
 
 typedef struct options {
   lcp_stop stop;

@@ -19,7 +19,7 @@ typedef struct side {
 
 static side side_of(const lcp_sweep *s, const lcp_factored *f, int i, int which) {
   const int g = s->group[i];
-  const int *body = &f->body[2 * g];
+  const int *body = &f->body[2 * (ptrdiff_t)g];
   int dof[2];
   for (int k = 0; k < 2; k++) {
     dof[k] = (body[k] >= 0) ? f->dof_start[body[k] + 1] - f->dof_start[body[k]] : 0;

@@ -5,6 +5,7 @@
  * enough sweeps to last 20 ms; the methods take turns inside a repetition. The last comment line is
  * the fitted exponent of sweep time in contacts (least squares of logs). */
 #include "lcp/base/clock.h"
+#include "lcp/base/fields.h"
 #include "lcp/solvers/contact_sweep.h"
 #include "tests/support/plain_sweep.h"
 
@@ -53,7 +54,7 @@ static bool bench_open(bench *b, int n_contact) {
   base_error err = {0};
   if (lcp_gs_prepare(&b->gs, &b->bed.p, &err) != BASE_OK ||
       !lcp_contact_sweep_prepare(&b->fast, &b->gs, &b->bed.p)) {
-    fprintf(stderr, "bench_sweep: %s\n", err.text);
+    (void)fprintf(stderr, "bench_sweep: %s\n", err.text);
     return false;
   }
   plain_rows_fill(&b->bed, NULL, b->rows);
@@ -103,47 +104,63 @@ static double measure(bench *b, int method, double *seconds, int reps, int count
   return median;
 }
 
+/* Sums of the least-squares fit of log seconds over log contacts. */
+typedef struct fit {
+  double x, y, xx, xy;
+  int n;
+} fit;
+
+static void add_point(fit *f, double contacts, double seconds) {
+  const double x = log(contacts), y = log(seconds);
+  f->x += x;
+  f->y += y;
+  f->xx += x * x;
+  f->xy += x * y;
+  f->n++;
+}
+
+/* All methods at one size; sizes from 100 on enter the fits. */
+static bool run_size(int contacts, int reps, fit *fits) {
+  static double seconds[METHODS][REPS_MAX];
+  bench b = {0};
+  const bool ok = bench_open(&b, contacts);
+  const int count = 1 + 400000 / contacts;
+  for (int r = -1; ok && r < reps; r++) { /* -1: warm-up */
+    for (int m = 0; m < METHODS; m++) {
+      const double started = base_seconds();
+      sweeps(&b, m, count);
+      seconds[m][(r < 0) ? 0 : r] = base_seconds() - started;
+    }
+  }
+  for (int m = 0; ok && m < METHODS; m++) {
+    const double median = measure(&b, m, seconds[m], reps, count);
+    if (contacts >= 100) {
+      add_point(&fits[m], contacts, median * contacts);
+    }
+  }
+  bench_close(&b);
+  return ok;
+}
+
 int main(int argc, char **argv) {
   static const int sizes[] = {40, 100, 400, 1600, 6400, 20000, 100000, 400000, 1000000};
-  const int reps = (argc > 1) ? atoi(argv[1]) : 9;
-  const int largest = (argc > 2) ? atoi(argv[2]) : 1000000;
-  if (reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "bench_sweep: %d repetitions: need 1 to %d\n", reps, (int)REPS_MAX);
+  int reps = 9, largest = 1000000;
+  fit fits[METHODS] = {{0}};
+  if ((argc > 1 && !base_parse_int(argv[1], &reps)) ||
+      (argc > 2 && !base_parse_int(argv[2], &largest)) || reps < 1 || reps > REPS_MAX) {
+    (void)fprintf(stderr, "bench_sweep: repetitions: need 1 to %d\n", (int)REPS_MAX);
     return 2;
   }
-  double sx[METHODS] = {0}, sy[METHODS] = {0}, sxx[METHODS] = {0}, sxy[METHODS] = {0};
-  int points = 0;
   printf("method,contacts,bodies,bytes_per_contact,sweeps,median_ns,q1_ns,q3_ns,batched\n");
   for (int i = 0; i < BASE_COUNT(sizes) && sizes[i] <= largest; i++) {
-    bench b = {0};
-    if (!bench_open(&b, sizes[i])) {
-      bench_close(&b);
+    if (!run_size(sizes[i], reps, fits)) {
       return 1;
     }
-    static double seconds[METHODS][REPS_MAX];
-    const int count = 1 + 400000 / sizes[i];
-    for (int r = -1; r < reps; r++) { /* -1: warm-up */
-      for (int m = 0; m < METHODS; m++) {
-        const double started = base_seconds();
-        sweeps(&b, m, count);
-        seconds[m][(r < 0) ? 0 : r] = base_seconds() - started;
-      }
-    }
-    const bool fitted = sizes[i] >= 100;
-    points += fitted;
-    for (int m = 0; m < METHODS; m++) {
-      const double t = log(measure(&b, m, seconds[m], reps, count) * sizes[i]);
-      const double x = log(sizes[i]);
-      sx[m] += fitted ? x : 0.0;
-      sy[m] += fitted ? t : 0.0;
-      sxx[m] += fitted ? x * x : 0.0;
-      sxy[m] += fitted ? x * t : 0.0;
-    }
-    bench_close(&b);
   }
-  for (int m = 0; m < METHODS && points > 1; m++) {
+  for (int m = 0; m < METHODS && fits[m].n > 1; m++) {
+    const fit *f = &fits[m];
     printf("# %s: exponent %.3f over %d sizes\n", names[m],
-           (points * sxy[m] - sx[m] * sy[m]) / (points * sxx[m] - sx[m] * sx[m]), points);
+           (f->n * f->xy - f->x * f->y) / (f->n * f->xx - f->x * f->x), f->n);
   }
   return 0;
 }

@@ -50,7 +50,7 @@ static void add_contact(contact_bed *bed, arrays *m, base_rng *r, int a, int b, 
   for (int i = 0; i < 6; i++) {
     arm[i] = base_rng_between(r, -0.5, 0.5);
   }
-  m->body[2 * g] = a;
+  m->body[2 * (ptrdiff_t)g] = a;
   m->body[2 * g + 1] = b;
   m->row_start[g + 1] = 3 * (g + 1);
   double *jac = m->jac + m->jac_start[g];
