@@ -120,3 +120,11 @@ bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, con
   }
   return false;
 }
+
+void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                         lcp_trace *trace, lcp_result *res) {
+  const lcp_stop now = {stop->tol, stop->max_iter, 1, stop->max_seconds};
+  if (!lcp_loop_ended(s, &now, p, z, trace, res, NULL)) {
+    res->outcome = LCP_STALLED;
+  }
+}

@@ -43,3 +43,7 @@ void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless);
  * s->stop.w holds M z + q and *fresh (may be NULL) is set. */
 bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                     lcp_trace *trace, lcp_result *res, bool *fresh);
+
+/* For a method that cannot move z any more: tests it out of turn; `stalled` where it does not pass. */
+void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                         lcp_trace *trace, lcp_result *res);

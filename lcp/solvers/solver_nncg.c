@@ -61,7 +61,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       size += g * g;
     }
     if (size == 0.0) { /* a fixed point of the sweep that the test does not accept */
-      res->outcome = LCP_STALLED;
+      lcp_loop_stationary(&s->loop, &o->stop, p, z, trace, res);
       return BASE_OK;
     }
     const double b = (last > 0.0 && size <= last) ? size / last : 0.0;

@@ -107,7 +107,7 @@ static void spg(state *s, const options *o, const lcp_problem *p, lcp_trace *tra
       length += (s->step[i] / s->c[i]) * (s->step[i] / s->r[i]);
     }
     if (length == 0.0 || !(slope < 0.0)) { /* stationary to the last bit */
-      res->outcome = LCP_STALLED;
+      lcp_loop_stationary(&s->loop, &o->stop, p, z, trace, res);
       return;
     }
     lcp_matrix_apply(&p->M, s->step, NULL, s->v, s->loop.stop.scratch);
@@ -175,7 +175,7 @@ static void extragradient(state *s, const options *o, const lcp_problem *p, lcp_
       size += e * e;
     }
     if (!(size > 0.0)) { /* z = P(z - b c r w) to the last bit */
-      res->outcome = LCP_STALLED;
+      lcp_loop_stationary(&s->loop, &o->stop, p, z, trace, res);
       return;
     }
     project(s, n, z, 1.8 * b * (along / size), s->v, z);
