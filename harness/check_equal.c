@@ -113,6 +113,9 @@ static base_status run_pairs(const check_plan *plan, equal_unit *u, const int fa
       done = choose_facets(&plan->form[f], facets[1], &form[1], err);
     }
     for (int s = 0; done == BASE_OK && s < plan->n_solver; s++) {
+      if (plan->default_solvers && strcmp(plan->solver[s].solver->name, "lemke") != 0) {
+        continue; /* the tolerances are those of an exact method */
+      }
       for (int side = 0; side < 2; side++) {
         u->request[side].form = &form[side];
         u->request[side].solver = &plan->solver[s];

@@ -270,6 +270,9 @@ static void eval_conserved(const spec_check *c, const check_context *ctx, check_
   case CHECK_MAX_PENETRATION:
     below(c, ctx, largest(s->column[SERIES_PENETRATION], s->n_row), out);
     break;
+  case CHECK_STATIC_DEFLECTION: /* of a compliant contact: how deep the body has settled */
+    near(c, ctx, s->column[SERIES_PENETRATION][last], c->value, out);
+    break;
   case CHECK_FINITE:
     out->got = ctx->finite ? 1.0 : 0.0;
     out->expected = 1.0;

@@ -12,6 +12,7 @@ enum { CHECK_CHOICES = 48 };
 typedef struct check_plan {
   const char *id_glob; /* "*": all */
   int n_solver, n_form;
+  bool default_solvers; /* none was asked for: all for LCPs, lemke (nsgs on cones) for scenes */
   solver_choice solver[CHECK_CHOICES];
   formulation_choice form[CHECK_CHOICES];
   double step; /* [s]; 0: the steps of the file */

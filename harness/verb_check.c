@@ -14,17 +14,24 @@ typedef struct check_options {
 } check_options;
 
 static base_status choose_solvers(const check_options *o, check_plan *plan, base_error *err) {
-  for (int i = 0; i < o->solver.count; i++) {
+  const bool all = o->solver.count == 1 && strcmp(o->solver.item[0], "all") == 0;
+  plan->default_solvers = o->solver.count == 0;
+  for (int i = 0; !all && i < o->solver.count; i++) {
     BASE_TRY(solver_choose(o->solver.item[i], &plan->solver[plan->n_solver], err));
     plan->n_solver++;
   }
   const lcp_solver *s;
-  for (int i = 0; o->solver.count == 0 && (s = registry_solver(i)) != NULL; i++) {
+  for (int i = 0; (all || plan->default_solvers) && (s = registry_solver(i)) != NULL; i++) {
     if (plan->n_solver == CHECK_CHOICES) {
       return BASE_FAIL(err, BASE_EINVAL, "check: more than %d solvers", CHECK_CHOICES);
     }
-    BASE_TRY(solver_choose(s->name, &plan->solver[plan->n_solver], err));
+    solver_choice *c = &plan->solver[plan->n_solver];
+    BASE_TRY(solver_choose(s->name, c, err));
     plan->n_solver++;
+    if (strcmp(s->name, "nsgs") == 0) { /* scenes have the tolerances of an exact method */
+      BASE_TRY(solver_choice_set(c, "tol", "1e-12", err));
+      BASE_TRY(solver_choice_set(c, "max_iter", "100000", err));
+    }
   }
   return BASE_OK;
 }
@@ -166,6 +173,8 @@ const cli_verb verb_check = {
     .name = "check",
     .usage = "check FILE.json [--filter id=GLOB] [--solver S]... [--formulation F]... [--step H]"
              " [--time-limit T] [--json] [--verbose]",
-    .help = "runs every LCP and scene of a case file and judges it by the file's own tolerances",
+    .help = "judges every LCP (by all solvers) and scene (by lemke, nsgs on cones; --solver all: "
+            "by all)"
+            " of a case file by the file's own tolerances",
     .run = run,
 };
