@@ -210,10 +210,10 @@ static base_status run_formulation(const check_plan *plan, const scene_spec *spe
   (void)snprintf(text, sizeof text, "%s%s%s", given->form->name, given->config[0] ? ":" : "",
                  given->config);
   BASE_TRY(formulation_choose(text, &form, err));
-  base_error why = {0};
-  base_status done = fit(spec, &form, &why);
+  base_error misfit = {0};
+  base_status done = fit(spec, &form, &misfit);
   if (done == BASE_EINVAL) { /* an option out of the formulation's range is a limit of it */
-    check_skip(plan, spec->id, why.text);
+    check_skip(plan, spec->id, misfit.text);
     formulation_choice_free(&form);
     return BASE_OK;
   }
