@@ -231,7 +231,7 @@ static void record(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p,
   const lcp_factored *f = p->M.factored;
   lcp_contact_batch *c = &s->batch[k / LCP_LANES];
   const int l = k % LCP_LANES, g = s->order[k], first = f->row_start[g];
-  double *root = s->root + first, A[9], third[3];
+  double *root = s->root + first, A[9] = {0}, third[3];
   geometry at;
   (void)geometry_of(f, g, &at); /* admitted */
   lcp_sweep_block(&gs->sweep, p, first, 3, A);

@@ -55,6 +55,26 @@ static bool cholesky(int n, const double *W, double *L) {
   return true;
 }
 
+/* G = J L of one group. */
+static void weigh_group(lcp_sweep *s, const lcp_factored *f, int g) {
+  const double *jac = f->jac + f->jac_start[g];
+  double *out = s->G + f->jac_start[g];
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  for (int k = 0; k < 2; k++) {
+    const int b = f->body[2 * (ptrdiff_t)g + k];
+    const int n = (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
+    const double *L = s->L + ((b >= 0) ? f->weight_start[b] : 0);
+    for (int r = 0; r < rows; r++, jac += n, out += n) {
+      for (int j = 0; j < n; j++) { /* (J L)_j = sum_i>=j J_i L_ij */
+        out[j] = 0.0;
+        for (int i = j; i < n; i++) {
+          out[j] += jac[i] * L[i + j * n];
+        }
+      }
+    }
+  }
+}
+
 static base_status weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
   for (int b = 0; b < f->n_body; b++) {
     const int n = f->dof_start[b + 1] - f->dof_start[b];
@@ -63,25 +83,10 @@ static base_status weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
     }
   }
   for (int g = 0; g < f->n_group; g++) {
-    const double *jac = f->jac + f->jac_start[g];
-    double *out = s->G + f->jac_start[g];
-    const int rows = f->row_start[g + 1] - f->row_start[g];
     for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
       s->group[i] = g;
     }
-    for (int k = 0; k < 2; k++) {
-      const int b = f->body[2 * g + k];
-      const int n = (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
-      const double *L = s->L + ((b >= 0) ? f->weight_start[b] : 0);
-      for (int r = 0; r < rows; r++, jac += n, out += n) {
-        for (int j = 0; j < n; j++) { /* (J L)_j = sum_i>=j J_i L_ij */
-          out[j] = 0.0;
-          for (int i = j; i < n; i++) {
-            out[j] += jac[i] * L[i + j * n];
-          }
-        }
-      }
-    }
+    weigh_group(s, f, g);
   }
   return BASE_OK;
 }

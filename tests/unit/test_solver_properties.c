@@ -1,0 +1,166 @@
+/* Properties every iterative solver must have: planted solutions of mixed problems are found, and
+ * powers of two in the units change no bit of the iteration. */
+#include "tests/support/check.h"
+
+#include "lcp/base/rng.h"
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { N = 24, OPT_MAX = 256 };
+static const char *const names[] = {
+    "pgs",    "projected_gradient", "jacobi", "apgd", "nncg", "nsgs", "prox", "newton",
+    "pgs_sm", "interior_point",     "sqp"};
+
+/* M = B'B / N + I/5 (+ K - K'), 8 orthant, 8 box and 8 free rows. The solution is chosen first: a third
+ * of the orthant and box rows inside, the rest on a bound with w of the right sign. */
+typedef struct planted {
+  double M[N * N], q[N], lo[N], hi[N], z[N];
+  lcp_block block[3];
+  lcp_problem p;
+} planted;
+
+static void plant(planted *t, unsigned long seed, bool symmetric, bool boxes) {
+  base_rng r = base_rng_seeded(seed);
+  double B[N * N];
+  for (int i = 0; i < N * N; i++) {
+    B[i] = base_rng_between(&r, -1.0, 1.0);
+  }
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j <= i; j++) {
+      double sum = (i == j) ? 0.2 : 0.0;
+      for (int k = 0; k < N; k++) {
+        sum += B[k + i * N] * B[k + j * N] / N;
+      }
+      const double skew = (symmetric || i == j) ? 0.0 : base_rng_between(&r, -0.05, 0.05);
+      t->M[i + j * N] = sum + skew;
+      t->M[j + i * N] = sum - skew;
+    }
+  }
+  for (int i = 0; i < N; i++) {
+    const bool box = boxes && i / 8 == 1, open = i / 8 == 2 || i % 3 == 0;
+    t->lo[i] = box ? -0.7 : 0.0;
+    t->hi[i] = box ? 0.9 : HUGE_VAL;
+    const bool top = box && i % 3 == 1;
+    t->z[i] = open ? base_rng_between(&r, 0.1, 0.8) : (top ? t->hi[i] : t->lo[i]);
+    t->q[i] = open ? 0.0 : (top ? -1.0 : 1.0) * base_rng_between(&r, 0.1, 1.0);
+  }
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j < N; j++) {
+      t->q[i] -= t->M[i + j * N] * t->z[j];
+    }
+    t->hi[i] = (t->hi[i] < HUGE_VAL) ? t->hi[i] : 0.0; /* finite data; read on the box rows only */
+  }
+  const lcp_set set[3] = {LCP_ORTHANT, boxes ? LCP_BOX : LCP_ORTHANT, LCP_FREE};
+  for (int b = 0; b < 3; b++) {
+    t->block[b] = (lcp_block){.start = 8 * b, .size = 8, .set = set[b]};
+  }
+  t->p = (lcp_problem){.M = {.storage = LCP_DENSE, .n = N, .val = t->M},
+                       .q = t->q,
+                       .lo = t->lo,
+                       .hi = t->hi,
+                       .block = t->block,
+                       .n_block = 3,
+                       .traits = LCP_PSD | LCP_PD | (symmetric ? (unsigned)LCP_SYMMETRIC : 0u)};
+}
+
+/* False where the solver refuses p. */
+static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *res) {
+  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+  const lcp_solver *s = lcp_solver_find(name);
+  assert_true(s != NULL && s->options_size <= OPT_MAX);
+  if (lcp_solver_admits(s, p, NULL) != BASE_OK) {
+    return false;
+  }
+  base_error err = {0};
+  lcp_instance *k;
+  base_fields_default(s->fields, s->n_fields, opt);
+  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", "20000", &err), &err);
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
+  const base_status prepared = lcp_instance_prepare(k, p, &err);
+  if (prepared == BASE_OK) {
+    check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
+  } else {
+    assert_int_equal(prepared, BASE_EUNSUPPORTED);
+  }
+  lcp_instance_close(k);
+  return prepared == BASE_OK;
+}
+
+static void planted_solutions_are_found(void **state) {
+  (void)state;
+  int runs = 0;
+  for (int c = 0; c < 12; c++) {
+    planted t;
+    plant(&t, 100ul + (unsigned long)c, c % 2 == 0, c % 3 != 0);
+    for (int s = 0; s < BASE_COUNT(names); s++) {
+      double z[N] = {0};
+      lcp_result res = {0};
+      if (!run(names[s], &t.p, z, &res)) {
+        continue;
+      }
+      runs++;
+      lcp_verdict verdict;
+      base_error err = {0};
+      check_ok(lcp_judge(&t.p, z, &verdict, &err), &err);
+      if (res.outcome != LCP_SOLVED || !(verdict.rho <= 1e-8)) {
+        fail_msg("%s, seed %d: %s, rho %g", names[s], 100 + c, lcp_outcome_name(res.outcome),
+                 verdict.rho);
+      }
+      for (int i = 0; i < N; i++) { /* smallest eigenvalue 0.2, rows of size one: 1e-8 * 20 / 0.2 */
+        check_close(z[i], t.z[i], 1e-6);
+      }
+    }
+  }
+  assert_true(runs > 100);
+}
+
+/* D M D, D q with D = 2^k: the same iteration, so z = D z' to the last bit. */
+static void powers_of_two_change_no_bit(void **state) {
+  (void)state;
+  planted t, u;
+  plant(&t, 7, true, true);
+  plant(&u, 7, true, true);
+  double D[N];
+  for (int i = 0; i < N; i++) {
+    D[i] = ldexp(1.0, (i * 29) % 61 - 30);
+  }
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j < N; j++) {
+      u.M[i + j * N] *= D[i] * D[j];
+    }
+    u.q[i] *= D[i];
+    u.lo[i] /= D[i];
+    u.hi[i] /= D[i];
+  }
+  u.p.M.val = u.M;
+  u.p.q = u.q;
+  u.p.lo = u.lo;
+  u.p.hi = u.hi;
+  u.p.block = u.block;
+  for (int s = 0; s < BASE_COUNT(names); s++) {
+    double z[N] = {0}, scaled[N] = {0};
+    lcp_result a = {0}, b = {0};
+    if (run(names[s], &t.p, z, &a) && run(names[s], &u.p, scaled, &b)) {
+      if (a.work.iterations != b.work.iterations) {
+        fail_msg("%s: %ld and %ld iterations", names[s], a.work.iterations, b.work.iterations);
+      }
+      for (int i = 0; i < N; i++) {
+        if (scaled[i] * D[i] != z[i]) {
+          fail_msg("%s: z[%d] = %.17g and %.17g", names[s], i, z[i], scaled[i] * D[i]);
+        }
+      }
+    }
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(planted_solutions_are_found),
+      cmocka_unit_test(powers_of_two_change_no_bit),
+  };
+  return cmocka_run_group_tests_name("solver properties", tests, NULL, NULL);
+}
