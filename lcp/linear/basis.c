@@ -188,11 +188,11 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
   const lin_system *s = b->sys;
   const int n = s->n;
   for (int i = 0; i < n; ++i) {
-    sum[i] = r[i];
+    sum[i] = (long double)r[i];
   }
   for (int k = 0; k < n; ++k) {
     const int var = b->head[k];
-    const long double t = y[k];
+    const long double t = (long double)y[k];
     if (t == 0) {
       continue;
     }
@@ -200,11 +200,11 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
       sum[var] -= t;
     } else if (var == 2 * n) {
       for (int i = 0; i < n; ++i) {
-        sum[i] += t * s->cover[i];
+        sum[i] += t * (long double)s->cover[i];
       }
     } else {
       for (int p = s->colptr[var - n]; p < s->colptr[var - n + 1]; ++p) {
-        sum[s->rowind[p]] += t * s->val[p];
+        sum[s->rowind[p]] += t * (long double)s->val[p];
       }
     }
   }

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-static const double COLAMD_TRIAL = 40; /* operations per entry of A that make it worth a trial */
-static const double COLAMD_GAIN = 0.7; /* share of them left when it is kept */
+static const double colamd_trial = 40; /* operations per entry of A that make it worth a trial */
+static const double colamd_gain = 0.7; /* share of them left when it is kept */
 
 void lin_lu_layout(lin_lu *f, int n, int nnz, size_t fill, base_arena *a) {
   const size_t m = (size_t)n;
@@ -208,11 +208,11 @@ static void begin(lin_lu *f, const lin_columns *A) {
 /* COLAMD itself costs some tens of operations an entry. */
 static void review_ordering(lin_lu *f, const lin_columns *A) {
   const double each = f->flops / (1 + A->colptr[A->n]);
-  if (f->ordering == LIN_BY_COUNT && each > COLAMD_TRIAL) {
+  if (f->ordering == LIN_BY_COUNT && each > colamd_trial) {
     f->ordering = LIN_TRY_COLAMD;
     f->spent = each;
   } else if (f->ordering == LIN_TRY_COLAMD) {
-    f->ordering = (each < COLAMD_GAIN * f->spent) ? LIN_KEEP_COLAMD : LIN_KEEP_COUNT;
+    f->ordering = (each < colamd_gain * f->spent) ? LIN_KEEP_COLAMD : LIN_KEEP_COUNT;
   }
 }
 

@@ -10,9 +10,10 @@
 enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
 enum { REPAIRS = 64 };      /* rounds of repairing a singular first basis */
 enum { GENERIC_FROM = 64 }; /* rows from which ties are first compared by the generic column */
-static const double DOUBTFUL = 1e-7; /* a pivot this small is computed afresh before use [1] */
-static const double LEX_TIE = 1e-12; /* round-off of a lexicographic column [1] */
-static const double KEEP = 1e-10;    /* among ties, pivots below this share of the largest go [1] */
+static const double doubtful = 1e-7;   /* a pivot this small is computed afresh before use [1] */
+static const double lex_noise = 1e-12; /* round-off of a lexicographic column [1] */
+static const double keep_share =
+    1e-10; /* among ties, pivots below this share of the largest go [1] */
 
 void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a) {
   const size_t n = (size_t)rows;
@@ -94,7 +95,7 @@ static bool refactor(lemke_path *t) {
 
 /* Keeps those ties whose row of v has the smallest v/d up to round-off; returns how many are left. */
 static int keep_smallest(lemke_path *t, const double *v, int count) {
-  const double noise = LEX_TIE * largest(v, t->sys.n);
+  const double noise = lex_noise * largest(v, t->sys.n);
   double low = HUGE_VAL;
   int keep = 0;
   for (int k = 0; k < count; ++k) {
@@ -108,31 +109,35 @@ static int keep_smallest(lemke_path *t, const double *v, int count) {
   return keep;
 }
 
+/* Drops position `at` from the ties. */
+static int keep_others(lemke_path *t, int at, int count) {
+  int keep = 0;
+  for (int k = 0; k < count; ++k) {
+    if (t->tied[k] != at) {
+      t->tied[keep++] = t->tied[k];
+    }
+  }
+  return keep;
+}
+
 /* Drops from the ties all but the lexicographically smallest row of [delta, B^-1 B_first] / d: any
  * matrix with lexicographically positive rows ends the path (Cottle, Pang & Stone 1992, 4.9). The
  * generic column delta, used on larger problems, decides almost every tie in one comparison. */
 static int break_ties(lemke_path *t, int count) {
   const int n = t->sys.n;
-  int *tied = t->tied;
   count = t->generic ? keep_smallest(t, t->delta, count) : count;
   for (int j = 0; j < n && count > 1; ++j) {
     const int var = t->first[j];
     const int at = t->basis.where[var];
     if (at >= 0) { /* a basic column is a unit vector: only its own row has the entry 1/d > 0 */
-      int keep = 0;
-      for (int k = 0; k < count; ++k) {
-        if (tied[k] != at) {
-          tied[keep++] = tied[k];
-        }
-      }
-      count = keep;
-      continue;
+      count = keep_others(t, at, count);
+    } else {
+      lin_basis_column(&t->basis, var, t->lex);
+      lin_basis_solve(&t->basis, t->lex);
+      count = keep_smallest(t, t->lex, count);
     }
-    lin_basis_column(&t->basis, var, t->lex);
-    lin_basis_solve(&t->basis, t->lex);
-    count = keep_smallest(t, t->lex, count);
   }
-  return tied[0];
+  return t->tied[0];
 }
 
 /* Position of the basic variable that blocks the entering one, or -1 for a ray. Ratios that agree
@@ -166,7 +171,7 @@ static int ratio_test(lemke_path *t) {
   count = keep;
   keep = 0;
   for (int k = 0; k < count; ++k) {
-    if (t->d[tied[k]] >= KEEP * top) {
+    if (t->d[tied[k]] >= keep_share * top) {
       tied[keep++] = tied[k];
     }
   }
@@ -238,7 +243,7 @@ static bool choose(lemke_path *t, int *p) {
     lin_basis_solve(&t->basis, t->d);
     t->size_d = largest(t->d, n);
     *p = ratio_test(t);
-    const bool sure = *p >= 0 && t->d[*p] > DOUBTFUL * t->size_d;
+    const bool sure = *p >= 0 && t->d[*p] > doubtful * t->size_d;
     if (sure || t->basis.n_eta == 0) {
       return true;
     }

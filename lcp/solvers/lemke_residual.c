@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-static const double LOOKS_BAD = 5e-15;
+static const double looks_bad = 5e-15;
 
 /* Diagonal of P: what S does not account for. Into zref for the time being. */
 static void product_diagonal(const lemke_system *s) {
@@ -23,12 +23,12 @@ static void product_diagonal(const lemke_system *s) {
 /* w = M z + q and tau0. */
 static void products(const lemke_system *s, const double *z) {
   for (int i = 0; i < s->rows; ++i) {
-    s->w[i] = s->q[i];
+    s->w[i] = (long double)s->q[i];
     s->tau0[i] = fabs(s->q[i]);
   }
   for (int j = 0; j < s->n; ++j) {
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
-      const long double term = (long double)s->val[p] * z[j];
+      const long double term = (long double)s->val[p] * (long double)z[j];
       s->w[s->rowind[p]] += term;
       s->tau0[s->rowind[p]] += fabs((double)term);
     }
@@ -45,14 +45,14 @@ static void products(const lemke_system *s, const double *z) {
   }
   for (int j = s->n; j < s->rows; ++j) { /* velocity: scaled row j reads  d u + (W J' z)_j = 0 */
     const int last = s->colptr[j + 1] - 1;
-    const long double u = -s->w[j] / s->val[last];
+    const long double u = -s->w[j] / (long double)s->val[last];
     for (int p = s->colptr[j]; p < last; ++p) {
-      s->row_sum[s->rowind[p]] += s->val[p] * u;
+      s->row_sum[s->rowind[p]] += (long double)s->val[p] * u;
     }
   }
   for (int i = 0; i < s->n; ++i) {
     s->w[i] += s->row_sum[i];
-    s->tau0[i] += fabs((double)(s->row_sum[i] - (long double)s->zref[i] * z[i]));
+    s->tau0[i] += fabs((double)(s->row_sum[i] - (long double)s->zref[i] * (long double)z[i]));
   }
 }
 
@@ -65,7 +65,7 @@ static void scales(const lemke_system *s) {
       ref = (s->rowind[p] < s->n) ? fmax(ref, s->tau0[s->rowind[p]] / fabs(s->val[p])) : ref;
     }
     s->zref[j] = (s->colptr[j] == s->colptr[j + 1]) ? 1 : ref;
-    s->row_sum[j] = own * ref;
+    s->row_sum[j] = (long double)(own * ref);
   }
   for (int i = 0; i < s->n; ++i) {
     s->tau0[i] = fabs(s->q[i]) + (double)s->row_sum[i];
@@ -91,7 +91,8 @@ static double row_size(const lemke_system *s, int i, const double *z) {
     const int u = s->rowind[p];
     const int last = s->colptr[u + 1] - 1;
     for (int k = s->colptr[u]; u >= s->n && k < last; ++k) {
-      s->row_sum[s->rowind[k]] -= (long double)s->val[p] / s->val[last] * s->val[k];
+      s->row_sum[s->rowind[k]] -=
+          (long double)s->val[p] / (long double)s->val[last] * (long double)s->val[k];
     }
   }
   for (int j = 0; j < s->n; ++j) {
@@ -116,7 +117,7 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
   scales(s);
   for (int i = 0; i < s->n; ++i) {
     double r = row_residual(s, i, z[i], s->zref[i], s->tau0[i]);
-    if (r > LOOKS_BAD && s->rows > s->n && s->diagonal[i] != 0) {
+    if (r > looks_bad && s->rows > s->n && s->diagonal[i] != 0) {
       /* tau_i >= |P_ii| zref_i = tau0_i >= the true row, S left out */
       const double size = row_size(s, i, z);
       r = fmin(r, row_residual(s, i, z[i], fmax(s->zref[i], size / fabs(s->diagonal[i])),

@@ -11,7 +11,7 @@ enum { SPREAD = 20 }; /* rows whose maxima are apart by more than 2^20 are scale
 enum { PASSES = 12 }; /* each halves the exponents (Ruiz 2001), enough for 2^1000 */
 
 void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a) {
-  const size_t rows = (size_t)(cap->n + cap->n_dof);
+  const size_t rows = (size_t)cap->n + (size_t)cap->n_dof;
   const size_t nnz = (size_t)cap->nnz + 2 * (size_t)cap->n_jac + (size_t)cap->n_dof;
   *s = (lemke_system){.n = cap->n};
   s->colptr = BASE_ARRAY(a, int, rows + 1);
@@ -76,66 +76,74 @@ static int body_velocity(lemke_system *s, const lcp_factored *f, int body, const
   return at;
 }
 
+static int shift_column(lemke_system *s, const lcp_csc *S, int j, int at) {
+  for (int p = (S != NULL) ? S->colptr[j] : 0; S != NULL && p < S->colptr[j + 1]; ++p) {
+    at = push(s, at, S->rowind[p], S->val[p]);
+  }
+  return at;
+}
+
 /* The impulse columns of  [S J; WJ' -I]: body velocities u = W J' z become free unknowns, so that
  * no product of two contacts is ever formed (Lloyd 2005). */
 static int impulse_columns(lemke_system *s, const lcp_factored *f) {
   int at = 0;
-  for (int g = 0; g < f->n_group; ++g) {
-    const double *side = f->jac + f->jac_start[g];
+  for (int j = 0, g = 0; j < s->n; ++j) {
+    while (j == f->row_start[g + 1]) {
+      ++g;
+    }
     const int rows = f->row_start[g + 1] - f->row_start[g];
-    for (int r = 0; r < rows; ++r) {
-      const int j = f->row_start[g] + r;
-      s->colptr[j] = at;
-      for (int p = f->shift ? f->shift->colptr[j] : 0; f->shift && p < f->shift->colptr[j + 1];
-           ++p) {
-        at = push(s, at, f->shift->rowind[p], f->shift->val[p]);
-      }
-      const double *jac = side;
-      for (int k = 0; k < 2; ++k) {
-        const int body = f->body[2 * g + k];
-        if (body < 0) {
-          continue;
-        }
-        const int size = f->dof_start[body + 1] - f->dof_start[body];
-        at = body_velocity(s, f, body, jac + r * size, at);
-        jac += rows * size;
-      }
+    const double *jac = f->jac + f->jac_start[g];
+    s->colptr[j] = at;
+    at = shift_column(s, f->shift, j, at);
+    for (int k = 0; k < 2; ++k) {
+      const int body = f->body[2 * g + k];
+      const int size = (body < 0) ? 0 : f->dof_start[body + 1] - f->dof_start[body];
+      at = (body < 0)
+               ? at
+               : body_velocity(s, f, body, jac + (ptrdiff_t)(j - f->row_start[g]) * size, at);
+      jac += (ptrdiff_t)rows * size;
     }
   }
   return at;
 }
 
+/* Counts the entries of J in group g by column, or stores them where next says. */
+static void group_entries(lemke_system *s, const lcp_factored *f, int g, int *next, bool store) {
+  const double *jac = f->jac + f->jac_start[g];
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  for (int k = 0; k < 2; ++k) {
+    const int body = f->body[2 * g + k];
+    const int first = (body < 0) ? 0 : f->dof_start[body];
+    const int size = (body < 0) ? 0 : f->dof_start[body + 1] - first;
+    for (int e = 0; e < rows * size; ++e) {
+      const int c = first + e % size;
+      if (store && jac[e] != 0) {
+        s->rowind[next[c]] = f->row_start[g] + e / size;
+        s->val[next[c]] = jac[e];
+      }
+      next[c] += jac[e] != 0;
+    }
+    jac += (ptrdiff_t)rows * size;
+  }
+}
+
 static int velocity_columns(lemke_system *s, const lcp_factored *f, int at) {
   const int n_dof = f->dof_start[f->n_body];
-  int *next = s->row_top; /* counts first, then fill positions */
+  int *next = s->row_top; /* counts first, then where the next entry goes */
   memset(next, 0, sizeof(int) * (size_t)n_dof);
-  for (int fill = 0; fill < 2; ++fill) {
-    for (int g = 0; g < f->n_group; ++g) {
-      const double *jac = f->jac + f->jac_start[g];
-      const int rows = f->row_start[g + 1] - f->row_start[g];
-      for (int k = 0; k < 2; ++k) {
-        const int body = f->body[2 * g + k];
-        const int first = (body < 0) ? 0 : f->dof_start[body];
-        const int size = (body < 0) ? 0 : f->dof_start[body + 1] - first;
-        for (int e = 0; e < rows * size; ++e) {
-          const int c = first + e % size;
-          if (fill && jac[e] != 0) {
-            s->rowind[next[c]] = f->row_start[g] + e / size;
-            s->val[next[c]] = jac[e];
-          }
-          next[c] += jac[e] != 0;
-        }
-        jac += rows * size;
-      }
-    }
-    for (int c = 0; c < n_dof && !fill; ++c) { /* one more entry each: the diagonal */
-      const int count = next[c];
-      s->colptr[s->n + c] = at;
-      next[c] = at;
-      at += count + 1;
-      s->rowind[at - 1] = s->n + c;
-      s->val[at - 1] = -1;
-    }
+  for (int g = 0; g < f->n_group; ++g) {
+    group_entries(s, f, g, next, false);
+  }
+  for (int c = 0; c < n_dof; ++c) { /* one more entry each, the last: the diagonal */
+    const int count = next[c];
+    s->colptr[s->n + c] = at;
+    next[c] = at;
+    at += count + 1;
+    s->rowind[at - 1] = s->n + c;
+    s->val[at - 1] = -1;
+  }
+  for (int g = 0; g < f->n_group; ++g) {
+    group_entries(s, f, g, next, true);
   }
   return at;
 }

@@ -12,7 +12,7 @@ typedef struct lemke_options {
   int restarts; /* first bases tried after a ray that proves nothing */
 } lemke_options;
 
-static const base_field FIELDS[] = {
+static const base_field field_table[] = {
     LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
     BASE_FIELD_CHOICE(lemke_options, start, "origin|sliding", 0,
                       "first basis where z is zero: all w, or every contact sliding"),
@@ -32,15 +32,15 @@ typedef struct lemke_state {
 
 /* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
  * parallel contacts, blunt ones where round-off has piled up. */
-static const lemke_tolerance ATTEMPTS[] = {{1e-11, 1e-12}, {1e-14, 1e-15}, {1e-8, 1e-10}};
+static const lemke_tolerance attempts[] = {{1e-11, 1e-12}, {1e-14, 1e-15}, {1e-8, 1e-10}};
 
 /* The residual of a right basis is round-off; more means a neighbouring basis, worth another try
  * even where the tolerance is met (two contacts parallel up to 2^-40). */
-static const double ROUND_OFF = 1e-14;
+static const double round_off = 1e-14;
 
 /* Round-off in w must be small against q, not only against M z: a basis singular but for rounding
  * gives z so large that rho, relative to M z, would pass anything. */
-static const double DATA_SHARE = 1e-3;
+static const double data_share = 1e-3;
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
@@ -86,14 +86,14 @@ static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
   double defect = 0;
   const double rho = lemke_residual(&k->system, k->trial, &defect);
   res->work.matvecs++;
-  if (rho < res->residual && defect <= DATA_SHARE) {
+  if (rho < res->residual && defect <= data_share) {
     res->residual = rho;
     for (int i = 0; i < k->system.n; ++i) {
       k->best[i] = ldexp(k->trial[i], k->system.q_exp + k->system.col_exp[i]);
     }
     memcpy(k->basis, k->path.in_z, (size_t)k->system.n);
   }
-  return rho <= fmin(stop->tol, ROUND_OFF) && defect <= DATA_SHARE;
+  return rho <= fmin(stop->tol, round_off) && defect <= data_share;
 }
 
 /* True when the start point names a basis other than that of a cold start. */
@@ -202,7 +202,7 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
     k->path.in_z[j] = 1;
     res->work.fallbacks++;
     res->variant = "restart";
-    const lemke_end end = lemke_path_run(&k->path, s, ATTEMPTS[0]);
+    const lemke_end end = lemke_path_run(&k->path, s, attempts[0]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     res->outcome = last ? outcome_of(end) : res->outcome;
     if (accept(k, &o->stop, res) || last) {
@@ -222,8 +222,8 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
                          lcp_result *res) {
   bool warm = start_basis(k, z);
   warm = warm || (o->start == 1 && start_sliding(k));
-  for (int a = 0; a < BASE_COUNT(ATTEMPTS);) {
-    const lemke_end end = lemke_path_run(&k->path, &k->system, ATTEMPTS[a]);
+  for (int a = 0; a < BASE_COUNT(attempts);) {
+    const lemke_end end = lemke_path_run(&k->path, &k->system, attempts[a]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     if (end == LEMKE_RAY) {
       certify_ray(k, p, res);
@@ -242,7 +242,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
     warm = false;
     memset(z, 0, sizeof(double) * (size_t)p->M.n);
     (void)start_basis(k, z);
-    res->work.fallbacks += a < BASE_COUNT(ATTEMPTS);
+    res->work.fallbacks += a < BASE_COUNT(attempts);
   }
   if (res->residual <= o->stop.tol) {
     res->outcome = LCP_SOLVED;
@@ -285,8 +285,8 @@ const lcp_solver lcp_solver_lemke = {
     .storages = 1u << LCP_DENSE | 1u << LCP_CSC | 1u << LCP_FACTORED,
     .exact = true,
     .warm = true,
-    .fields = FIELDS,
-    .n_fields = BASE_COUNT(FIELDS),
+    .fields = field_table,
+    .n_fields = BASE_COUNT(field_table),
     .options_size = sizeof(lemke_options),
     .state_size = sizeof(lemke_state),
     .layout = layout,

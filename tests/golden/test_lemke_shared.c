@@ -113,71 +113,79 @@ static void every_case_comes_out_right(void **state) {
   assert_true(solved >= 80);
 }
 
-static const char *const CONTACT[] = {
+static const char *const contact[] = {
     "boxstack_n12", "boxstack_n32", "boxstack_n100", "boxstack_n300", "boxstack_n1000",
     "column_n10",   "column_n30",   "column_n100",   "column_n300",   "column_n1000",
     "fbox4_p4",     "fbox4_p20",    "fbox4_p80",     "fbox4_p200",    "fbox8_p4",
     "fbox8_p20",    "frand4_p5",    "frand4_p20",    "frand4_p80",    "frand8_p5",
     "frand8_p20",   "pd_n10",       "pd_n30",        "pd_n100",       "pd_n300"};
 
+static void check_contact(const char *name, const char *m_path, const char *q_path) {
+  base_error err = {0};
+  lcp_file_problem f;
+  lcp_verdict v;
+  double top = 0;
+  check_ok(lcp_read_mtx(m_path, q_path, &f, &err), &err);
+  double *z = calloc((size_t)f.p.M.n, sizeof *z);
+  for (int k = 0; k < f.p.M.n; ++k) {
+    top = fmax(top, fabs(f.p.q[k]));
+  }
+  const lcp_result res = run_lemke(&f.p, z, &v);
+  if (res.outcome != LCP_SOLVED || !(v.min_map <= 1e-10 * (1 + top)) || !(v.rho <= 1e-9)) {
+    fail_msg("%s: %s, min map %.2g, rho %.2g", name, lcp_outcome_name(res.outcome), v.min_map,
+             v.rho);
+  }
+  assert_int_equal(res.work.fallbacks, 0);
+  free(z);
+  lcp_file_problem_free(&f);
+}
+
 static void contact_lcps_are_solved(void **state) {
   (void)state;
-  base_error err = {0};
-  for (int i = 0; i < BASE_COUNT(CONTACT); ++i) {
+  for (int i = 0; i < BASE_COUNT(contact); ++i) {
     char name[128];
     char m_path[1024];
     char q_path[1024];
-    lcp_file_problem f;
-    lcp_verdict v;
-    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.M.mtx", CONTACT[i]);
+    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.M.mtx", contact[i]);
     if (shared_path(name, m_path, sizeof m_path) == NULL) {
       skip();
     }
-    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.q.mtx", CONTACT[i]);
+    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.q.mtx", contact[i]);
     (void)shared_path(name, q_path, sizeof q_path);
-    check_ok(lcp_read_mtx(m_path, q_path, &f, &err), &err);
-    double *z = calloc((size_t)f.p.M.n, sizeof *z);
-    double top = 0;
-    for (int k = 0; k < f.p.M.n; ++k) {
-      top = fmax(top, fabs(f.p.q[k]));
-    }
-    const lcp_result res = run_lemke(&f.p, z, &v);
-    if (res.outcome != LCP_SOLVED || !(v.min_map <= 1e-10 * (1 + top)) || !(v.rho <= 1e-9)) {
-      fail_msg("%s: %s, min map %.2g, rho %.2g", CONTACT[i], lcp_outcome_name(res.outcome),
-               v.min_map, v.rho);
-    }
-    assert_int_equal(res.work.fallbacks, 0);
-    free(z);
-    lcp_file_problem_free(&f);
+    check_contact(contact[i], m_path, q_path);
   }
 }
 
-static const char *const FILES[] = {"lcp_CPS_1",     "lcp_CPS_2",
+static const char *const files[] = {"lcp_CPS_1",     "lcp_CPS_2",
                                     "lcp_CPS_3",     "lcp_Pang_isolated_sol",
                                     "lcp_exp_murty", "lcp_inf_sol_perturbed",
                                     "lcp_mmc",       "lcp_ortiz",
                                     "lcp_tobenna",   "lcp_trivial"};
 
+static void check_file(const char *name, const char *path) {
+  base_error err = {0};
+  lcp_file_problem f;
+  lcp_verdict v;
+  check_ok(lcp_read_siconos(path, &f, &err), &err);
+  double *z = calloc((size_t)f.p.M.n, sizeof *z);
+  const lcp_result res = run_lemke(&f.p, z, &v);
+  if (res.outcome != LCP_SOLVED || !(v.rho <= 1e-9)) {
+    fail_msg("%s: %s, rho %.2g", name, lcp_outcome_name(res.outcome), v.rho);
+  }
+  free(z);
+  lcp_file_problem_free(&f);
+}
+
 static void files_of_another_code_are_solved(void **state) {
   (void)state;
-  base_error err = {0};
-  for (int i = 0; i < BASE_COUNT(FILES); ++i) {
+  for (int i = 0; i < BASE_COUNT(files); ++i) {
     char name[128];
     char path[1024];
-    lcp_file_problem f;
-    lcp_verdict v;
-    (void)snprintf(name, sizeof name, "data/lcp/%s.dat", FILES[i]);
+    (void)snprintf(name, sizeof name, "data/lcp/%s.dat", files[i]);
     if (shared_path(name, path, sizeof path) == NULL) {
       skip();
     }
-    check_ok(lcp_read_siconos(path, &f, &err), &err);
-    double *z = calloc((size_t)f.p.M.n, sizeof *z);
-    const lcp_result res = run_lemke(&f.p, z, &v);
-    if (res.outcome != LCP_SOLVED || !(v.rho <= 1e-9)) {
-      fail_msg("%s: %s, rho %.2g", FILES[i], lcp_outcome_name(res.outcome), v.rho);
-    }
-    free(z);
-    lcp_file_problem_free(&f);
+    check_file(files[i], path);
   }
 }
 

@@ -2,8 +2,8 @@
 
 #include <string.h>
 
-static const double PIVOT = 1e-10; /* smaller elements are taken for zero */
-static const double TIE = 1e-12;   /* equal ratios */
+static const double pivot_tol = 1e-10; /* smaller elements are taken for zero */
+static const double tie_tol = 1e-12;   /* equal ratios */
 
 size_t tableau_lemke_work(int n) {
   const size_t k = (size_t)n;
@@ -38,12 +38,12 @@ static int compare(const double *T, int n, int i, int j, int c) {
   const double pa = (c < 0) ? 1 : a[c];
   const double pb = (c < 0) ? 1 : b[c];
   const double x = a[width - 1] / pa - b[width - 1] / pb;
-  if (x > TIE || x < -TIE) {
+  if (x > tie_tol || x < -tie_tol) {
     return (x > 0) - (x < 0);
   }
   for (int k = 0; k < n; ++k) {
     const double y = a[k] / pa - b[k] / pb;
-    if (y > TIE || y < -TIE) {
+    if (y > tie_tol || y < -tie_tol) {
       return (y > 0) - (y < 0);
     }
   }
@@ -53,18 +53,28 @@ static int compare(const double *T, int n, int i, int j, int c) {
 static int leaving_row(const double *T, int n, int c, const double *head) {
   int r = -1;
   for (int i = 0; i < n; ++i) {
-    if (T[(ptrdiff_t)i * (2 * n + 2) + c] > PIVOT && (r < 0 || compare(T, n, i, r, c) < 0)) {
+    if (T[(ptrdiff_t)i * (2 * n + 2) + c] > pivot_tol && (r < 0 || compare(T, n, i, r, c) < 0)) {
       r = i;
     }
   }
   for (int i = 0; i < n && r >= 0; ++i) { /* prefer z0 among equal ratios */
     const double *a = T + (ptrdiff_t)i * (2 * n + 2);
     const double *b = T + (ptrdiff_t)r * (2 * n + 2);
-    if ((int)head[i] == 2 * n && a[c] > PIVOT && a[2 * n + 1] / a[c] <= b[2 * n + 1] / b[c] + TIE) {
+    if ((int)head[i] == 2 * n && a[c] > pivot_tol &&
+        a[2 * n + 1] / a[c] <= b[2 * n + 1] / b[c] + tie_tol) {
       return i;
     }
   }
   return r;
+}
+
+static void read_solution(const double *T, int n, const double *head, double *z) {
+  const int width = 2 * n + 2;
+  for (int i = 0; i < n; ++i) {
+    if ((int)head[i] >= n) {
+      z[(int)head[i] - n] = T[(ptrdiff_t)i * width + width - 1];
+    }
+  }
 }
 
 lcp_outcome tableau_lemke(int n, const double *M, const double *q, double *z, double *work,
@@ -96,11 +106,7 @@ lcp_outcome tableau_lemke(int n, const double *M, const double *q, double *z, do
     head[r] = c;
     ++*pivots;
     if (left == 2 * n) {
-      for (int i = 0; i < n; ++i) {
-        if ((int)head[i] >= n) {
-          z[(int)head[i] - n] = T[(ptrdiff_t)i * width + width - 1];
-        }
-      }
+      read_solution(T, n, head, z);
       return LCP_SOLVED;
     }
     if (*pivots >= 100L * n + 1000) {

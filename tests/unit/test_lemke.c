@@ -67,25 +67,28 @@ static void check_solved(const small *s) {
   assert_int_equal(s->res.certificate.kind, LCP_CERT_BASIS);
 }
 
+/* Lower Murty matrix L, or Fathi's L L'; q = -1. */
+static void fill_exponential(small *s, int n, bool fathi) {
+  start(s, n);
+  for (int i = 0; i < n; ++i) {
+    s->q[i] = -1;
+    for (int j = 0; j < n; ++j) {
+      const int low = (i < j) ? i : j;
+      const double murty = (j < i) ? 2 : (i == j);
+      *at(s, i, j) = fathi ? 4 * low + 2 - (i == j) : murty;
+    }
+  }
+}
+
 static void murty_and_fathi_take_two_to_the_n(void **state) {
   (void)state;
-  for (int n = 2; n <= 10; ++n) {
-    for (int fathi = 0; fathi < 2; ++fathi) {
-      small s;
-      start(&s, n);
-      for (int i = 0; i < n; ++i) {
-        s.q[i] = -1;
-        for (int j = 0; j < n; ++j) {
-          const int low = (i < j) ? i : j;
-          const double murty = (j < i) ? 2 : (i == j);
-          *at(&s, i, j) = fathi ? ((i == j) ? 4 * i + 1 : 4 * low + 2) : murty;
-        }
-      }
-      run(&s);
-      check_solved(&s);
-      assert_int_equal(s.res.work.pivots, 1L << n);
-      check_close(s.z[0], 1, 0);
-    }
+  for (int k = 4; k < 22; ++k) { /* n = 2 .. 10, both kinds */
+    small s;
+    fill_exponential(&s, k / 2, k % 2);
+    run(&s);
+    check_solved(&s);
+    assert_int_equal(s.res.work.pivots, 1L << (k / 2));
+    check_close(s.z[0], 1, 0);
   }
 }
 
@@ -323,49 +326,60 @@ static void pivot_limit_is_reported(void **state) {
   assert_int_equal(s.res.work.pivots, 100);
 }
 
+/* Makes the block of free rows zero. */
+static void clear_block(small *s, int n) {
+  for (int k = 0; k < n * n; ++k) {
+    *at(s, k / n, k % n) = 0;
+  }
+}
+
+/* Row and column 1 repeat row and column 0. */
+static void repeat_first(small *s) {
+  for (int i = 0; i < s->n; ++i) {
+    *at(s, i, 1) = *at(s, i, 0);
+  }
+  for (int j = 0; j < s->n; ++j) {
+    *at(s, 1, j) = *at(s, 0, j);
+  }
+}
+
+/* q such that z, of any sign in the free rows, solves. */
+static void plant_mixed(small *s, base_rng *r, int n_free, double *z) {
+  plant_solution(s, r, z); /* for w of the bounded rows */
+  for (int i = 0; i < s->n; ++i) {
+    double w = s->q[i];
+    for (int j = 0; j < s->n; ++j) {
+      w += *at(s, i, j) * z[j];
+    }
+    s->q[i] = (i < n_free || z[i] > 0) ? 0 : w;
+  }
+  for (int i = 0; i < n_free; ++i) {
+    z[i] = base_rng_between(r, -1, 1);
+  }
+  for (int i = 0; i < s->n; ++i) {
+    for (int j = 0; j < s->n; ++j) {
+      s->q[i] -= *at(s, i, j) * z[j];
+    }
+  }
+}
+
 /* Free rows first; M_FF regular, zero (a saddle point) and redundant. */
 static void mixed_problems(void **state) {
   (void)state;
+  enum { N_FREE = 4 };
   base_rng r = base_rng_seeded(13);
+  const lcp_block block[2] = {{.start = 0, .size = N_FREE, .set = LCP_FREE},
+                              {.start = N_FREE, .size = 16, .set = LCP_ORTHANT}};
   for (int trial = 0; trial < 30; ++trial) {
     small s;
     double z[N_MAX];
-    const int n_free = 4;
-    const lcp_block block[2] = {{.start = 0, .size = n_free, .set = LCP_FREE},
-                                {.start = n_free, .size = 16, .set = LCP_ORTHANT}};
-    plant(&s, &r, n_free + 16, 0.5, 0.5);
+    plant(&s, &r, N_FREE + 16, 0.5, 0.5);
     if (trial % 3 == 1) {
-      for (int i = 0; i < n_free; ++i) {
-        for (int j = 0; j < n_free; ++j) {
-          *at(&s, i, j) = 0;
-        }
-      }
+      clear_block(&s, N_FREE);
+    } else if (trial % 3 == 2) {
+      repeat_first(&s);
     }
-    if (trial % 3 == 2) { /* row and column 1 repeat row and column 0 */
-      for (int i = 0; i < s.n; ++i) {
-        *at(&s, i, 1) = *at(&s, i, 0);
-      }
-      for (int j = 0; j < s.n; ++j) {
-        *at(&s, 1, j) = *at(&s, 0, j);
-      }
-    }
-    plant_solution(&s, &r, z);
-    for (int i = 0; i < n_free; ++i) { /* w = 0, z of any sign */
-      const double v = base_rng_between(&r, -1, 1);
-      s.q[i] = 0;
-      for (int j = 0; j < s.n; ++j) {
-        s.q[j] -= (j < n_free) ? 0 : *at(&s, j, i) * (v - z[i]);
-      }
-      z[i] = v;
-    }
-    for (int i = 0; i < n_free; ++i) {
-      for (int j = 0; j < s.n; ++j) {
-        s.q[i] -= *at(&s, i, j) * z[j];
-      }
-    }
-    if (trial % 3 == 2) {
-      s.q[1] = s.q[0];
-    }
+    plant_mixed(&s, &r, N_FREE, z);
     s.p.block = block;
     s.p.n_block = 2;
     run(&s);
@@ -373,53 +387,71 @@ static void mixed_problems(void **state) {
   }
 }
 
-/* Few bodies, many contacts: the factored form, the dense form and the plain tableau agree on w. */
+static lcp_result run_few(const lcp_problem *p, double *z, lcp_verdict *v) {
+  const lcp_solver *solver = lcp_solver_find("lemke");
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  unsigned char opt[512];
+  lcp_instance *k = NULL;
+  base_error err = {0};
+  lcp_result res;
+  base_fields_default(solver->fields, solver->n_fields, opt);
+  check_ok(lcp_instance_open(&k, solver, &cap, opt, &err), &err);
+  check_ok(lcp_instance_prepare(k, p, &err), &err);
+  assert_int_equal(lcp_instance_storage(k), LCP_FACTORED);
+  check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
+  check_ok(lcp_judge(p, z, v, &err), &err);
+  lcp_instance_close(k);
+  return res;
+}
+
+/* max |M (z - other)| with M formed and `other` from the plain tableau. */
+static double velocity_gap(const lcp_problem *p, const double *z) {
+  const int n = p->M.n;
+  double *dense = calloc((size_t)n * (size_t)n, sizeof *dense);
+  double *work = calloc(tableau_lemke_work(n), sizeof *work);
+  double *other = calloc((size_t)n, sizeof *other);
+  long pivots = 0;
+  double top = 0;
+  lcp_matrix_to_dense(&p->M, dense);
+  assert_int_equal(tableau_lemke(n, dense, p->q, other, work, &pivots), LCP_SOLVED);
+  for (int r = 0; r < n; ++r) {
+    double gap = 0;
+    for (int c = 0; c < n; ++c) {
+      gap += dense[(ptrdiff_t)c * n + r] * (z[c] - other[c]);
+    }
+    top = fmax(top, fabs(gap));
+  }
+  free(dense);
+  free(work);
+  free(other);
+  return top;
+}
+
+static void check_few(int bodies, int contacts, int facets) {
+  known_lcp k;
+  base_error err = {0};
+  lcp_verdict v;
+  check_ok(few_bodies(&k, bodies, contacts, facets, 3, &err), &err);
+  double *z = calloc((size_t)k.p.M.n, sizeof *z);
+  const lcp_result res = run_few(&k.p, z, &v);
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  assert_true(v.rho <= 1e-12);
+  assert_true(v.rho <= res.residual + 1e-16); /* the bound is a bound */
+  if (facets == 0) {                          /* M is PSD: w is unique */
+    check_close(velocity_gap(&k.p, z), 0, 1e-11);
+  }
+  free(z);
+  known_lcp_free(&k);
+}
+
+/* Few bodies, many contacts: what the factored form gives is right for the formed matrix. */
 static void factored_form_agrees_with_dense(void **state) {
   (void)state;
-  static const int sizes[][3] = {{1, 40, 0}, {1, 20, 4}, {5, 60, 0}, {6, 15, 4}, {3, 9, 6}};
-  const lcp_solver *solver = lcp_solver_find("lemke");
-  for (int i = 0; i < BASE_COUNT(sizes); ++i) {
-    known_lcp k;
-    base_error err = {0};
-    unsigned char opt[512];
-    lcp_instance *instance = NULL;
-    lcp_verdict v;
-    lcp_result res;
-    check_ok(few_bodies(&k, sizes[i][0], sizes[i][1], sizes[i][2], 3, &err), &err);
-    const int n = k.p.M.n;
-    const lcp_capacity cap = lcp_problem_capacity(&k.p);
-    double *z = calloc((size_t)n, sizeof *z);
-    double *dense = calloc((size_t)n * (size_t)n, sizeof *dense);
-    double *work = calloc(tableau_lemke_work(n), sizeof *work);
-    double *other = calloc((size_t)n, sizeof *other);
-    long pivots = 0;
-    base_fields_default(solver->fields, solver->n_fields, opt);
-    check_ok(lcp_instance_open(&instance, solver, &cap, opt, &err), &err);
-    check_ok(lcp_instance_prepare(instance, &k.p, &err), &err);
-    assert_int_equal(lcp_instance_storage(instance), LCP_FACTORED);
-    check_ok(lcp_instance_solve(instance, NULL, z, &res, &err), &err);
-    check_ok(lcp_judge(&k.p, z, &v, &err), &err);
-    assert_int_equal(res.outcome, LCP_SOLVED);
-    assert_true(v.rho <= 1e-12);
-    assert_true(v.rho <= res.residual + 1e-16); /* the bound is a bound */
-    lcp_matrix_to_dense(&k.p.M, dense);
-    assert_int_equal(tableau_lemke(n, dense, k.p.q, other, work, &pivots), LCP_SOLVED);
-    if (sizes[i][2] == 0) { /* M is PSD: w is unique */
-      for (int r = 0; r < n; ++r) {
-        double gap = 0;
-        for (int c = 0; c < n; ++c) {
-          gap += dense[(ptrdiff_t)c * n + r] * (z[c] - other[c]);
-        }
-        check_close(gap, 0, 1e-11);
-      }
-    }
-    lcp_instance_close(instance);
-    free(z);
-    free(dense);
-    free(work);
-    free(other);
-    known_lcp_free(&k);
-  }
+  check_few(1, 40, 0);
+  check_few(1, 20, 4);
+  check_few(5, 60, 0);
+  check_few(6, 15, 4);
+  check_few(3, 9, 6);
 }
 
 int main(void) {
