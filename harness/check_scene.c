@@ -185,6 +185,7 @@ static base_status fit(const scene_spec *spec, formulation_choice *form, base_er
     base_real_print(2.0 * sqrt(spec->contact_stiffness * spec->body[0].mass), number,
                     sizeof number); /* critical: settles soonest */
     BASE_TRY(formulation_choice_set(form, "integrator", "msbdf", err));
+    BASE_TRY(formulation_choice_set(form, "atol", "1e-15", err));
     return formulation_choice_set(form, "damping", number, err);
   }
   return BASE_OK;

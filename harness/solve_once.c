@@ -1,6 +1,7 @@
 #include "harness/solve_once.h"
 
 #include "harness/sim_watch.h"
+#include "lcp/lcp_certificate.h"
 
 #include <stdio.h>
 
@@ -73,8 +74,22 @@ static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choic
   return BASE_OK;
 }
 
+static base_status write_certificate(const lcp_problem *p, const solver_choice *s, const double *z,
+                                     const char *path, const solve_record *r, base_error *err) {
+  if (!r->has_claim || r->claim.certificate.kind == LCP_CERT_NONE) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "--certificate: %s proved nothing here",
+                     s->solver->name);
+  }
+  return lcp_certificate_write(path, p->M.n, &r->claim.certificate, z, err);
+}
+
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
                        base_error *err) {
+  return solve_certified(p, s, z, NULL, out, err);
+}
+
+base_status solve_certified(const lcp_problem *p, const solver_choice *s, double *z,
+                            const char *certificate, solve_record *out, base_error *err) {
   *out = (solve_record){.status = RUN_ERROR, .verdict.rho = HUGE_VAL};
   base_error why = {0};
   if (lcp_solver_admits(s->solver, p, &why) != BASE_OK) {
@@ -83,7 +98,10 @@ base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, 
   const lcp_capacity cap = lcp_problem_capacity(p);
   lcp_instance *k;
   BASE_TRY(lcp_instance_open(&k, s->solver, &cap, s->opt, err));
-  const base_status done = run(k, p, s, z, out, err);
+  base_status done = run(k, p, s, z, out, err);
+  if (done == BASE_OK && certificate != NULL) {
+    done = write_certificate(p, s, z, certificate, out, err);
+  }
   lcp_instance_close(k);
   out->claim.certificate.basis = NULL;
   out->claim.certificate.vector = NULL;

@@ -24,6 +24,11 @@ typedef struct solve_record {
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
                        base_error *err);
 
+/* The same, and what the solver can prove is written to `certificate` (NULL: nowhere). A solver
+ * without a proof to write is BASE_EUNSUPPORTED. */
+base_status solve_certified(const lcp_problem *p, const solver_choice *s, double *z,
+                            const char *certificate, solve_record *out, base_error *err);
+
 const char *storage_name(lcp_storage s);
 const char *certificate_name(lcp_certificate_kind k);
 long lcp_matrix_entries(const lcp_matrix *m); /* stored entries; n*n dense; jac + S factored */

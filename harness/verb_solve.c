@@ -9,7 +9,7 @@
 #include <string.h>
 
 typedef struct solve_options {
-  const char *solver, *q, *tol, *max_iter, *z, *formulation;
+  const char *solver, *q, *tol, *max_iter, *z, *certificate, *formulation;
   int facets;
 } solve_options;
 
@@ -85,16 +85,16 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
 }
 
 static base_status solve_and_print(const problem_source *src, const solver_choice *s,
-                                   const char *z_path, int *code, base_error *err) {
+                                   const solve_options *o, int *code, base_error *err) {
   const int n = src->p->M.n;
   double *z = calloc((size_t)n + 1, sizeof *z);
   if (z == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for the answer", src->name);
   }
   solve_record r;
-  base_status done = solve_once(src->p, s, z, &r, err);
-  if (done == BASE_OK && z_path != NULL && r.has_claim) {
-    done = lcp_write_mtx_vector(z_path, n, z, err);
+  base_status done = solve_certified(src->p, s, z, o->certificate, &r, err);
+  if (done == BASE_OK && o->z != NULL && r.has_claim) {
+    done = lcp_write_mtx_vector(o->z, n, z, err);
   }
   free(z);
   if (done == BASE_OK) {
@@ -112,7 +112,8 @@ static int run(int argc, char **argv) {
                                 {"--max-iter", ARG_TEXT, &o.max_iter},
                                 {"--formulation", ARG_TEXT, &o.formulation},
                                 {"--facets", ARG_INT, &o.facets},
-                                {"--z", ARG_TEXT, &o.z}};
+                                {"--z", ARG_TEXT, &o.z},
+                                {"--certificate", ARG_TEXT, &o.certificate}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n_positional;
@@ -131,7 +132,7 @@ static int run(int argc, char **argv) {
     done = problem_source_open(problem, o.q, o.facets, &src, &err);
   }
   if (done == BASE_OK) {
-    done = solve_and_print(&src, &s, o.z, &code, &err);
+    done = solve_and_print(&src, &s, &o, &code, &err);
   }
   problem_source_close(&src);
   solver_choice_free(&s);
@@ -142,7 +143,8 @@ extern const cli_verb verb_solve;
 const cli_verb verb_solve = {
     .name = "solve",
     .usage = "solve PROBLEM --solver S[:opt=val,...] [--q FILE] [--tol T] [--max-iter N]"
-             " [--formulation coulomb|velocity] [--facets N] [--z FILE]",
+             " [--formulation coulomb|velocity] [--facets N] [--z FILE]"
+             " [--certificate FILE]",
     .help = "solves one problem (file or family) and prints one JSON object",
     .run = run,
 };

@@ -121,10 +121,33 @@ def dimensions_of_the_three_formulations(d):
         assert all(p["ok"] for p in o["predictions"]) and o["predictions"]
 
 
+def certificates_are_written(d):
+    o = run_json("solve", "random_spd:n=6", "--solver", "lemke", "--certificate", d / "c.txt")
+    text = (d / "c.txt").read_text()
+    assert o["certificate"] == "basis" and text.startswith("lcpbench certificate 1\nkind basis\nn 6\n"), text[:60]
+    one_line_error("solve", "random_spd:n=6", "--solver", "pgs", "--certificate", d / "c.txt", names=["--certificate", "pgs"])
+
+
+def export_reads_back(d):
+    run("export", "random_spd:n=9", "--format", "mtx", "--out", d / "p")
+    a = run_json("solve", "random_spd:n=9", "--solver", "lemke")
+    b = run_json("solve", d / "p.M.mtx", "--solver", "lemke")
+    assert a["n"] == b["n"] == 9 and a["n_pivot"] == b["n_pivot"] and b["status"] == "ok"
+    one_line_error("export", "random_spd:n=9", "--format", "papyrus", "--out", d / "p", names=["papyrus"])
+    one_line_error("export", "random_spd:n=9", "--format", "mtx", names=["--out"])
+    name = SHARED / "data/friction/FrictionContactProblem00031.dat"
+    if name.exists():
+        for kind, ending in (("fclib", "hdf5"), ("siconos", "dat")):
+            run("export", name, "--format", kind, "--out", d / f"f.{ending}")
+            o = run_json("solve", d / f"f.{ending}", "--solver", "nsgs")
+            assert o["status"] == "ok" and o["solution_hash"] == run_json("solve", name, "--solver", "nsgs")["solution_hash"], kind
+
+
 def environment_gives_options(d):
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
 
 
 tap([usage_errors, problem_errors, scene_errors, check_errors, lists_are_bare_names, solve_prints_one_object,
-     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options])
+     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
+     certificates_are_written, export_reads_back])
