@@ -71,6 +71,15 @@ void body_driven(const body *b, double t, double v[6]) {
   }
 }
 
+void body_set_velocity(body *b, const double *v, double t) {
+  if (b->driven) {
+    body_driven(b, t, b->v);
+  }
+  for (int k = 0; k < b->n_dof; k++) {
+    b->v[b->axis[k]] = v[b->dof + k];
+  }
+}
+
 void body_inertia(const body *b, int dim, double I[9]) {
   if (dim == 3) {
     m3_sandwich(b->at.R, b->inertia, I);

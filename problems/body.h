@@ -31,6 +31,9 @@ void body_start(body *b, const spec_body *s, int dim, unsigned effects);
 /* Velocity of the driven axes at time t, zero on the others. */
 void body_driven(const body *b, double t, double v[6]);
 
+/* Sets b->v from the dofs v (the whole vector) and the driven axes at time t. */
+void body_set_velocity(body *b, const double *v, double t);
+
 /* World-frame inertia about the centre of mass, symmetric. */
 void body_inertia(const body *b, int dim, double I[9]);
 

@@ -45,7 +45,8 @@ typedef struct contact_set {
   const double *u_drift;  /* n_row: velocity contributed by kinematic sides, belts, prescribed
                              dofs, at the end of the step */
   const double *u_before; /* n_row: J v plus drift at the start of the step */
-  const double *u_curve;  /* n_row: h (dJ/dt) v, what the turning of the contact frames adds to u over
+  const double
+      *u_curve; /* n_row: h (dJ/dt) v, what the turning of the contact frames adds to u over
                              the step; NULL unless it came from world_contacts_curved */
 
   /* Per contact (n_contact). */
