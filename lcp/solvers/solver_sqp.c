@@ -1,6 +1,7 @@
 /* solver_sqp.c - sequential quadratic programming on  min z'Mz/2 + q'z  over K, by NLopt's SLSQP.
  *
- * Kraft 1988 (algorithm 733, 1994) as packaged by NLopt, in the variables z / s (s_i^2 M_ii = 1).
+ * Kraft 1988 (algorithm 733, 1994) as packaged by NLopt, in the variables z / s (s_i^2 M_ii = u^2 with
+ * u the size of q, so that SLSQP's own absolute tolerances see numbers near one).
  * For symmetric M, whose LCP is the optimality condition. SLSQP keeps a dense quasi-Newton
  * factor, O(n^3) an iteration: at most 100 unknowns. It is started again from where it ended until
  * the residual test passes, or nothing moves. */
@@ -27,6 +28,7 @@ typedef struct state {
   double *lo, *hi; /* n, of x */
   double *s, *x;   /* n, scaling; z / s */
   double *z, *w;   /* n, of the objective */
+  double energy;   /* u^2 [J] */
   const lcp_problem *p;
   lcp_result *res;
 } state;
@@ -53,7 +55,16 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   lcp_matrix_diagonal(&p->M, s->w);
   lcp_set_scaling(&p->M, s->w, s->s);
   lcp_set_intervals(p, s->lo, s->hi);
+  double size = 0.0;
   for (int i = 0; i < p->M.n; i++) {
+    size = fmax(size, fabs(s->s[i] * p->q[i]));
+  }
+  int e = 0;
+  (void)frexp(size, &e);
+  const double u = (size > 0.0) ? ldexp(1.0, e) : 1.0;
+  s->energy = u * u;
+  for (int i = 0; i < p->M.n; i++) {
+    s->s[i] *= u;
     s->lo[i] /= s->s[i];
     s->hi[i] /= s->s[i];
   }
@@ -69,9 +80,9 @@ static double objective(unsigned n, const double *x, double *gradient, void *dat
   lcp_matrix_apply(&s->p->M, s->z, s->p->q, s->w, s->loop.stop.scratch);
   s->res->work.matvecs++;
   for (unsigned i = 0; i < n; i++) {
-    f += 0.5 * s->z[i] * (s->w[i] + s->p->q[i]);
+    f += 0.5 * s->z[i] * (s->w[i] + s->p->q[i]) / s->energy;
     if (gradient != NULL) {
-      gradient[i] = s->s[i] * s->w[i];
+      gradient[i] = s->s[i] * s->w[i] / s->energy;
     }
   }
   return f;
