@@ -170,31 +170,29 @@ size_t record_row(const record *r, char *buf, size_t cap) {
 
 /* ---- reading ----------------------------------------------------------------------------------*/
 
-/* Copies the next cell into buf and returns what follows its comma; NULL: malformed. */
-static const char *take_cell(const char *at, char *buf, size_t cap) {
+/* Copies the cell at *at into buf, moves behind its comma, and says whether there was one (false:
+ * the row ends here). False in *good: malformed or too long. */
+static bool take_cell(const char **at, char *buf, size_t cap, bool *good) {
+  const char *c = *at;
   size_t used = 0;
-  const bool quoted = *at == '"';
-  at += quoted ? 1 : 0;
-  while (*at != '\0') {
-    if (quoted && *at == '"') {
-      if (at[1] != '"') {
-        at++;
-        break;
-      }
-      at++;
-    } else if (!quoted && *at == ',') {
+  const bool quoted = *c == '"';
+  c += quoted ? 1 : 0;
+  while (*c != '\0' && used + 1 < cap) {
+    if (quoted && *c == '"' && c[1] != '"') {
+      c++;
       break;
     }
-    if (used + 1 >= cap) {
-      return NULL;
+    if (!quoted && *c == ',') {
+      break;
     }
-    buf[used++] = *at++;
+    c += (quoted && *c == '"') ? 1 : 0; /* a doubled quote stands for one */
+    buf[used++] = *c++;
   }
   buf[used] = '\0';
-  if (*at == ',') {
-    return at + 1;
-  }
-  return (*at == '\0') ? at : NULL;
+  const bool comma = *c == ',';
+  *good = comma || *c == '\0';
+  *at = c + (comma ? 1 : 0);
+  return comma;
 }
 
 static bool set_value(record *r, const column *c, const char *text) {
@@ -232,16 +230,15 @@ base_status record_parse(const char *row, record *r, base_error *err) {
   char cell[2048];
   record_clear(r);
   for (int i = 0; i < BASE_COUNT(columns); i++) {
-    const char *next = take_cell(row, cell, sizeof cell);
-    const bool last = i + 1 == BASE_COUNT(columns);
-    if (next == NULL || (!last && *next == '\0' && next[-1] != ',') || (last && *next != '\0')) {
+    bool good;
+    const bool more = take_cell(&row, cell, sizeof cell, &good);
+    if (!good || more != (i + 1 < BASE_COUNT(columns))) {
       return BASE_FAIL(err, BASE_EINVAL, "column %s: the row ends early or late", columns[i].name);
     }
     if (!set_value(r, &columns[i], cell)) {
       return BASE_FAIL(err, BASE_EINVAL, "column %s: '%.40s' does not belong here", columns[i].name,
                        cell);
     }
-    row = next;
   }
   return BASE_OK;
 }
@@ -268,10 +265,10 @@ static void drop_torn(record_table *t, const char *torn) {
   char cell[2048];
   char id[sizeof t->row->cell_id] = "";
   int64_t process = -1;
-  const char *at = torn;
-  for (int i = 0; at != NULL && *at != '\0' && i < 5; i++) {
-    at = take_cell(at, cell, sizeof cell);
-    const bool whole = at != NULL && *at != '\0';
+  bool whole = true;
+  for (int i = 0; whole && i < 5; i++) {
+    bool good;
+    whole = take_cell(&torn, cell, sizeof cell, &good) && good;
     if (whole && strcmp(columns[i].name, "cell_id") == 0) {
       (void)snprintf(id, sizeof id, "%.*s", (int)sizeof id - 1, cell);
     } else if (whole && strcmp(columns[i].name, "process") == 0) {

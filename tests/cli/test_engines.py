@@ -85,9 +85,9 @@ def slurm_stand_in(d):
 
 
 def slurm_itself(d):
-    """scripts/test_slurm starts Slurm on this machine and then runs this test."""
+    """Only where a Slurm answers."""
     if shutil.which("sinfo") is None or subprocess.run(["sinfo"], capture_output=True).returncode != 0:
-        raise Skip("no running Slurm; scripts/test_slurm starts one")
+        raise Skip("no running Slurm on this machine")
     killed_once_then_whole(d, "slurm")
 
 

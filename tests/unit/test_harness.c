@@ -1,0 +1,171 @@
+/* Parts of the harness whose mistakes would be believed: rows, keys, statistics, verdicts. */
+#include "tests/support/check.h"
+
+#include "harness/args.h"
+#include "harness/plan.h"
+#include "harness/registry.h"
+#include "harness/sha256.h"
+#include "harness/stats.h"
+#include "harness/verdict.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static void rows_read_back(void **state) {
+  (void)state;
+  record a;
+  record b;
+  char line[RECORD_ROW];
+  base_error err;
+  record_clear(&a);
+  record_clear(&b);
+  const size_t empty = record_row(&a, line, sizeof line);
+  assert_int_equal(empty, record_columns()); /* commas and the newline: nothing was measured */
+  (void)snprintf(a.note, sizeof a.note, "says \"no\", twice\nand more");
+  a.t_total_s = 0.1 + 0.2;
+  a.rho = (double)NAN;
+  a.n_iter = -7;
+  a.verified = 0;
+  const size_t n = record_row(&a, line, sizeof line);
+  assert_int_equal(line[n - 1], '\n');
+  assert_ptr_equal(strchr(line, '\n'), line + n - 1); /* a row is a line */
+  line[n - 1] = '\0';
+  check_ok(record_parse(line, &b, &err), &err);
+  assert_string_equal(b.note, "says \"no\", twice and more");
+  assert_true(a.t_total_s == b.t_total_s && isnan(b.rho) && b.n_iter == -7 && b.verified == 0);
+  for (size_t cut = n - 2; cut > 0; cut -= 1 + cut / 50) { /* a torn row is never taken for whole */
+    line[cut] = '\0';
+    assert_int_equal(record_parse(line, &b, &err), BASE_EINVAL);
+  }
+}
+
+static void sha256_of_the_standard(void **state) {
+  (void)state;
+  char hex[SHA256_HEX];
+  sha256 s;
+  sha256_begin(&s);
+  sha256_add(&s, "abc", 3);
+  sha256_end(&s, hex);
+  assert_string_equal(hex, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  sha256_begin(&s);
+  for (int i = 0; i < 1000000; i++) {
+    sha256_add(&s, "a", 1);
+  }
+  sha256_end(&s, hex);
+  assert_string_equal(hex, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+}
+
+static void medians_and_intervals(void **state) {
+  (void)state;
+  double x[] = {5, 1, 4, 2, 3};
+  double lo;
+  double hi;
+  stats_sort(x, 5);
+  check_close(stats_median(x, 5), 3.0, 0);
+  check_close(stats_median(x, 4), 2.5, 0);
+  stats_median_interval(x, 5, &lo, &hi); /* too few: the extremes */
+  assert_true(lo == 1 && hi == 5);
+  double many[100];
+  for (int i = 0; i < 100; i++) {
+    many[i] = i + 1;
+  }
+  stats_median_interval(many, 100, &lo, &hi); /* ranks 40 and 61 (binomial, 95 %) */
+  assert_true(lo == 40 && hi == 61);
+  check_close(stats_quantile(many, 100, 0.95), 95.05, 1e-12);
+  double one = 1.0;
+  assert_true(isinf(stats_half_width(&one, 1)));
+  assert_true(isnan(stats_median(&one, 0)));
+}
+
+static void braces_expand(void **state) {
+  (void)state;
+  text_list l = {0};
+  base_error err;
+  check_ok(brace_expand("a:n={1,2},m={x,yz}", &l, &err), &err);
+  const char *want[] = {"a:n=1,m=x", "a:n=1,m=yz", "a:n=2,m=x", "a:n=2,m=yz"};
+  assert_int_equal(l.n, 4);
+  for (int i = 0; i < 4; i++) {
+    assert_string_equal(l.item[i], want[i]);
+  }
+  assert_int_equal(brace_expand("a{1", &l, &err), BASE_EINVAL);
+  text_list_free(&l);
+}
+
+static void units_of_time_and_memory(void **state) {
+  (void)state;
+  double x;
+  assert_true(args_seconds("90", &x) && x == 90);
+  assert_true(args_seconds("1.5m", &x) && x == 90);
+  assert_true(args_seconds("2h", &x) && x == 7200);
+  assert_true(args_bytes("2G", &x) && x == 2147483648.0);
+  assert_false(args_seconds("-1", &x) || args_seconds("", &x) || args_seconds("soon", &x));
+}
+
+/* M = (-1), q = (-1): infeasible, y = 1 proves it. */
+static void claims_are_judged(void **state) {
+  (void)state;
+  const double m = -1.0;
+  const double q = -1.0;
+  const double y = 1.0;
+  const double wrong = -1.0;
+  const double z = 0.0;
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 1, .val = &m}, .q = &q};
+  solver_choice s;
+  lcp_verdict v;
+  base_error err;
+  bool verified;
+  check_ok(solver_choose("lemke", &s, &err), &err);
+  check_ok(lcp_judge(&p, &z, &v, &err), &err);
+  lcp_result claim = {.outcome = LCP_SOLVED};
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_UNVERIFIED);
+  assert_false(verified);
+  claim = (lcp_result){.outcome = LCP_INFEASIBLE};
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_UNVERIFIED);
+  claim.certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = &y};
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_INFEASIBLE);
+  claim.certificate.vector = &wrong;
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_UNVERIFIED);
+  claim = (lcp_result){.outcome = LCP_RAY};
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_RAY);
+  claim = (lcp_result){.outcome = LCP_SOLVED};
+  v.finite = false;
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_NUMERICAL);
+  solver_choice_free(&s);
+}
+
+/* Iterative: 1e-6 verifies; asked for less, less is ok but not verified. */
+static void asked_tolerance_decides_ok(void **state) {
+  (void)state;
+  solver_choice s;
+  base_error err;
+  bool verified;
+  const double m = 1.0;
+  const double q = -1.0;
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 1, .val = &m}, .q = &q};
+  const lcp_result claim = {.outcome = LCP_SOLVED};
+  check_ok(solver_choose("pgs", &s, &err), &err);
+  lcp_verdict v = {.rho = 5e-4, .finite = true};
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_UNVERIFIED);
+  check_ok(solver_choice_set(&s, "tol", "1e-3", &err), &err);
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_OK);
+  assert_false(verified);
+  v.rho = 5e-3;
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_NEAR);
+  v.rho = 5e-7;
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_OK);
+  assert_true(verified);
+  solver_choice_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(rows_read_back),
+      cmocka_unit_test(sha256_of_the_standard),
+      cmocka_unit_test(medians_and_intervals),
+      cmocka_unit_test(braces_expand),
+      cmocka_unit_test(units_of_time_and_memory),
+      cmocka_unit_test(claims_are_judged),
+      cmocka_unit_test(asked_tolerance_decides_ok),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
