@@ -2,7 +2,7 @@
  *
  * usage: bench_sweep [REPETITIONS] [LARGEST]
  * CSV on stdout, one row per method and size: median, first and third quartile of repetitions of
- * enough sweeps to last 20 ms; the methods take turns inside a repetition. The last comment line is
+ * at least 400 000 contact sweeps, in CPU time of the thread; the methods take turns inside a repetition. The last comment line is
  * the fitted exponent of sweep time in contacts (least squares of logs). */
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
@@ -127,9 +127,9 @@ static bool run_size(int contacts, int reps, fit *fits) {
   const int count = 1 + 400000 / contacts;
   for (int r = -1; ok && r < reps; r++) { /* -1: warm-up */
     for (int m = 0; m < METHODS; m++) {
-      const double started = base_seconds();
+      const double started = base_cpu_seconds();
       sweeps(&b, m, count);
-      seconds[m][(r < 0) ? 0 : r] = base_seconds() - started;
+      seconds[m][(r < 0) ? 0 : r] = base_cpu_seconds() - started;
     }
   }
   for (int m = 0; ok && m < METHODS; m++) {
