@@ -1,9 +1,10 @@
 /* bench_sweep.c - time of one matrix-free Gauss-Seidel sweep per contact, against plain sweeps.
  *
  * usage: bench_sweep [REPETITIONS] [LARGEST]
- * CSV on stdout, one row per method and size: median, first and third quartile of repetitions of
- * at least 400 000 contact sweeps, in CPU time of the thread; the methods take turns inside a repetition. The last comment line is
- * the fitted exponent of sweep time in contacts (least squares of logs). */
+ * CSV on stdout, one row per method and size: median, first and third quartile over repetitions of
+ * at least 400 000 contact sweeps each, in CPU time of the thread; the methods take turns inside a
+ * repetition. The closing comment lines are the fitted exponents of sweep time in contacts (least
+ * squares of logs, sizes from 100 on). */
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 #include "lcp/solvers/contact_sweep.h"
