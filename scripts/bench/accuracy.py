@@ -11,9 +11,11 @@ ROUNDING = 1e-12  # a scene whose every error is below has nothing to trade
 YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
               "algebraic": ("rho", "residual of the complementarity problem")}
 
-# What a reader comes with, and the scenes of the catalogue that stand for it (first word of the name decides)
-SITUATIONS = {"stack": ("stack", "column", "pile", "wall"), "grasp": ("grip", "grasp", "peg", "squeeze", "wedge"),
-              "sliding": ("slid", "incline", "slide", "brake", "belt"), "impact": ("bounc", "impact", "drop", "cradle", "rock")}
+# What a reader comes with, and the scenes of the catalogue that stand for it
+SITUATIONS = {"stack": ("stack", "wall", "pyramid", "card_house", "arch", "sphere_pile", "pile3", "row", "granular_column"),
+              "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
+              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin"),
+              "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip")}
 
 
 def usable(cells, column="err_ref"):
@@ -28,7 +30,7 @@ def cheapest(cells, level, column="err_ref"):
 
 
 def situation_of(family):
-    return next((s for s, words in SITUATIONS.items() if any(w in family for w in words)), "")
+    return next((s for s, names in SITUATIONS.items() if family in names), "")
 
 
 def own(cells):

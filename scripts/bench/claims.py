@@ -60,8 +60,15 @@ def faster(column, what):
         from_size = next((s for i, s in enumerate(sizes)
                           if all((p[p["p"] == t][column] < p[p["p"] == t][column + "_other"]).mean() > 0.5 for t in sizes[i:])), None)
         share = len(wins) / n if n else math.nan
-        word = "holds" if share >= 1 else (f"holds when p ≥ {from_size:g} (in most pairs)" if from_size is not None and from_size > sizes[0]
-                                           else "holds in most pairs" if share > 0.5 and low > 1 else "does not hold")
+        lost = sorted(f for f, g in p.groupby("problem_family") if (g[column] < g[column + "_other"]).mean() < 0.5)
+        if share >= 1:
+            word = "holds"
+        elif share > 0.5 and low > 1:
+            word = "holds in most pairs" + (f" (not: {', '.join(lost)})" if lost else "")
+        elif from_size is not None and from_size > sizes[0]:
+            word = f"holds when p ≥ {from_size:g} (in most pairs)"
+        else:
+            word = "does not hold"
         big = p[p["p"] == sizes[-1]] if sizes else p
         at_big = stats.paired_ratio(big[column + "_other"], big[column])
         return word, (f"{what}: velocity / regularized = {interval(ratio, low, high)} (geometric mean of {n} pairs, 95 %), "
