@@ -141,14 +141,14 @@ int reg_stride(void); /* doubles remembered per contact */
 
 /* regularized_contact.c: compliant directions and slip columns of the current modes. */
 void reg_rows_collect(regularized *s);
-void reg_slip_column(const regularized *s, int contact, double *f);
+void reg_slip_column(const regularized *s, int j, double *f);
 
 /* regularized_mass.c: MATH 2.3.2. Ordering and memory for the contacts of this step; then as below,
  * expand giving u as well. */
 base_status reg_mass_begin(regularized *s, base_error *err);
 bool reg_mass_reduce(regularized *s);
 void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
-void reg_mass_close(reg_mass *m);
+void reg_mass_close(reg_mass *s);
 
 /* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
  * matrix is not positive definite (rigid and redundant friction). */
