@@ -387,7 +387,7 @@ static void mixed_problems(void **state) {
   }
 }
 
-static lcp_result run_few(const lcp_problem *p, double *z, lcp_verdict *v) {
+static lcp_result run_few(const lcp_problem *p, const char *options, double *z, lcp_verdict *v) {
   const lcp_solver *solver = lcp_solver_find("lemke");
   const lcp_capacity cap = lcp_problem_capacity(p);
   unsigned char opt[512];
@@ -395,6 +395,7 @@ static lcp_result run_few(const lcp_problem *p, double *z, lcp_verdict *v) {
   base_error err = {0};
   lcp_result res;
   base_fields_default(solver->fields, solver->n_fields, opt);
+  check_ok(base_fields_parse(solver->fields, solver->n_fields, opt, options, &err), &err);
   check_ok(lcp_instance_open(&k, solver, &cap, opt, &err), &err);
   check_ok(lcp_instance_prepare(k, p, &err), &err);
   assert_int_equal(lcp_instance_storage(k), LCP_FACTORED);
@@ -433,7 +434,7 @@ static void check_few(int bodies, int contacts, int facets) {
   lcp_verdict v;
   check_ok(few_bodies(&k, bodies, contacts, facets, 3, &err), &err);
   double *z = calloc((size_t)k.p.M.n, sizeof *z);
-  const lcp_result res = run_few(&k.p, z, &v);
+  const lcp_result res = run_few(&k.p, "", z, &v);
   assert_int_equal(res.outcome, LCP_SOLVED);
   assert_true(v.rho <= 1e-12);
   assert_true(v.rho <= res.residual + 1e-16); /* the bound is a bound */
@@ -454,6 +455,25 @@ static void factored_form_agrees_with_dense(void **state) {
   check_few(3, 9, 6);
 }
 
+/* Few contacts that slide: the sliding start gets there in fewer pivots. */
+static void sliding_start_saves_pivots(void **state) {
+  (void)state;
+  known_lcp k;
+  base_error err = {0};
+  lcp_verdict v;
+  double z[60] = {0};
+  double slid[60] = {0};
+  check_ok(few_bodies(&k, 10, 10, 4, 3, &err), &err);
+  assert_int_equal(k.p.M.n, BASE_COUNT(z));
+  const lcp_result cold = run_few(&k.p, "", z, &v);
+  assert_int_equal(cold.outcome, LCP_SOLVED);
+  const lcp_result start = run_few(&k.p, "start=sliding", slid, &v);
+  assert_int_equal(start.outcome, LCP_SOLVED);
+  assert_true(v.rho <= 1e-12);
+  assert_true(start.work.pivots < cold.work.pivots);
+  known_lcp_free(&k);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(murty_and_fathi_take_two_to_the_n),
@@ -469,6 +489,7 @@ int main(void) {
       cmocka_unit_test(pivot_limit_is_reported),
       cmocka_unit_test(mixed_problems),
       cmocka_unit_test(factored_form_agrees_with_dense),
+      cmocka_unit_test(sliding_start_saves_pivots),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
