@@ -8,6 +8,8 @@
 #include <string.h>
 #include <strings.h>
 
+enum { EMPTY_ROWS = 1000000 }; /* a sparse file may name so many rows without filling them */
+
 typedef struct header {
   bool array;
   int mirror; /* 0 general, 1 symmetric, -1 skew */
@@ -51,10 +53,14 @@ static base_status read_header(lcp_text *t, header *h, base_error *err) {
   BASE_TRY(lcp_text_int(t, "the number of columns", 0, 100000000, &h->cols, err));
   if (h->array) {
     h->entries = 0;
-    return lcp_text_holds(t, (double)h->rows * (double)h->cols * (h->mirror ? 0.5 : 1.0), "size",
-                          err);
+    const double all = (double)h->rows * (double)h->cols;
+    const double diagonal = (double)h->mirror * (double)h->rows; /* + symmetric, - skew */
+    return lcp_text_holds(t, (h->mirror == 0) ? all : (all + diagonal) / 2, "size", err);
   }
   BASE_TRY(lcp_text_int(t, "the number of entries", 0, 1000000000, &h->entries, err));
+  if (h->rows > EMPTY_ROWS || h->cols > EMPTY_ROWS) { /* offsets of so many rows need a reason */
+    BASE_TRY(lcp_text_holds(t, (double)h->rows + (double)h->cols, "size", err));
+  }
   return lcp_text_holds(t, 3.0 * (double)h->entries, "size", err);
 }
 
