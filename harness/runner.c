@@ -4,6 +4,7 @@
 #include "harness/isolate.h"
 #include "harness/machine.h"
 #include "harness/progress.h"
+#include "harness/stats.h"
 #include "harness/verdict.h"
 #include "harness/versions.h"
 #include "lcp/base/clock.h"
@@ -226,6 +227,34 @@ static void add_context(runner *r, const isolate_end *end, double load, int orde
   }
 }
 
+/* Marks samples far from the others of their process: modified z-score above 3.5 (Iglewicz & Hoaglin
+ * 1993: 0.6745 |x - median| / MAD). Nothing is deleted. */
+static void flag_outliers(runner *r) {
+  enum { SAMPLES = 256 };
+  double x[SAMPLES];
+  double away[SAMPLES];
+  int n = 0;
+  for (int i = 0; i < r->unit_rows.n && n < SAMPLES; i++) {
+    if (r->unit_rows.row[i].t_total_s > 0.0) {
+      x[n++] = r->unit_rows.row[i].t_total_s;
+    }
+  }
+  stats_sort(x, n);
+  const double median = stats_median(x, n);
+  for (int i = 0; i < n; i++) {
+    away[i] = fabs(x[i] - median);
+  }
+  stats_sort(away, n);
+  const double mad = stats_median(away, n);
+  for (int i = 0; n >= 5 && mad > 0.0 && i < r->unit_rows.n; i++) {
+    record *row = &r->unit_rows.row[i];
+    if (0.6745 * fabs(row->t_total_s - median) / mad > 3.5) {
+      const size_t used = strlen(row->flags);
+      (void)snprintf(row->flags + used, sizeof row->flags - used, "%soutlier", used > 0 ? " " : "");
+    }
+  }
+}
+
 static void count_status(runner *r) {
   const record *last = &r->unit_rows.row[r->unit_rows.n - 1];
   run_status s;
@@ -257,6 +286,7 @@ static base_status run_unit(runner *r, int u, base_error *err) {
     death_row(r, &end, err);
   }
   add_context(r, &end, load, u, cpu);
+  flag_outliers(r);
   BASE_TRY(append_rows(r, err));
   count_status(r);
   const record *last = &r->unit_rows.row[r->unit_rows.n - 1];

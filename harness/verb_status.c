@@ -33,6 +33,22 @@ static void count_row(const record *r, bool first_of_cell, status_counts *c) {
   }
 }
 
+/* Two iterative methods that agree in every bit after some work are one method under two names, or
+ * both fell back to a third. Sorted rows, one look at each pair of cells. */
+static void print_twins(const record_table *t) {
+  for (int i = 0; i < t->n; i++) {
+    const record *a = &t->row[i];
+    for (int k = i + 1; k < t->n && a->n_iter > 1 && a->n_pivot <= 0 && a->rho > 0.0; k++) {
+      const record *b = &t->row[k];
+      if (a->rep == 0 && b->rep == 0 && a->process == 0 && b->process == 0 && b->n_iter > 1 &&
+          strcmp(a->solution_hash, b->solution_hash) == 0 && strcmp(a->solver, b->solver) != 0 &&
+          strcmp(a->problem, b->problem) == 0) {
+        (void)printf("  identical bits: %s and %s on %s\n", a->solver, b->solver, a->problem);
+      }
+    }
+  }
+}
+
 static void print_status(record_table *t, const char *dir) {
   status_counts c = {0};
   if (t->n > 0) {
@@ -49,6 +65,7 @@ static void print_status(record_table *t, const char *dir) {
     }
   }
   (void)printf("  %d cells miss a prediction\n", c.missed);
+  print_twins(t);
   if (c.fast > 0.0 && c.slow > 1.03 * c.fast) {
     (void)printf("  the canary drifted by %.1f %%: times are not comparable throughout\n",
                  100.0 * (c.slow / c.fast - 1.0));
