@@ -275,6 +275,15 @@ static void couple(const form_assembly *a, const contact_set *c, int i, int j, d
   }
 }
 
+/* low = up', both row-major; the own block onto itself. */
+static void mirror(const double *up, int ri, int rj, double *low) {
+  for (int p = 0; p < ri; p++) {
+    for (int q = (low == up) ? p + 1 : 0; q < rj; q++) {
+      low[q * ri + p] = up[p * rj + q];
+    }
+  }
+}
+
 /* Upper blocks are computed, lower ones copied: C is symmetric to the last bit. The own block is
  * symmetrised the same way. */
 static void fill_blocks(form_assembly *a, const contact_set *c) {
@@ -284,15 +293,10 @@ static void fill_blocks(form_assembly *a, const contact_set *c) {
     const int ri = form_rows_of(a, i);
     for (int k = a->self[i]; k < a->near_start[i + 1]; k++) {
       const int j = a->near[k];
-      const int rj = form_rows_of(a, j);
       double *up = a->block + a->block_at[k];
       couple(a, c, i, j, up);
       double *low = (j == i) ? up : a->block + a->block_at[a->cursor[j]++];
-      for (int p = 0; p < ri; p++) {
-        for (int q = (j == i) ? p + 1 : 0; q < rj; q++) {
-          low[q * ri + p] = up[p * rj + q];
-        }
-      }
+      mirror(up, ri, form_rows_of(a, j), low);
     }
   }
 }
@@ -324,20 +328,23 @@ base_status form_assembly_begin_own(form_assembly *a, const contact_set *c, form
   return begin(a, c, rows, rule, memory, err);
 }
 
+/* u += block l. */
+static void add_product(const double *block, int ri, int rj, const double *l, double *u) {
+  for (int p = 0; p < ri; p++) {
+    for (int q = 0; q < rj; q++) {
+      u[p] += block[p * rj + q] * l[q];
+    }
+  }
+}
+
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u) {
   memcpy(u, a->r, (size_t)a->n_row * sizeof *u);
   for (int i = 0; i < a->n_group; i++) {
     const int ri = form_rows_of(a, i);
     double *ui = u + a->row[i];
     for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
-      const int rj = form_rows_of(a, a->near[k]);
-      const double *lj = lambda + a->row[a->near[k]];
-      const double *block = a->block + a->block_at[k];
-      for (int p = 0; p < ri; p++) {
-        for (int q = 0; q < rj; q++) {
-          ui[p] += block[p * rj + q] * lj[q];
-        }
-      }
+      const int j = a->near[k];
+      add_product(a->block + a->block_at[k], ri, form_rows_of(a, j), lambda + a->row[j], ui);
     }
   }
 }
@@ -351,13 +358,29 @@ void form_assembly_dense(const form_assembly *a, double *out) {
       const int j = a->near[k];
       const int rj = form_rows_of(a, j);
       const double *block = a->block + a->block_at[k];
-      for (int q = 0; q < rj; q++) {
-        double *column = out + (a->row[j] + q) * n + a->row[i];
-        for (int p = 0; p < ri; p++) {
-          column[p] = block[p * rj + q];
-        }
+      double *to = out + a->row[j] * n + a->row[i];
+      for (int e = 0; e < ri * rj; e++) {
+        to[(e % rj) * n + e / rj] = block[e];
       }
     }
+  }
+}
+
+/* force += J' l for the first `rows` rows of group g. */
+static void push(form_assembly *a, int g, int rows, const double *l) {
+  const contact_set *c = a->set;
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    for (int p = 0; p < rows && n > 0; p++) {
+      double *f = a->force + c->dof_start[b];
+      for (int k = 0; k < n; k++) {
+        f[k] += jac[p * n + k] * l[p];
+      }
+    }
+    jac += (ptrdiff_t)all * n;
   }
 }
 
@@ -372,21 +395,9 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
   for (int i = 0; i < a->n_group + a->n_joint_group; i++) {
     const int g = a->group[i];
     const int rows = form_rows_of(a, i);
-    const int all = c->row_start[g + 1] - c->row_start[g];
     const double *l = lambda + a->row[i];
     memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
-    const double *jac = c->jac + c->jac_start[g];
-    for (int side = 0; side < 2; side++) {
-      const int b = c->body[2 * g + side];
-      const int n = dofs(c, b);
-      for (int p = 0; p < rows && n > 0; p++) {
-        double *f = a->force + c->dof_start[b];
-        for (int k = 0; k < n; k++) {
-          f[k] += jac[p * n + k] * l[p];
-        }
-      }
-      jac += (ptrdiff_t)all * n;
-    }
+    push(a, g, rows, l);
   }
   for (int b = 0; b < c->n_body; b++) {
     const int n = dofs(c, b);

@@ -42,6 +42,19 @@ static void layout_blocks(void *state, base_arena *m) {
   j->block = BASE_ARRAY(m, double, j->cap_block);
 }
 
+/* Gives every unlabelled joint that meets g the label of g. */
+static int spread(form_assembly *a, int g, int listed) {
+  form_joints *j = &a->joints;
+  for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
+    const int other = a->near[k];
+    if (other >= a->n_contact && j->component[other] < 0) {
+      j->component[other] = j->component[g];
+      j->member[listed++] = other;
+    }
+  }
+  return listed;
+}
+
 /* Labels joints that are coupled with the same number; lists them component by component. */
 static void find_components(form_assembly *a) {
   form_joints *j = &a->joints;
@@ -63,13 +76,7 @@ static void find_components(form_assembly *a) {
       const int g = j->member[head];
       j->offset[g] = c->rows;
       c->rows += form_rows_of(a, g);
-      for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
-        const int other = a->near[k];
-        if (other >= p && j->component[other] < 0) {
-          j->component[other] = j->n_part;
-          j->member[listed++] = other;
-        }
-      }
+      listed = spread(a, g, listed);
     }
     c->count = listed - c->first;
     j->n_part++;
@@ -80,6 +87,19 @@ static int ascending(const void *x, const void *y) {
   const int a = *(const int *)x;
   const int b = *(const int *)y;
   return (a > b) - (a < b);
+}
+
+/* Lists the contacts that meet joint g and are not listed for component c yet. */
+static int list_touching(form_assembly *a, int g, int c, int listed) {
+  form_joints *j = &a->joints;
+  for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
+    const int i = a->near[k];
+    if (i < a->n_contact && j->mark[i] != c) {
+      j->mark[i] = c;
+      j->touch[listed++] = i;
+    }
+  }
+  return listed;
 }
 
 /* Contacts that touch each component, ascending, with their first column in Y. A body belongs to
@@ -94,14 +114,7 @@ static void find_touching(form_assembly *a) {
     form_component *part = &j->part[c];
     part->touch = listed;
     for (int m = part->first; m < part->first + part->count; m++) {
-      const int g = j->member[m];
-      for (int k = a->near_start[g]; k < a->near_start[g + 1]; k++) {
-        const int i = a->near[k];
-        if (i < a->n_contact && j->mark[i] != c) {
-          j->mark[i] = c;
-          j->touch[listed++] = i;
-        }
-      }
+      listed = list_touching(a, j->member[m], c, listed);
     }
     part->n_touch = listed - part->touch;
     qsort(j->touch + part->touch, (size_t)part->n_touch, sizeof *j->touch, ascending);
@@ -225,6 +238,15 @@ static int touch_column(const form_joints *j, const form_component *part, int i)
   return j->column[low];
 }
 
+/* Row-major rg x ro into a column-major matrix with leading dimension n. */
+static void put_block(const double *block, int rg, int ro, double *to, ptrdiff_t n) {
+  for (int p = 0; p < rg; p++) {
+    for (int q = 0; q < ro; q++) {
+      to[q * n + p] = block[p * ro + q];
+    }
+  }
+}
+
 /* S and R of one component from the blocks of its joints. */
 static void gather(form_assembly *a, const form_component *part, double *S, double *R, double *y) {
   const form_joints *j = &a->joints;
@@ -240,11 +262,7 @@ static void gather(form_assembly *a, const form_component *part, double *S, doub
       const double *block = a->block + a->block_at[k];
       const int column = (o >= a->n_contact) ? j->offset[o] : touch_column(j, part, o);
       double *to = ((o >= a->n_contact) ? S : R) + (ptrdiff_t)column * n + j->offset[g];
-      for (int p = 0; p < rg; p++) {
-        for (int q = 0; q < ro; q++) {
-          to[(ptrdiff_t)q * n + p] = block[p * ro + q];
-        }
-      }
+      put_block(block, rg, ro, to, n);
     }
   }
 }
@@ -257,6 +275,16 @@ static void permute(double *x, int n, int m, const int *pivot, double *work) {
       work[k] = column[pivot[k] - 1];
     }
     memcpy(column, work, (size_t)n * sizeof *column);
+  }
+}
+
+/* block -= Y_i' Y_j over the first `rank` rows. */
+static void reduce_block(const double *Yi, int ri, const double *Yj, int rj, int n, int rank,
+                         double *block) {
+  for (int p = 0; p < ri; p++) {
+    for (int q = 0; q < rj; q++) {
+      block[p * rj + q] -= cblas_ddot(rank, Yi + (ptrdiff_t)p * n, 1, Yj + (ptrdiff_t)q * n, 1);
+    }
   }
 }
 
@@ -276,15 +304,9 @@ static void subtract(form_assembly *a, const form_component *part, const double 
       while (j->near[k] != j->touch[o]) {
         k++;
       }
-      const int rj = form_rows_of(a, j->touch[o]);
       const double *Yj = Y + (ptrdiff_t)j->column[o] * n;
-      double *block = j->block + j->block_at[k];
-      for (int p = 0; p < ri; p++) {
-        for (int q = 0; q < rj; q++) {
-          block[p * rj + q] -=
-              cblas_ddot(part->rank, Yi + (ptrdiff_t)p * n, 1, Yj + (ptrdiff_t)q * n, 1);
-        }
-      }
+      reduce_block(Yi, ri, Yj, form_rows_of(a, j->touch[o]), n, part->rank,
+                   j->block + j->block_at[k]);
     }
   }
 }

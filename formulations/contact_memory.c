@@ -5,38 +5,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void layout(contact_memory *m, base_arena *a) {
+  const size_t data = (size_t)m->cap * (size_t)m->stride;
+  m->id = BASE_ARRAY(a, uint64_t, m->cap);
+  m->id_old = BASE_ARRAY(a, uint64_t, m->cap);
+  m->now = BASE_ARRAY(a, double, data);
+  m->old = BASE_ARRAY(a, double, data);
+  m->match = BASE_ARRAY(a, int, m->cap);
+}
+
+/* The past survives, the present is about to be written. */
 static base_status grow(contact_memory *m, int n, base_error *err) {
-  const int cap = n + n / 2;
-  const size_t data = (size_t)cap * (size_t)m->stride * sizeof(double);
-  uint64_t *id = base_alloc((size_t)cap * sizeof *id);
-  uint64_t *id_old = base_alloc((size_t)cap * sizeof *id);
-  double *now = base_alloc(data);
-  double *old = base_alloc(data);
-  int *match = base_alloc((size_t)cap * sizeof *match);
-  if (id == NULL || id_old == NULL || now == NULL || old == NULL || match == NULL) {
-    free(id);
-    free(id_old);
-    free(now);
-    free(old);
-    free(match);
+  contact_memory next = *m;
+  next.cap = n + n / 2;
+  base_arena measure = base_arena_measuring();
+  layout(&next, &measure);
+  next.mem = base_alloc(measure.used);
+  if (next.mem == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory to remember %d contacts", n);
   }
+  base_arena arena = base_arena_over(next.mem, measure.used);
+  layout(&next, &arena);
   if (m->n_old > 0) {
-    memcpy(id_old, m->id_old, (size_t)m->n_old * sizeof *id);
-    memcpy(old, m->old, (size_t)m->n_old * (size_t)m->stride * sizeof *old);
+    memcpy(next.id_old, m->id_old, (size_t)m->n_old * sizeof *m->id_old);
+    memcpy(next.old, m->old, (size_t)m->n_old * (size_t)m->stride * sizeof *m->old);
   }
-  const contact_memory was = *m;
-  m->cap = cap;
-  m->id = id;
-  m->id_old = id_old;
-  m->now = now;
-  m->old = old;
-  m->match = match;
-  free(was.id);
-  free(was.id_old);
-  free(was.now);
-  free(was.old);
-  free(was.match);
+  void *outgrown = m->mem;
+  *m = next;
+  free(outgrown);
   return BASE_OK;
 }
 
@@ -84,10 +80,7 @@ void contact_memory_forget(contact_memory *m) {
 }
 
 void contact_memory_close(contact_memory *m) {
-  free(m->id);
-  free(m->id_old);
-  free(m->now);
-  free(m->old);
-  free(m->match);
+  free(m->mem);
+  m->mem = NULL;
   *m = (contact_memory){0};
 }

@@ -8,10 +8,11 @@
 typedef struct contact_memory {
   int stride;
   int n, n_old, cap;
-  uint64_t *id, *id_old; /* owned */
-  double *now, *old;     /* owned, stride per contact */
-  int *match;            /* n: index in old, -1: new; owned */
-  double h_old;          /* step length of the remembered step [s], 0: none */
+  void *mem; /* owned; the arrays below */
+  uint64_t *id, *id_old;
+  double *now, *old; /* stride per contact */
+  int *match;        /* n: index in old, -1: new */
+  double h_old;      /* step length of the remembered step [s], 0: none */
   double h_now;
 } contact_memory;
 

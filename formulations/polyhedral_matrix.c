@@ -11,7 +11,7 @@ static void add_part(poly_shape *s, int kind, int row, int dim, int facets) {
   const int n = (dim == 1) ? 2 : facets;
   for (int k = 0; k < n; k++) {
     struct poly_column *col = &s->column[s->n_column++];
-    const double angle = 2 * 3.14159265358979323846 * k / n;
+    const double angle = 2 * 3.14159265358979323846 * k / n; /* 2 pi k / n */
     col->row = row;
     col->n = dim;
     col->c[0] = cos(angle);
@@ -214,25 +214,30 @@ static int put_cone_rows(polyhedral *s, int at, int j, int b) {
   return at;
 }
 
+/* Column b of group j through all its neighbours, with the sigma rows after the own rows. */
+static int put_coupled(polyhedral *s, int at, int j, int b) {
+  double f[MOST_ROWS];
+  direction(s, j, b, f);
+  for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
+    const int i = s->a.near[k];
+    coupled_column(s, j, k, f, s->val + at);
+    for (int row = 0; row < columns(s, i); row++) {
+      s->rowind[at++] = s->first[i] + row;
+    }
+    if (i == j) {
+      at = put_cone_rows(s, at, j, b);
+    }
+  }
+  return at;
+}
+
 void poly_fill_csc(polyhedral *s) {
   int at = 0;
   int column = 0;
   for (int j = 0; j < s->a.n_group; j++) {
-    const int nj = columns(s, j);
-    for (int b = 0; b < nj; b++) {
+    for (int b = 0; b < columns(s, j); b++) {
       s->colptr[column++] = at;
-      double f[MOST_ROWS];
-      direction(s, j, b, f);
-      for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
-        const int i = s->a.near[k];
-        coupled_column(s, j, k, f, s->val + at);
-        for (int row = 0; row < columns(s, i); row++) {
-          s->rowind[at++] = s->first[i] + row;
-        }
-        if (i == j) {
-          at = put_cone_rows(s, at, j, b);
-        }
-      }
+      at = put_coupled(s, at, j, b);
     }
     const double a = normal_mass(s, j);
     for (int p = 0; p < parts(s, j); p++) {

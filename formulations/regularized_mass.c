@@ -34,37 +34,53 @@ static void layout_values(void *state, base_arena *m) {
   s->Y = BASE_ARRAY(m, double, s->cap_Y);
 }
 
-void reg_mass_close(reg_mass *s) {
-  free(s->mem);
-  free(s->val_mem);
+void reg_mass_close(reg_mass *m) {
+  free(m->mem);
+  free(m->val_mem);
 }
 
 static int dofs(const contact_set *c, int body) {
   return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
 }
 
+/* Bodies a and b of active contact i are coupled by friction. */
+static bool is_link(const regularized *s, int i) {
+  const int *b = s->a.set->body + 2 * (ptrdiff_t)s->a.group[i];
+  return b[0] >= 0 && b[1] >= 0 && b[0] != b[1] && s->part_start[i] < s->part_start[i + 1];
+}
+
 /* Lists, for every body, the bodies it shares a friction contact with. */
 static void find_links(const regularized *s, reg_mass *m) {
   const contact_set *c = s->a.set;
   memset(m->link_start, 0, ((size_t)c->n_body + 2) * sizeof *m->link_start);
-  for (int pass = 0; pass < 2; pass++) {
-    for (int i = 0; i < s->a.n_contact; i++) {
-      const int *b = c->body + 2 * (ptrdiff_t)s->a.group[i];
-      if (b[0] < 0 || b[1] < 0 || b[0] == b[1] || s->part_start[i] == s->part_start[i + 1]) {
-        continue;
-      }
-      for (int side = 0; side < 2; side++) {
-        if (pass == 0) {
-          m->link_start[b[side] + 2]++;
-        } else {
-          m->link[m->link_start[b[side] + 1]++] = b[1 - side];
-        }
-      }
-    }
-    for (int k = 0; pass == 0 && k < c->n_body; k++) {
-      m->link_start[k + 2] += m->link_start[k + 1];
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int *b = c->body + 2 * (ptrdiff_t)s->a.group[i];
+    if (is_link(s, i)) {
+      m->link_start[b[0] + 2]++;
+      m->link_start[b[1] + 2]++;
     }
   }
+  for (int k = 0; k < c->n_body; k++) {
+    m->link_start[k + 2] += m->link_start[k + 1];
+  }
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int *b = c->body + 2 * (ptrdiff_t)s->a.group[i];
+    if (is_link(s, i)) {
+      m->link[m->link_start[b[0] + 1]++] = b[1];
+      m->link[m->link_start[b[1] + 1]++] = b[0];
+    }
+  }
+}
+
+/* Appends the neighbours of body b that have no place in the order yet. */
+static int append_links(reg_mass *m, int b, int n) {
+  for (int k = m->link_start[b]; k < m->link_start[b + 1]; k++) {
+    if (m->place[m->link[k]] < 0) {
+      m->place[m->link[k]] = 0;
+      m->order[n++] = m->link[k];
+    }
+  }
+  return n;
 }
 
 /* Breadth-first from the first body of each component, reversed; place[b]: its first dof. */
@@ -80,13 +96,7 @@ static void order_bodies(const contact_set *c, reg_mass *m) {
     m->place[seed] = 0;
     m->order[n++] = seed;
     for (int head = n - 1; head < n; head++) {
-      const int b = m->order[head];
-      for (int k = m->link_start[b]; k < m->link_start[b + 1]; k++) {
-        if (m->place[m->link[k]] < 0) {
-          m->place[m->link[k]] = 0;
-          m->order[n++] = m->link[k];
-        }
-      }
+      n = append_links(m, m->order[head], n);
     }
   }
   int at = 0;
@@ -173,29 +183,33 @@ static void direction(const regularized *s, const reg_row *q, double *out) {
   }
 }
 
+/* Lower part of x y' / compliance into the rows of one body and the columns of another. */
+static void add_outer(const reg_mass *m, int row, const double *x, int nx, int column,
+                      const double *y, int ny, double compliance) {
+  for (int i = 0; i < nx; i++) {
+    double *to = entry(m, row + i, column);
+    const double scaled = x[i] / compliance;
+    for (int j = 0; j < ((row == column) ? i + 1 : ny); j++) {
+      to[j] += scaled * y[j];
+    }
+  }
+}
+
 /* M_hat += e e' / compliance for every compliant direction e. */
 static void add_springs(const regularized *s, reg_mass *m) {
   const contact_set *c = s->a.set;
+  double *e = m->delta; /* scratch of at least two bodies' dofs */
   for (int k = 0; k < s->n_rows; k++) {
     const reg_row *q = &s->rows[k];
     const int *b = c->body + 2 * (ptrdiff_t)s->a.group[q->group];
-    const int n[2] = {dofs(c, b[0]), dofs(c, b[1])};
-    double *e = m->delta; /* scratch of at least two bodies' dofs */
     direction(s, q, e);
+    const int n[2] = {dofs(c, b[0]), dofs(c, b[1])};
     const double *part[2] = {e, e + n[0]};
-    for (int x = 0; x < 2; x++) {
-      for (int y = 0; y < 2; y++) {
-        if (n[x] == 0 || n[y] == 0 || m->place[b[x]] < m->place[b[y]]) {
-          continue; /* the lower triangle only */
-        }
-        for (int i = 0; i < n[x]; i++) {
-          const int last = (m->place[b[x]] == m->place[b[y]]) ? i + 1 : n[y];
-          double *row = entry(m, m->place[b[x]] + i, m->place[b[y]]);
-          const double scaled = part[x][i] / q->compliance;
-          for (int j = 0; j < last; j++) {
-            row[j] += scaled * part[y][j];
-          }
-        }
+    for (int xy = 0; xy < 4; xy++) {
+      const int x = xy / 2;
+      const int y = xy % 2;
+      if (n[x] > 0 && n[y] > 0 && m->place[b[x]] >= m->place[b[y]]) {
+        add_outer(m, m->place[b[x]], part[x], n[x], m->place[b[y]], part[y], n[y], q->compliance);
       }
     }
   }
@@ -341,26 +355,31 @@ bool reg_mass_reduce(regularized *s) {
   return true;
 }
 
+/* u += J delta over the rows of active contact i. */
+static void add_motion(const regularized *s, int i, const double *delta, double *u) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const int rows = form_rows_of(&s->a, i);
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    const double *d = delta + ((n > 0) ? s->mass.place[b] : 0);
+    for (int r = 0; r < rows; r++) {
+      for (int k = 0; k < n; k++) {
+        u[r] += jac[r * n + k] * d[k];
+      }
+    }
+    jac += (ptrdiff_t)all * n;
+  }
+}
+
 /* u = r + J delta over the rows in use. */
 static void relative(const regularized *s, const double *delta, double *u) {
-  const contact_set *c = s->a.set;
   memcpy(u, s->a.r, (size_t)s->a.n_row * sizeof *u);
   for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i];
-    const int rows = form_rows_of(&s->a, i);
-    const int all = c->row_start[g + 1] - c->row_start[g];
-    const double *jac = c->jac + c->jac_start[g];
-    for (int side = 0; side < 2; side++) {
-      const int b = c->body[2 * g + side];
-      const int n = dofs(c, b);
-      const double *d = delta + ((n > 0) ? s->mass.place[b] : 0);
-      for (int r = 0; r < rows; r++) {
-        for (int k = 0; k < n; k++) {
-          u[s->a.row[i] + r] += jac[r * n + k] * d[k];
-        }
-      }
-      jac += (ptrdiff_t)all * n;
-    }
+    add_motion(s, i, delta, u + s->a.row[i]);
   }
 }
 

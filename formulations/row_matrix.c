@@ -42,20 +42,25 @@ static base_status reserve(row_matrix *m, const form_assembly *a, size_t val, si
 }
 
 /* C is symmetric: column q of group j read along row q of its blocks. */
+static int put_column(row_matrix *m, const form_assembly *a, int j, int q, int at) {
+  for (int k = a->near_start[j]; k < a->near_start[j + 1]; k++) {
+    const int i = a->near[k];
+    const int ri = form_rows_of(a, i);
+    const double *block = a->block + a->block_at[k] + (ptrdiff_t)q * ri;
+    for (int p = 0; p < ri; p++) {
+      m->rowind[at] = a->row[i] + p;
+      m->val[at++] = block[p];
+    }
+  }
+  return at;
+}
+
 static void fill_csc(row_matrix *m, const form_assembly *a) {
   int at = 0;
   for (int j = 0; j < a->n_group; j++) {
     for (int q = 0; q < form_rows_of(a, j); q++) {
       m->colptr[a->row[j] + q] = at;
-      for (int k = a->near_start[j]; k < a->near_start[j + 1]; k++) {
-        const int i = a->near[k];
-        const int ri = form_rows_of(a, i);
-        const double *block = a->block + a->block_at[k] + (ptrdiff_t)q * ri;
-        for (int p = 0; p < ri; p++) {
-          m->rowind[at] = a->row[i] + p;
-          m->val[at++] = block[p];
-        }
-      }
+      at = put_column(m, a, j, q, at);
     }
   }
   m->colptr[a->n_row] = at;

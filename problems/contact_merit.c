@@ -140,23 +140,28 @@ static void judge_contact(const contact_set *c, int i, double bias, const double
   }
 }
 
+/* force += J_g' l of one group. */
+static void push(const contact_set *c, int g, const double *l, double *force) {
+  const double *jac = c->jac + c->jac_start[g];
+  const int rows = c->row_start[g + 1] - c->row_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+    for (int r = 0; r < rows; r++) {
+      for (int k = 0; k < n; k++) {
+        force[c->dof_start[b] + k] += jac[r * n + k] * l[r];
+      }
+    }
+    jac += (ptrdiff_t)rows * n;
+  }
+}
+
 /* || M (v+ - v_free) - J' l || over the largest of || M v_free ||, || J' l ||. */
 static double momentum_residual(const contact_set *c, const double *impulse, const double *v_next,
                                 double *force) {
   memset(force, 0, (size_t)c->n_dof * sizeof *force);
   for (int g = 0; g < c->n_group; g++) {
-    const double *jac = c->jac + c->jac_start[g];
-    const int rows = c->row_start[g + 1] - c->row_start[g];
-    for (int side = 0; side < 2; side++) {
-      const int b = c->body[2 * g + side];
-      const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
-      for (int r = 0; r < rows; r++) {
-        for (int k = 0; k < n; k++) {
-          force[c->dof_start[b] + k] += jac[r * n + k] * impulse[c->row_start[g] + r];
-        }
-      }
-      jac += (ptrdiff_t)rows * n;
-    }
+    push(c, g, impulse + c->row_start[g], force);
   }
   double off = 0;
   double pushed = norm(force, c->n_dof);
