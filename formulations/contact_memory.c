@@ -39,7 +39,8 @@ static base_status grow(contact_memory *m, int n, base_error *err) {
 base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
                                  base_error *err) {
   if (stride != m->stride) {
-    contact_memory_close(m);
+    contact_memory_forget(m);
+    m->cap = 0; /* too narrow: laid out anew below */
     m->stride = stride;
   }
   uint64_t *id = m->id;

@@ -150,11 +150,16 @@ static base_status choose_form(regularized *s, const contact_set *c, base_error 
   return BASE_OK;
 }
 
-static base_status begin(void *state, const contact_set *c, const void *opt,
-                         formulation_start start, base_error *err) {
-  regularized *s = state;
-  s->opt = *(const options *)opt;
-  s->start = start;
+static void start_point(regularized *s) {
+  const double ratio = (s->memory.h_old > 0) ? s->a.set->h / s->memory.h_old : 0;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    s->block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
+    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
+    s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[1] : 0;
+  }
+}
+
+static base_status collect(regularized *s, const contact_set *c, base_error *err) {
   const form_rule rule = {.level = s->opt.bias,
                           .activation = s->opt.activation,
                           .newton = s->opt.restitution == 0,
@@ -165,11 +170,18 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
   BASE_TRY(choose_form(s, c, err));
   if (s->by_mass) {
-    BASE_TRY(form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
-  } else {
-    BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
-    BASE_TRY(form_assembly_eliminate(&s->a, err));
+    return form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err);
   }
+  BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
+  return form_assembly_eliminate(&s->a, err);
+}
+
+static base_status begin(void *state, const contact_set *c, const void *opt,
+                         formulation_start start, base_error *err) {
+  regularized *s = state;
+  s->opt = *(const options *)opt;
+  s->start = start;
+  BASE_TRY(collect(s, c, err));
   BASE_TRY(grow(s, err));
   const int p = s->a.n_contact;
   s->answer = (formulation_answer){
@@ -182,12 +194,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   if (s->by_mass) {
     BASE_TRY(reg_mass_begin(s, err));
   }
-  for (int i = 0; i < p; i++) {
-    s->block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
-    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-    const bool known = start == FORM_PREVIOUS && past != NULL && s->memory.h_old > 0;
-    s->z0[i] = known ? past[1] * c->h / s->memory.h_old : 0;
-  }
+  start_point(s);
   if (p == 0) {
     finish(s, true); /* joints alone are a linear solve, already done */
   } else {

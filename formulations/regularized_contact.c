@@ -34,7 +34,7 @@ static void part_rows(regularized *s, const reg_part *p) {
   const double compliance = 1 / (p->G * r);
   const double spring = p->pull / p->G; /* of s, as a velocity */
   if (p->mode != REG_SLIP) {
-    for (int m = 0; m < p->dim; m++) {
+    for (int m = 0; m < p->dim && m < 2; m++) {
       add_row(s, p->contact, p->row + m, 1, &axis[m], compliance, spring * p->s[m]);
     }
   } else if (p->dim == 2 && s->opt.modes != REG_PLAIN) {
@@ -115,7 +115,7 @@ static void fill_pair(regularized *s, int j, int k) {
   const int ri = form_rows_of(a, i);
   const int p = a->n_contact;
   const double *block = a->block + a->block_at[k];
-  double scratch[MOST_ROWS];
+  double scratch[MOST_ROWS] = {0};
   for (int col = s->row_of[j]; col < s->row_of[j + 1]; col++) {
     const double *v = row_velocity(&s->rows[col], a->row[j], block, ri, scratch);
     double *column = s->sigma + (ptrdiff_t)col * s->n_rows;
@@ -128,7 +128,7 @@ static void fill_pair(regularized *s, int j, int k) {
     s->A[(ptrdiff_t)j * p + i] = block[0];
     return;
   }
-  double f[MOST_ROWS];
+  double f[MOST_ROWS] = {0};
   reg_slip_column(s, j, f);
   through(block, ri, form_rows_of(a, j), f, scratch);
   s->A[(ptrdiff_t)j * p + i] = scratch[0];
@@ -193,7 +193,7 @@ void reg_contact_expand(regularized *s, const double *lambda_n, double *lambda) 
   const int p = a->n_contact;
   memset(lambda, 0, (size_t)a->n_row * sizeof *lambda);
   for (int i = 0; i < p; i++) {
-    double f[MOST_ROWS];
+    double f[MOST_ROWS] = {0};
     reg_slip_column(s, i, f);
     for (int m = 0; m < form_rows_of(a, i); m++) {
       lambda[a->row[i] + m] = f[m] * lambda_n[i];

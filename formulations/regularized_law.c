@@ -188,7 +188,7 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
     reg_lugre_trial(&s->opt, s->a.set->h, p, lambda[s->a.row[p->contact]], v);
     return;
   }
-  for (int m = 0; m < p->dim; m++) {
+  for (int m = 0; m < p->dim && m < 2; m++) {
     p->tau[m] = p->pull * p->s[m] + p->G * v[m];
   }
   if (p->mode == REG_STICK || (p->mode == REG_SECANT && p->r > 0)) {
@@ -296,47 +296,55 @@ static void store(regularized *s, const reg_part *p, const double *next) {
   }
 }
 
+/* Law impulse and next state of one part; lambda gets the impulse. */
+static void settle(regularized *s, const reg_part *p, double ln, double *lambda, double *next) {
+  const double h = s->a.set->h;
+  const double creep = h * p->k + p->c;
+  const bool idle = is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
+  for (int m = 0; m < p->dim && m < 2; m++) {
+    const double unit = axis_unit(p, m);
+    const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];
+    lambda[p->row + m] = l * unit;
+    if (is_lugre(s, p)) {
+      next[m] = (ln > 0) ? reg_lugre_state(p, h, m) : 0;
+    } else if (p->next_r < 1) {
+      next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;
+    } else if (p->G > 0) { /* s + h v_t with v_t = -(l + h k s)/G */
+      next[m] = p->s[m] - h * (l + p->pull * p->s[m]) / p->G;
+    }
+  }
+}
+
+static void report(regularized *s, const reg_part *p, double ln) {
+  formulation_answer *out = &s->answer;
+  const double bound = bound_of(p, ln);
+  const double h = s->a.set->h;
+  out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / p->m);
+  s->a.mode[s->a.group[p->contact]] = (unsigned char)((ln > 0) ? 1 + (p->next_r < 1) : 0);
+  if (p->k > 0) {
+    out->deflection = fmax(out->deflection, bound / (h * p->k));
+  } else if (p->c > 0) {
+    out->v_slip = fmax(out->v_slip, bound / (h * p->c));
+  }
+}
+
 void reg_commit(regularized *s, double *lambda) {
   const contact_set *c = s->a.set;
-  formulation_answer *out = &s->answer;
   for (int i = 0; i < s->a.n_contact; i++) {
     contact_memory_now(&s->memory, s->a.group[i])[1] = lambda[s->a.row[i]];
     s->a.mode[s->a.group[i]] = (lambda[s->a.row[i]] > 0) ? 2 : 0; /* no friction: slides */
   }
   for (int k = 0; k < s->n_part; k++) {
     const reg_part *p = &s->part[k];
-    const int g = s->a.group[p->contact];
     const double ln = lambda[s->a.row[p->contact]];
-    const double bound = bound_of(p, ln);
-    const double creep = c->h * p->k + p->c;
     double next[2] = {0, 0};
-    const bool idle = is_idle(s, p);
-    const bool left = !(ln > 0) && c->gap[g] > 10 * c->tol; /* separated: nothing is kept */
-    for (int m = 0; m < p->dim; m++) {
-      const double unit = axis_unit(p, m);
-      const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];
-      lambda[p->row + m] = l * unit;
-      if (is_lugre(s, p)) {
-        next[m] = (ln > 0) ? reg_lugre_state(p, c->h, m) : 0;
-      } else if (p->next_r < 1) {
-        next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;
-      } else if (p->G > 0) { /* s + h v_t with v_t = -(l + h k s)/G */
-        next[m] = p->s[m] - c->h * (l + p->pull * p->s[m]) / p->G;
-      }
-      next[m] = left ? 0 : next[m];
-      out->spring_energy += 0.5 * p->k * next[m] * next[m];
-    }
-    if (!left) {
+    settle(s, p, ln, lambda, next);
+    if (ln > 0 || c->gap[s->a.group[p->contact]] <= 10 * c->tol) { /* else separated: forgotten */
+      s->answer.spring_energy += 0.5 * p->k * (next[0] * next[0] + next[1] * next[1]);
       store(s, p, next);
     }
     if (p->kind == 0) {
-      out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / p->m);
-      s->a.mode[g] = (unsigned char)((ln > 0) ? 1 + (p->next_r < 1) : 0);
-      if (p->k > 0) {
-        out->deflection = fmax(out->deflection, bound / (c->h * p->k));
-      } else if (p->c > 0) {
-        out->v_slip = fmax(out->v_slip, bound / (c->h * p->c));
-      }
+      report(s, p, ln);
     }
   }
 }
