@@ -5,6 +5,7 @@
 #include "harness/problem_source.h"
 #include "harness/solve_once.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,6 +58,7 @@ static void put_verdict(json_t *o, const solve_record *r) {
 }
 
 static json_t *to_json(const problem_source *src, const solver_choice *s, const solve_record *r) {
+  assert(s->solver != NULL);
   json_t *o = json_object();
   const lcp_work *w = &r->claim.work;
   json_out_text(o, "problem", src->name);
