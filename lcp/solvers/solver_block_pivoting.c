@@ -30,8 +30,8 @@ typedef struct block_pivoting {
 } block_pivoting;
 
 enum { PATIENCE = 10, OUTER_MAX = 60 };
-static const double NOISE = 1e-13,
-                    NOISE_MAX = 1e-9; /* wrong signs below this share are round-off */
+static const double noise_first = 1e-13,
+                    noise_last = 1e-9; /* wrong signs below this share are round-off */
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
@@ -172,7 +172,7 @@ typedef enum end { FOUND, SINGULAR, LOST, LIMIT, LATE } end;
 static end pivot(block_pivoting *s, const lcp_problem *p, const lcp_stop *stop, lcp_result *res,
                  base_status *status) {
   const int n = p->M.n;
-  exchange e = {.best = n + 1, .patience = PATIENCE, .noise = NOISE};
+  exchange e = {.best = n + 1, .patience = PATIENCE, .noise = noise_first};
   for (;;) {
     if (!lcp_direct_factor(&s->direct, &p->M, s->in, s->weight, s->scale, s->scale, status)) {
       return SINGULAR;
@@ -185,7 +185,7 @@ static end pivot(block_pivoting *s, const lcp_problem *p, const lcp_stop *stop, 
     if (count == 0) {
       return FOUND;
     }
-    if (e.noise > NOISE_MAX) {
+    if (e.noise > noise_last) {
       return LOST;
     }
     if (res->work.iterations >= stop->max_iter) {

@@ -31,8 +31,8 @@ typedef struct enumerate {
 } enumerate;
 
 /* Shares of the terms of a sum below which it is zero: 64-bit mantissas, condition up to 1e5 spare. */
-static const real ZERO = 1e-14L;
-static const real SINGULAR = 1e-15L;
+static const real zero_share = 1e-14L;
+static const real singular_below = 1e-15L;
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
@@ -79,60 +79,75 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
 
 typedef enum kind { REGULAR, INCONSISTENT, FACE } kind;
 
-/* Solves M_BB z = -q_B with complete pivoting. FACE: singular and consistent. */
-static kind solve_basis(const enumerate *s, const int *b, int m, real *z) {
-  real a[N_MAX][N_MAX + 1];
-  real bound[N_MAX];
-  int col[N_MAX];
+/* [M_BB | -q_B] under complete pivoting; bound: size of the terms the right-hand side is made of. */
+typedef struct elimination {
+  real a[N_MAX][N_MAX + 1], bound[N_MAX];
+  int col[N_MAX], m;
+} elimination;
+
+static void load(elimination *e, const enumerate *s, const int *b, int m) {
+  e->m = m;
   for (int i = 0; i < m; i++) {
     for (int j = 0; j < m; j++) {
-      a[i][j] = s->M[b[i]][b[j]];
+      e->a[i][j] = s->M[b[i]][b[j]];
     }
-    a[i][m] = -s->q[b[i]];
-    bound[i] = fabsl(a[i][m]);
-    col[i] = i;
+    e->a[i][m] = -s->q[b[i]];
+    e->bound[i] = fabsl(e->a[i][m]);
+    e->col[i] = i;
   }
+}
+
+/* Moves the largest remaining entry to (k, k); its size. */
+static real bring(elimination *e, int k) {
+  int r = k;
+  int c = k;
+  for (int i = k; i < e->m; i++) {
+    for (int j = k; j < e->m; j++) {
+      if (fabsl(e->a[i][j]) > fabsl(e->a[r][c])) {
+        r = i;
+        c = j;
+      }
+    }
+  }
+  for (int j = 0; j <= e->m; j++) {
+    const real t = e->a[r][j];
+    e->a[r][j] = e->a[k][j];
+    e->a[k][j] = t;
+  }
+  const real bound = e->bound[r];
+  e->bound[r] = e->bound[k];
+  e->bound[k] = bound;
+  for (int i = 0; i < e->m; i++) {
+    const real t = e->a[i][c];
+    e->a[i][c] = e->a[i][k];
+    e->a[i][k] = t;
+  }
+  const int label = e->col[c];
+  e->col[c] = e->col[k];
+  e->col[k] = label;
+  return fabsl(e->a[k][k]);
+}
+
+static void clear_below(elimination *e, int k) {
+  for (int i = k + 1; i < e->m; i++) {
+    const real f = e->a[i][k] / e->a[k][k];
+    for (int j = k; j <= e->m; j++) {
+      e->a[i][j] -= f * e->a[k][j];
+    }
+    e->bound[i] += fabsl(f) * e->bound[k];
+  }
+}
+
+/* Solves M_BB z = -q_B. FACE: singular and consistent. */
+static kind solve_basis(const enumerate *s, const int *b, int m, real *z) {
+  elimination e;
+  load(&e, s, b, m);
   int rank = 0;
-  for (; rank < m; rank++) {
-    int r = rank;
-    int c = rank;
-    for (int i = rank; i < m; i++) {
-      for (int j = rank; j < m; j++) {
-        if (fabsl(a[i][j]) > fabsl(a[r][c])) {
-          r = i;
-          c = j;
-        }
-      }
-    }
-    if (!(fabsl(a[r][c]) > SINGULAR)) {
-      break;
-    }
-    for (int j = 0; j <= m; j++) {
-      const real t = a[r][j];
-      a[r][j] = a[rank][j];
-      a[rank][j] = t;
-    }
-    const real keep = bound[r];
-    bound[r] = bound[rank];
-    bound[rank] = keep;
-    for (int i = 0; i < m; i++) {
-      const real t = a[i][c];
-      a[i][c] = a[i][rank];
-      a[i][rank] = t;
-    }
-    const int label = col[c];
-    col[c] = col[rank];
-    col[rank] = label;
-    for (int i = rank + 1; i < m; i++) {
-      const real f = a[i][rank] / a[rank][rank];
-      for (int j = rank; j <= m; j++) {
-        a[i][j] -= f * a[rank][j];
-      }
-      bound[i] += fabsl(f) * bound[rank];
-    }
+  while (rank < m && bring(&e, rank) > singular_below) {
+    clear_below(&e, rank++);
   }
   for (int i = rank; i < m; i++) {
-    if (fabsl(a[i][m]) > ZERO * bound[i]) {
+    if (fabsl(e.a[i][m]) > zero_share * e.bound[i]) {
       return INCONSISTENT;
     }
   }
@@ -140,11 +155,11 @@ static kind solve_basis(const enumerate *s, const int *b, int m, real *z) {
     return FACE;
   }
   for (int i = m - 1; i >= 0; i--) {
-    real sum = a[i][m];
+    real sum = e.a[i][m];
     for (int j = i + 1; j < m; j++) {
-      sum -= a[i][j] * z[col[j]];
+      sum -= e.a[i][j] * z[e.col[j]];
     }
-    z[col[i]] = sum / a[i][i];
+    z[e.col[i]] = sum / e.a[i][i];
   }
   return REGULAR;
 }
@@ -157,10 +172,10 @@ static bool feasible(const enumerate *s, const int *b, int m, const real *zb, bo
     top = fmaxl(top, fabsl(zb[k]));
   }
   for (int k = 0; k < m; k++) {
-    if (zb[k] < -ZERO * top) {
+    if (zb[k] < -zero_share * top) {
       return false;
     }
-    *interior = *interior && zb[k] > ZERO * top;
+    *interior = *interior && zb[k] > zero_share * top;
   }
   for (int i = 0; i < s->n; i++) {
     real w = s->q[i];
@@ -169,7 +184,7 @@ static bool feasible(const enumerate *s, const int *b, int m, const real *zb, bo
       w += s->M[i][b[k]] * zb[k];
       bound += fabsl(s->M[i][b[k]] * zb[k]);
     }
-    if (w < -ZERO * bound) {
+    if (w < -zero_share * bound) {
       return false;
     }
   }
@@ -240,6 +255,22 @@ static void simplex_pivot(simplex *x, int r, int c) {
   x->basic[r] = c;
 }
 
+/* Smallest ratio in column c; ties by the lowest basic variable. -1: none. */
+static int leaving(const simplex *x, int c) {
+  int r = -1;
+  for (int i = 0; i < x->n; i++) {
+    if (!(x->t[i][c] > zero_share)) {
+      continue;
+    }
+    const real a = (r < 0) ? 0 : x->t[i][x->width] * x->t[r][c];
+    const real b = (r < 0) ? 0 : x->t[r][x->width] * x->t[i][c];
+    if (r < 0 || a < b || (a == b && x->basic[i] < x->basic[r])) {
+      r = i;
+    }
+  }
+  return r;
+}
+
 /* Bland's rule: never cycles. Cost: minus the sum of the artificials, zero when feasible. */
 static bool simplex_feasible(simplex *x, const enumerate *s) {
   real size = 0;
@@ -248,21 +279,12 @@ static bool simplex_feasible(simplex *x, const enumerate *s) {
   }
   for (;;) {
     int c = 0;
-    while (c < x->columns && !(x->cost[c] < -ZERO)) {
+    while (c < x->columns && !(x->cost[c] < -zero_share)) {
       c++;
     }
-    int r = -1;
-    for (int i = 0; c < x->columns && i < x->n; i++) {
-      if (x->t[i][c] > ZERO) {
-        const real a = (r < 0) ? 0 : x->t[i][x->width] * x->t[r][c];
-        const real b = (r < 0) ? 0 : x->t[r][x->width] * x->t[i][c];
-        if (r < 0 || a < b || (a == b && x->basic[i] < x->basic[r])) {
-          r = i;
-        }
-      }
-    }
-    if (c == x->columns || r < 0) {
-      return fabsl(x->cost[x->width]) <= 16 * ZERO * size;
+    const int r = (c < x->columns) ? leaving(x, c) : -1;
+    if (r < 0) {
+      return fabsl(x->cost[x->width]) <= 16 * zero_share * size;
     }
     simplex_pivot(x, r, c);
   }
@@ -303,7 +325,7 @@ static bool infeasible(enumerate *s, simplex *x, const lcp_problem *p) {
   for (int i = 0; i < s->n; i++) {
     const real sign = (s->q[i] < 0) ? -1 : 1;
     const real y = sign * (x->cost[x->columns + i] - 1);
-    s->farkas[i] = (y > ZERO) ? (double)y * s->row[i] : 0;
+    s->farkas[i] = (y > zero_share) ? (double)y * s->row[i] : 0;
   }
   return lcp_farkas_prove(&p->M, p->q, NULL, s->farkas);
 }

@@ -22,7 +22,7 @@ typedef struct murty {
   unsigned char *in; /* z_i basic */
 } murty;
 
-static const double ROUND = 1e-14; /* share of `noise` below which a sign means nothing */
+static const double round_share = 1e-14; /* share of `noise` below which a sign means nothing */
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
@@ -96,7 +96,7 @@ static lcp_outcome pivot(murty *s, const lcp_problem *p, const lcp_stop *stop, l
   const int n = p->M.n;
   for (;;) {
     int r = 0;
-    while (r < n && !(s->b[r] < -ROUND * s->noise[r])) {
+    while (r < n && !(s->b[r] < -round_share * s->noise[r])) {
       r++;
     }
     if (r == n) {

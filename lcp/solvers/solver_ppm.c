@@ -38,12 +38,12 @@ typedef struct ppm {
   long double *sum;  /* n */
 } ppm;
 
-/* Relative sizes, all in the metric of unit: below RANK a Schur complement is zero, below FAINT a
- * direction is; a violation below SURE is driven at most twice. */
-static const double RANK = 2e-13;
-static const double FAINT = 1e-12;
-static const double SURE = 1e-11;
-static const double ROUND = 16 * DBL_EPSILON;
+/* Relative sizes, all in the metric of unit: below `rank` a Schur complement is zero, below `faint` a
+ * direction is; a violation below `sure` is driven at most twice. */
+static const double rank_share = 2e-13;
+static const double faint_share = 1e-12;
+static const double sure_share = 1e-11;
+static const double round_share = 16 * DBL_EPSILON;
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
@@ -159,8 +159,8 @@ static int choose(ppm *s, int n) {
       continue;
     }
     const double v = violation(s, i);
-    const bool sure = v > SURE * s->bound[i];
-    if (!(v > ROUND * s->bound[i]) || (!sure && s->tries[i] >= 2)) {
+    const bool sure = v > sure_share * s->bound[i];
+    if (!(v > round_share * s->bound[i]) || (!sure && s->tries[i] >= 2)) {
       continue;
     }
     const double score = s->is_free[i] ? HUGE_VAL : v / s->unit[i];
@@ -169,7 +169,7 @@ static int choose(ppm *s, int n) {
       top = score;
     }
   }
-  if (best >= 0 && !(violation(s, best) > SURE * s->bound[best])) {
+  if (best >= 0 && !(violation(s, best) > sure_share * s->bound[best])) {
     s->tries[best]++;
   }
   return best;
@@ -195,8 +195,11 @@ static void correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
   work->matvecs++;
 }
 
-static void leave(ppm *s, int k) {
+/* Basic variable k of F stops at the bound `where`. */
+static void leave(ppm *s, double *z, int k, place where) {
   const int out = s->order[k];
+  z[out] = (where == AT_LO) ? s->lo[out] : s->hi[out];
+  s->where[out] = (unsigned char)where;
   lin_chol_remove(s->L, s->m, k, s->cs);
   s->m--;
   for (int j = k; j < s->m; j++) {
@@ -219,7 +222,7 @@ static int first_block(const ppm *s, const double *z, int r, double sign, double
     const double rate = sign * s->y[k];
     const double scaled = fabs(rate) * s->unit[i];
     const double room = (rate < 0) ? z[i] - s->lo[i] : s->hi[i] - z[i];
-    if (s->is_free[i] || !(scaled > FAINT * top) || room == HUGE_VAL) {
+    if (s->is_free[i] || !(scaled > faint_share * top) || room == HUGE_VAL) {
       continue;
     }
     const double t = fmax(room, 0.0) / fabs(rate);
@@ -241,6 +244,28 @@ static void advance(const ppm *s, double *z, int r, double move) {
   z[r] += move;
 }
 
+/* x = L^-1 M_Fr, y = -M_FF^-1 M_Fr; returns the Schur complement, dw_r/dz_r. */
+static double direction(ppm *s, const lcp_matrix *M, int r, lcp_work *work) {
+  gather(s, M, r, s->x);
+  lin_chol_forward(s->L, s->m, s->x);
+  double schur = s->d[r];
+  for (int k = 0; k < s->m; k++) {
+    schur -= s->x[k] * s->x[k];
+    s->y[k] = -s->x[k];
+  }
+  lin_chol_backward(s->L, s->m, s->y);
+  work->backsolves += 2;
+  work->pivots++;
+  return schur;
+}
+
+static void enter(ppm *s, int r, double root) {
+  lin_chol_append(s->L, s->m, s->x, root);
+  s->order[s->m] = r;
+  s->pos[r] = s->m++;
+  s->where[r] = BASIC;
+}
+
 /* Drives row r until w_r = 0, a bound of z_r, or nothing blocks. */
 static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp_work *work) {
   const double sign = (s->w[r] < 0) ? 1 : -1;
@@ -248,27 +273,15 @@ static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp
     if (work->pivots >= limit) {
       return SPENT;
     }
-    gather(s, &p->M, r, s->x);
-    lin_chol_forward(s->L, s->m, s->x);
-    double schur = s->d[r];
-    for (int k = 0; k < s->m; k++) {
-      schur -= s->x[k] * s->x[k];
-      s->y[k] = -s->x[k];
-    }
-    lin_chol_backward(s->L, s->m, s->y);
-    work->backsolves += 2;
-    work->pivots++;
-    const bool positive = schur > RANK * fabs(s->d[r]);
+    const double schur = direction(s, &p->M, r, work);
+    const bool positive = schur > rank_share * fabs(s->d[r]);
     const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
     double t = HUGE_VAL;
     const int k = first_block(s, z, r, sign, &t);
     const double join = positive ? fabs(s->w[r]) / schur : HUGE_VAL;
     if (join <= t && join <= own && join < HUGE_VAL) {
       advance(s, z, r, sign * join);
-      lin_chol_append(s->L, s->m, s->x, sqrt(schur));
-      s->order[s->m] = r;
-      s->pos[r] = s->m++;
-      s->where[r] = BASIC;
+      enter(s, r, sqrt(schur));
       return JOINED;
     }
     if (own <= t && own < HUGE_VAL) {
@@ -280,13 +293,9 @@ static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp
     if (k < 0) {
       return UNBLOCKED;
     }
-    const int out = s->order[k];
-    const bool low = sign * s->y[k] < 0;
     advance(s, z, r, sign * t);
     s->w[r] += sign * t * schur;
-    z[out] = low ? s->lo[out] : s->hi[out];
-    s->where[out] = low ? AT_LO : AT_HI;
-    leave(s, k);
+    leave(s, z, k, sign * s->y[k] < 0 ? AT_LO : AT_HI);
   }
 }
 
@@ -307,26 +316,30 @@ static bool proves_infeasible(ppm *s, const lcp_problem *p, int r) {
   return lcp_farkas_prove(&p->M, p->q, s->is_free, s->ray);
 }
 
+/* sum = M z + q in long double. */
+static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
+  const int n = p->M.n;
+  const bool dense = p->M.storage == LCP_DENSE;
+  for (int i = 0; i < n; i++) {
+    s->sum[i] = p->q[i];
+  }
+  for (int j = 0; j < n; j++) {
+    const long double zj = z[j];
+    const int first = dense ? 0 : p->M.csc.colptr[j];
+    const int last = dense ? n : p->M.csc.colptr[j + 1];
+    const double *val = dense ? p->M.val + (ptrdiff_t)j * n : p->M.csc.val;
+    for (int k = first; zj != 0 && k < last; k++) {
+      s->sum[dense ? k : p->M.csc.rowind[k]] += zj * val[k];
+    }
+  }
+}
+
 /* Two steps of iterative refinement of z_F, residuals in long double. */
 static void refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
-  const int n = p->M.n;
-  long double *sum = s->sum;
   for (int round = 0; round < 2; round++) {
-    for (int i = 0; i < n; i++) {
-      sum[i] = p->q[i];
-    }
-    for (int j = 0; j < n; j++) {
-      const long double zj = z[j];
-      const bool dense = p->M.storage == LCP_DENSE;
-      const int first = dense ? 0 : p->M.csc.colptr[j];
-      const int last = dense ? n : p->M.csc.colptr[j + 1];
-      for (int k = first; zj != 0 && k < last; k++) {
-        sum[dense ? k : p->M.csc.rowind[k]] +=
-            zj * (dense ? p->M.val[(ptrdiff_t)j * n + k] : p->M.csc.val[k]);
-      }
-    }
+    extended_w(s, p, z);
     for (int k = 0; k < s->m; k++) {
-      s->y[k] = (double)-sum[s->order[k]];
+      s->y[k] = (double)-s->sum[s->order[k]];
     }
     lin_chol_forward(s->L, s->m, s->y);
     lin_chol_backward(s->L, s->m, s->y);
@@ -350,6 +363,20 @@ static void start(ppm *s, int n, double *z) {
   }
 }
 
+/* The largest relative violation, for the history. */
+static void note(const ppm *s, int n, long pivots, lcp_trace *trace) {
+  if (trace == NULL || trace->len >= trace->cap) {
+    return;
+  }
+  double worst = 0;
+  for (int i = 0; i < n; i++) {
+    const double v = (s->where[i] == BASIC) ? fabs(s->w[i]) : violation(s, i);
+    worst = (v > worst * s->bound[i]) ? v / s->bound[i] : worst;
+  }
+  trace->iteration[trace->len] = pivots;
+  trace->residual[trace->len++] = worst;
+}
+
 /* Ends with LCP_SOLVED only as a candidate: the residual has the last word. */
 static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
                          lcp_trace *trace, lcp_result *res) {
@@ -357,20 +384,12 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
     evaluate(s, p, z);
     res->work.matvecs++;
     correct(s, p, z, &res->work);
-    if (trace != NULL && trace->len < trace->cap) {
-      double worst = 0;
-      for (int i = 0; i < p->M.n; i++) {
-        const double v = (s->where[i] == BASIC) ? fabs(s->w[i]) : violation(s, i);
-        worst = (v > worst * s->bound[i]) ? v / s->bound[i] : worst;
-      }
-      trace->iteration[trace->len] = res->work.pivots;
-      trace->residual[trace->len++] = worst;
-    }
+    note(s, p->M.n, res->work.pivots, trace);
     const int r = choose(s, p->M.n);
     if (r < 0) {
       return LCP_SOLVED;
     }
-    const bool sure = violation(s, r) > SURE * s->bound[r];
+    const bool sure = violation(s, r) > sure_share * s->bound[r];
     const end e = drive(s, p, z, r, stop->max_iter, &res->work);
     res->work.iterations++;
     if (e == SPENT) {
