@@ -36,5 +36,8 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
 /* Which units have their rows? done[n_unit]. */
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err);
 
+/* A cell that failed in one process is not tried in the others. */
+bool runner_ends_cell(const record *r);
+
 /* "DIR/name" */
 void runner_path(const char *dir, const char *name, char *buf, size_t cap);
