@@ -89,13 +89,14 @@ def _axis(ax, panel):
     ax.set_xlabel(panel.xlabel)
 
 
-def _narrow(ax):
+def _narrow(ax, panel):
     """Less than two decades: ticks at 1, 2, 5 with plain numbers, or the axis would carry hardly any."""
-    low, high = ax.get_ylim()
-    if ax.get_yscale() == "log" and 0 < low and high / low < 100:
-        ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
-        ax.yaxis.set_major_formatter(lambda v, _: f"{v:.3g}")
-        ax.yaxis.set_minor_formatter(NullFormatter())
+    for (low, high), scale, axis in ((ax.get_ylim(), ax.get_yscale(), ax.yaxis), (ax.get_xlim(), ax.get_xscale(), ax.xaxis)):
+        named = panel.yticks if axis is ax.yaxis else panel.xticks
+        if scale == "log" and not named and 0 < low and high / low < (100 if axis is ax.yaxis else 8):
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+            axis.set_major_formatter(lambda v, _: f"{v:.3g}")
+            axis.set_minor_formatter(NullFormatter())
 
 
 def _line(ax, line):
@@ -156,7 +157,7 @@ def draw(chart):
         _axis(ax, panel)
         for line in panel.lines:
             _line(ax, line)
-        _narrow(ax)
+        _narrow(ax, panel)
     for i, ax in enumerate(axes.flat):
         if i >= len(chart.panels):
             ax.axis("off")

@@ -24,7 +24,7 @@ def chart(worth):
             lines.append(Line(name, [r for _, r in points], [scenes.index(p) for p, _ in points], kind="points", look_as=MARKS[i % len(MARKS)]))
         panels.append(Panel(lines, title=combo, xlabel="time of the run / as declared", xlog=2, ylog=0, yticks=[s.split(":")[0] for s in scenes]))
     return Chart("effects", "What an effect is worth: time of the run with everything on and with one declared effect dropped, relative to the run as "
-                 "declared. Left is cheaper.", panels, columns=2, height=1.7)
+                 "declared. Left is cheaper.", panels, columns=2, height=0.6 + 0.135 * max(len(p.yticks) for p in panels))
 
 
 def section(cells):
