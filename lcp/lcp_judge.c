@@ -116,7 +116,7 @@ static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
 enum { CONE_ROWS_MAX = 1 + 2 * LCP_PARTS_MAX };
 
 static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
-  double w[CONE_ROWS_MAX], moved[CONE_ROWS_MAX], plain[CONE_ROWS_MAX];
+  double w[CONE_ROWS_MAX] = {0}, moved[CONE_ROWS_MAX], plain[CONE_ROWS_MAX];
   double d = 0.0, tau = 0.0, work = 0.0;
   const double *z = j->z + b->start;
   for (int i = 0; i < b->size; i++) {

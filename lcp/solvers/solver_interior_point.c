@@ -124,8 +124,8 @@ static bool advance(state *s, const lcp_problem *p, lcp_result *res, base_status
     s->c[i] += sigma * mu - s->dx[i] * s->dy[i];
   }
   step_to(s, n, res);
-  const double reach = longest(s, n, 1e300);
-  const double t = fmin(1.0, fmax(0.9, 1.0 - 0.1 * fmin(1.0, ahead)) * reach);
+  const double reach = longest(s, n, 1e300); /* never taken whole: x y = 0 has no next step */
+  const double t = fmin(1.0, fmax(0.9, 1.0 - fmax(1e-6, 0.1 * fmin(1.0, ahead))) * reach);
   if (!(t > 1e-10)) {
     res->outcome = (t == t) ? LCP_STALLED : LCP_NUMERICAL;
     return false;

@@ -17,22 +17,6 @@ typedef struct pair {
   char name[128];
 } pair;
 
-/* Problems that a solver should solve and does not, each with what is known of why. */
-static const struct {
-  const char *solver, *problem, *reason;
-} misses[] = {
-    {"interior_point", "free row", "breaks down (numerical) when free and barrier rows couple"},
-};
-
-static bool is_missed(const pair *c) {
-  for (int i = 0; i < BASE_COUNT(misses); i++) {
-    if (strcmp(misses[i].solver, c->s->name) == 0 && strcmp(misses[i].problem, c->g->name) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
 /* One solve from z = 0 in an instance that stays open. */
 typedef struct run {
   double z[N_MAX];
@@ -83,7 +67,7 @@ static void check_claim(const pair *c, const run *r) {
     check_farkas(p, r->res.certificate.vector);
   }
   const bool definite = (p->traits & LCP_PD) != 0 && c->g->answer != KNOWN_UNSTATED;
-  if ((c->g->easy || (c->s->exact && definite)) && !is_missed(c)) {
+  if (c->g->easy || (c->s->exact && definite)) {
     assert_string_equal(lcp_outcome_name(r->res.outcome), "ok");
   }
   double top = 0;
