@@ -29,7 +29,7 @@ objdump -t "$b"/lcp/*.a "$b"/problems/*.a "$b"/formulations/*.a |
 own() { # library, prefixes
   nm -g --defined-only "$1" | awk 'NF == 3 {print $3}' | grep -vE "^($2)(_|\$)" && say "foreign prefix in $1"
 }
-own "$b/lcp/liblcp.a" 'lcp|base|linear'
-own "$b/problems/libproblems.a" 'scenes?|contact|world|spec|effects?|shape|gap|body|problem|fclib|siconos'
-own "$b/formulations/libformulations.a" 'form|formulations?|force'
+own "$b/lcp/liblcp.a" 'lcp|base|lin|linear|lemke'
+own "$b/problems/libproblems.a" 'scenes?|kit|spec|world|contact|effects?|shape|segment|gap|body|broad|pair|detect|loads|joint|joints|model|store|piece|problem|case|node|read|known|plant|triplets|generate|family|friction|import|fclib|siconos|lcp_case|lcp_family|lcp_families'
+own "$b/formulations/libformulations.a" 'form|formulations?|force|contact_memory|poly|row_form|row_matrix|reg|arc|impulse_log|penalty|slip|event|step'
 exit $bad

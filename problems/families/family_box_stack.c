@@ -1,5 +1,5 @@
-#include "problems/triplets.h"
 #include "problems/family.h"
+#include "problems/triplets.h"
 
 typedef struct box_stack {
   int n, storage;

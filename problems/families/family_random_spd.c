@@ -1,6 +1,6 @@
 #include "lcp/base/rng.h"
-#include "problems/triplets.h"
 #include "problems/family.h"
+#include "problems/triplets.h"
 
 #include <math.h>
 

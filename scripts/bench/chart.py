@@ -119,16 +119,19 @@ def _line(ax, line):
 
 def draw_heat(heat):
     """Colour and word say the same thing: darker blue stands longer, orange falls early, white is not defined."""
-    figure, ax = plt.subplots(figsize=(heat.width, 0.5 + 0.165 * len(heat.rows)))
+    many = len(heat.columns) > 6  # narrow columns: words on two lines, names upright
+    figure, ax = plt.subplots(figsize=(heat.width, 0.7 + (0.24 if many else 0.165) * len(heat.rows)))
     shades = np.full((len(heat.rows), len(heat.columns), 4), 1.0)
     for i, row in enumerate(heat.words):
         for j, (text, share) in enumerate(row):
             if share is not None:
                 low, high = np.array([0.96, 0.72, 0.55, 1]), np.array([0.62, 0.80, 0.92, 1])
                 shades[i, j] = low + (high - low) * share if share < 1 else [0.42, 0.68, 0.87, 1]
-            ax.text(j, i, text, ha="center", va="center", fontsize=6, color="#1c2330" if share is not None else "#8a8a8a")
+            if many:
+                text = "" if text == "not run" else "\n".join(text.rsplit(" ", 1))
+            ax.text(j, i, text, ha="center", va="center", fontsize=4.7 if many else 6, color="#1c2330" if share is not None else "#8a8a8a")
     ax.imshow(shades, aspect="auto")
-    ax.set_xticks(range(len(heat.columns)), heat.columns, fontsize=6.5)
+    ax.set_xticks(range(len(heat.columns)), heat.columns, fontsize=6.5, rotation=90 if many else 0)
     ax.set_yticks(range(len(heat.rows)), heat.rows, fontsize=6.5)
     ax.xaxis.tick_top()
     ax.tick_params(length=0)
