@@ -77,7 +77,7 @@ static int right_hand_side(double t, const double y[], double dy[], void *params
 /* ---- problems at events -------------------------------------------------------------------- */
 
 static base_status grow_scratch(state *s, const contact_set *c, base_error *err) {
-  if (c->n_row > s->cap_row || c->n_contact > s->cap_contact) {
+  if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
     s->cap_row = 2 * c->n_row + 8;
     s->cap_contact = 2 * c->n_contact + 8;
     s->cap_z = s->cap_contact * (s->opt->facets + 2);
@@ -437,7 +437,7 @@ static base_status bind(state *s, world *w, base_error *err) {
   }
   s->n_config = world_n_config(w);
   s->n_dof = world_n_dof(w);
-  const size_t n = (size_t)(s->n_config + s->n_dof);
+  const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
   if (n == 0) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "event: nothing moves in this scene");
   }
@@ -459,7 +459,7 @@ static base_status bind(state *s, world *w, base_error *err) {
 static base_status report(state *s, double h, formulation_answer *out, base_error *err) {
   contact_set *c = &s->out;
   BASE_TRY(world_contacts(s->w, h, -1.0, c, err));
-  if (c->n_row + c->n_contact > s->cap_out) {
+  if (c->n_row + c->n_contact >= s->cap_out) {
     s->cap_out = 2 * (c->n_row + c->n_contact) + 8;
     free(s->impulse);
     free(s->bias);

@@ -36,8 +36,8 @@ static const base_field fields[] = {
                "regularisation velocity of friction"),
     BASE_FIELD(options, impact_floor, BASE_REAL, "m/s", 1e-2, 1e-9, 1e3,
                "least closing speed the damping factor is scaled with"),
-    BASE_FIELD(options, rtol, BASE_REAL, "1", 1e-7, 1e-13, 1, "relative error per substep"),
-    BASE_FIELD(options, atol, BASE_REAL, "m, m/s", 1e-9, 1e-15, 1, "absolute error per substep"),
+    BASE_FIELD(options, rtol, BASE_REAL, "1", 1e-10, 1e-13, 1, "relative error per substep"),
+    BASE_FIELD(options, atol, BASE_REAL, "m, m/s", 1e-12, 1e-15, 1, "absolute error per substep"),
     BASE_FIELD(options, max_evaluations, BASE_INT, "1", 20000000, 1, 2e9,
                "right-hand sides in one step before it is given up"),
 };
@@ -205,7 +205,7 @@ static base_status bind(state *s, world *w, base_error *err) {
   }
   s->n_config = world_n_config(w);
   s->n_dof = world_n_dof(w);
-  const size_t n = (size_t)(s->n_config + s->n_dof);
+  const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
   s->y = calloc(4 * n + 1, sizeof *s->y);
   s->system = (gsl_odeiv2_system){right_hand_side, jacobian, n, s};
   s->driver = gsl_odeiv2_driver_alloc_y_new(&s->system, method(s->opt->integrator), first_substep,
@@ -218,7 +218,7 @@ static base_status bind(state *s, world *w, base_error *err) {
 }
 
 static base_status grow_rows(state *s, const contact_set *c, base_error *err) {
-  if (c->n_row > s->cap_row || c->n_contact > s->cap_contact) {
+  if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
     free(s->impulse);
     free(s->bias);
     s->cap_row = 2 * c->n_row + 16;

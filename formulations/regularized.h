@@ -148,7 +148,7 @@ void reg_slip_column(const regularized *s, int j, double *f);
 base_status reg_mass_begin(regularized *s, base_error *err);
 bool reg_mass_reduce(regularized *s);
 void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
-void reg_mass_close(reg_mass *s);
+void reg_mass_close(reg_mass *m);
 
 /* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
  * matrix is not positive definite (rigid and redundant friction). */

@@ -31,6 +31,9 @@ base_status check_scene_case(const check_plan *plan, const scene_spec *spec, bas
 base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
                               const scene_file *scenes, base_error *err);
 
+/* Why a scene is not for this formulation (what it declares and the model lacks); NULL: it is. */
+const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form);
+
 /* A skipped case that could not be run at all. */
 void check_skip(const check_plan *plan, const char *id, const char *reason);
 

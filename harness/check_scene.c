@@ -64,7 +64,9 @@ static bool judge_status(isolate_channel *out, const scene_unit *u, const sim_re
     emit(out, u, "status", CHECK_SKIPPED, text); /* the model's own answer (Painleve) */
     return false;
   }
-  if (exact || r->status == RUN_UNVERIFIED) {
+  /* An integrator that gives up, and says so, fails as honestly as an iterative solver does. */
+  const bool own = (u->request.form->form->model & FORM_NO_LCP) != 0;
+  if ((exact && !own) || r->status == RUN_UNVERIFIED) {
     emit(out, u, "status", CHECK_FAILED, text);
     return true;
   }
@@ -113,8 +115,7 @@ static void run_unit(void *ctx, isolate_channel *out) {
   series_close(&record);
 }
 
-/* Why the scene is not for this formulation; NULL: it is. */
-static const char *not_applicable(const scene_spec *spec, const formulation_choice *form) {
+const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form) {
   const unsigned model = form->form->model;
   const char *forms = (form->form->stands_for != NULL) ? form->form->stands_for : "";
   const bool contact = (spec->effects & EFFECT_CONTACT) != 0;
@@ -225,7 +226,7 @@ static base_status run_formulation(const check_plan *plan, const scene_spec *spe
     (void)snprintf(u.blank.id, sizeof u.blank.id, "%.63s", spec->id);
     (void)snprintf(u.blank.formulation, sizeof u.blank.formulation, "%s", form.form->name);
     (void)snprintf(u.blank.solver, sizeof u.blank.solver, "%s", plan->solver[i].solver->name);
-    const char *why = not_applicable(spec, &form);
+    const char *why = check_not_applicable(spec, &form);
     if (why != NULL) {
       u.blank.verdict = CHECK_SKIPPED;
       (void)snprintf(u.blank.reason, sizeof u.blank.reason, "%s", why);

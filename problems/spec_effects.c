@@ -24,32 +24,35 @@ static bool is_round(const scene_spec *s, const spec_body *b) {
   return s->dim == 2 || (b->inertia[0] == b->inertia[1] && b->inertia[1] == b->inertia[2]);
 }
 
-static unsigned present_effects(const scene_spec *s) {
-  unsigned e = (s->dim == 3) ? EFFECT_SPATIAL : 0u;
-  e |= (norm3(s->gravity) > 0.0) ? EFFECT_GRAVITY : 0u;
-  e |= (s->n_joint > 0) ? EFFECT_JOINTS : 0u;
-  const bool contact = s->n_body > 1 || (s->n_static > 0 && s->n_body > 0);
-  if (contact) {
-    e |= EFFECT_CONTACT;
-    e |= occurs(&s->friction) ? EFFECT_FRICTION : 0u;
-    e |= occurs(&s->restitution) ? EFFECT_RESTITUTION : 0u;
-    e |= occurs(&s->rolling) ? EFFECT_ROLLING : 0u;
-    e |= occurs(&s->torsion) ? EFFECT_TORSION : 0u;
+static unsigned if_true(bool occurring, unsigned e) {
+  return occurring ? e : 0u;
+}
+
+static unsigned body_effects(const scene_spec *s, const spec_body *b) {
+  if (b->kinematic) {
+    return EFFECT_MOTION;
   }
+  const unsigned turning = EFFECT_ROTATION | if_true(!is_round(s, b), EFFECT_GYROSCOPIC);
+  return if_true(b->prescribed != 0, EFFECT_MOTION) | if_true(can_rotate(s, b), turning);
+}
+
+static unsigned present_effects(const scene_spec *s) {
+  const bool contact = s->n_body > 1 || (s->n_static > 0 && s->n_body > 0);
+  unsigned e = if_true(s->dim == 3, EFFECT_SPATIAL) |
+               if_true(norm3(s->gravity) > 0.0, EFFECT_GRAVITY) |
+               if_true(s->n_joint > 0, EFFECT_JOINTS) | if_true(contact, EFFECT_CONTACT) |
+               if_true(contact && occurs(&s->friction), EFFECT_FRICTION) |
+               if_true(contact && occurs(&s->restitution), EFFECT_RESTITUTION) |
+               if_true(contact && occurs(&s->rolling), EFFECT_ROLLING) |
+               if_true(contact && occurs(&s->torsion), EFFECT_TORSION);
   for (int i = 0; i < s->n_body; i++) {
-    const spec_body *b = &s->body[i];
-    if (b->kinematic || b->prescribed != 0) {
-      e |= EFFECT_MOTION;
-    }
-    if (!b->kinematic && can_rotate(s, b)) {
-      e |= EFFECT_ROTATION | (is_round(s, b) ? 0u : EFFECT_GYROSCOPIC);
-    }
+    e |= body_effects(s, &s->body[i]);
   }
   for (int i = 0; i < s->n_static; i++) {
-    e |= (norm3(s->fixed[i].surface_velocity) > 0.0) ? EFFECT_MOTION : 0u;
+    e |= if_true(norm3(s->fixed[i].surface_velocity) > 0.0, EFFECT_MOTION);
   }
   for (int i = 0; i < s->n_load; i++) {
-    e |= EFFECT_LOADS | (s->load[i].c > 0.0 ? EFFECT_DAMPING : 0u);
+    e |= EFFECT_LOADS | if_true(s->load[i].c > 0.0, EFFECT_DAMPING);
   }
   return e;
 }

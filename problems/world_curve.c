@@ -29,6 +29,9 @@ static base_status look(world *w, double h, double margin, const double *config,
   BASE_TRY(world_contacts(w, h, margin, &c, err));
   BASE_TRY(grow(k, &c, err));
   k->n_contact = c.n_contact;
+  if (c.n_contact == 0) {
+    return BASE_OK;
+  }
   memcpy(k->id, c.id, (size_t)c.n_contact * sizeof *k->id);
   memcpy(k->row_start, c.row_start, ((size_t)c.n_contact + 1) * sizeof *k->row_start);
   memcpy(k->u, c.u_before, (size_t)c.row_start[c.n_contact] * sizeof *k->u);

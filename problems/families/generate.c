@@ -233,7 +233,8 @@ static base_status lcg_matrix(known_lcp *k, int n, uint32_t *s, int modulus, dou
     return BASE_FAIL(err, BASE_ENOMEM, "n = %d: no memory", n);
   }
   for (size_t i = 0; i < (size_t)n * (size_t)n; i++) {
-    A[i] = next_lcg(s) % modulus - modulus / 2;
+    const int middle = modulus / 2;
+    A[i] = next_lcg(s) % modulus - middle;
   }
   gram_plus_identity(n, A, *M);
   free(A);

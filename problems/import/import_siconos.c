@@ -207,7 +207,7 @@ static base_status read_csparse(lcp_text *t, triplets *e, int n_row, int n_col, 
   }
   lcp_text_skip_line(t);
   const bool triplet = strncmp(t->at, "triplet: ", 9) == 0;
-  const int got =
+  const int got = /* NOLINTNEXTLINE(cert-err34-c): every count is checked below */
       sscanf(t->at + (triplet ? 9 : 0), "%d-by-%d, nzmax: %d nnz: %d", &rows, &cols, &nzmax, &nnz);
   if (got != 4 || rows != n_row || cols != n_col || nnz < 0) {
     return BASE_FAIL(err, BASE_EINVAL, "%s:%ld: need '%d-by-%d, nzmax: N nnz: N'", t->path, t->line,

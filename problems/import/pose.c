@@ -79,6 +79,18 @@ static double facet(int nd, int rows, int row, int u) {
   return (row == 1) ? cos(angle) : sin(angle);
 }
 
+/* Row a of what entry W_ij becomes between the facets of its two contacts. */
+static void spread(int nd, int rows, int i, int j, int a, double value, triplets *t) {
+  const int size = nd + 2;
+  const double left = facet(nd, rows, i % rows, a);
+  for (int b = 0; b <= nd && left != 0.0; b++) {
+    const double right = facet(nd, rows, j % rows, b);
+    if (right != 0.0) {
+      triplets_add(t, i / rows * size + a, j / rows * size + b, left * value * right);
+    }
+  }
+}
+
 /* M = [F' W F, sigma rows and columns]: contact by contact (n, beta_1.. beta_nd, sigma). */
 static void collect(const friction_problem *p, int nd, triplets *t) {
   const int size = nd + 2, rows = p->rows;
@@ -86,13 +98,7 @@ static void collect(const friction_problem *p, int nd, triplets *t) {
     for (int at = p->W.colptr[j]; at < p->W.colptr[j + 1]; at++) {
       const int i = p->W.rowind[at];
       for (int a = 0; a <= nd; a++) {
-        const double left = facet(nd, rows, i % rows, a);
-        for (int b = 0; b <= nd && left != 0.0; b++) {
-          const double right = facet(nd, rows, j % rows, b);
-          if (right != 0.0) {
-            triplets_add(t, i / rows * size + a, j / rows * size + b, left * p->W.val[at] * right);
-          }
-        }
+        spread(nd, rows, i, j, a, p->W.val[at], t);
       }
     }
   }

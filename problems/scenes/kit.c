@@ -93,6 +93,7 @@ void kit_source(spec_check *c, const char *text) {
   (void)snprintf(c->source, sizeof c->source, "%s", text);
 }
 
+/* NOLINTNEXTLINE(readability-function-size): one argument per column of the tables of scenes */
 base_status kit_force(scene_spec *s, const char *a, const char *b, bool tangential, double t0,
                       double t1, double value, double abs, spec_check **out, base_error *err) {
   spec_check *c;

@@ -31,7 +31,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   kit_world(s, 3, p->gravity, p->duration, 0.005);
   for (int z = 0; z < p->layers; z++) {
     for (int i = 0; i < p->side * p->side; i++) {
-      const double pos[3] = {(i % p->side + 0.5) * d, (i / p->side + 0.5) * d, (z + 0.5) * d};
+      const int column = i % p->side, row = i / p->side;
+      const double pos[3] = {(column + 0.5) * d, (row + 0.5) * d, (z + 0.5) * d};
       kit_name(name, "s", n++);
       BASE_TRY(kit_ball(s, name, p->mass, p->radius, pos, NULL, err));
     }

@@ -30,7 +30,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     char name[SPEC_NAME];
     const double r = p->radius * base_rng_between(&rng, 1.0 - p->spread, 1.0 + p->spread);
     const double play = cell / 2.0 - r; /* room to move inside the cell */
-    const double at[3] = {i % side, i / side % side, i / (side * side)};
+    const int at[3] = {i % side, i / side % side, i / (side * side)};
     double pos[3];
     for (int k = 0; k < 3; k++) {
       pos[k] = (at[k] + 0.5) * cell + play * base_rng_between(&rng, -1.0, 1.0);

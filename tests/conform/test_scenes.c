@@ -159,7 +159,9 @@ static fault judge(const scene_spec *s) {
   if (!v.solved) {
     return FAULT_UNSOLVED;
   }
-  const unsigned unseen = s->effects & VISIBLE & ~v.seen & ~idle_effects(s);
+  /* where the only right answer is "no solution", no step is taken that could show an effect */
+  const unsigned unseen =
+      s->expect_unsolved ? 0u : s->effects & VISIBLE & ~v.seen & ~idle_effects(s);
   return (unseen != 0 && s->model == NULL) ? FAULT_MISSING : FAULT_NONE;
 }
 
