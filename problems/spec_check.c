@@ -16,7 +16,8 @@ static int by_text(const void *a, const void *b) {
 }
 
 static bool name_known(const names *k, const char *name) {
-  return bsearch(&name, k->sorted, (size_t)k->n, sizeof *k->sorted, by_text) != NULL;
+  return k->sorted != NULL &&
+         bsearch(&name, k->sorted, (size_t)k->n, sizeof *k->sorted, by_text) != NULL;
 }
 
 /* Sorted names of bodies and statics; refuses empty and repeated ones. */
