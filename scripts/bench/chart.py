@@ -5,7 +5,7 @@ import json
 import math
 
 import numpy as np
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from bench import style
 from bench.style import plt
@@ -94,7 +94,8 @@ def _narrow(ax, panel):
     for (low, high), scale, axis in ((ax.get_ylim(), ax.get_yscale(), ax.yaxis), (ax.get_xlim(), ax.get_xscale(), ax.xaxis)):
         named = panel.yticks if axis is ax.yaxis else panel.xticks
         if scale == "log" and not named and 0 < low and high / low < (100 if axis is ax.yaxis else 8):
-            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+            close = high / low < 3  # no two of 1, 2, 5 in view: evenly spaced ticks, few enough not to touch
+            axis.set_major_locator(MaxNLocator(3) if close else LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
             axis.set_major_formatter(lambda v, _: f"{v:.3g}")
             axis.set_minor_formatter(NullFormatter())
 
