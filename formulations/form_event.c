@@ -532,7 +532,8 @@ const formulation form_event = {
     .name = "event",
     .title = "Event-driven",
     .cite = "Pfeiffer & Glocker 1996",
-    .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_ACCELERATION | FORM_NO_LCP,
+    .model =
+        FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_NO_LCP,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),
