@@ -36,6 +36,9 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
 /* Which units have their rows? done[n_unit]. */
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err);
 
+/* Processes of the plan without rows in DIR, whatever machine measured there. */
+base_status runner_left(const plan *p, const char *dir, int *left, base_error *err);
+
 /* A cell that failed in one process is not tried in the others. */
 bool runner_ends_cell(const record *r);
 

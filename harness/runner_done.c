@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 bool runner_ends_cell(const record *r) {
   run_status s;
@@ -36,18 +37,18 @@ static int first_key(const row_key *key, int n, const char *id) {
   return lo;
 }
 
-base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err) {
+/* host_class NULL: rows of any machine count. */
+static base_status done_on(const plan *p, const record_table *rows, const char *host_class,
+                           bool *done, base_error *err) {
   memset(done, 0, (size_t)p->n_unit * sizeof *done);
   row_key *key = calloc((size_t)rows->n + 1, sizeof *key);
   if (key == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to look up %d rows", rows->n);
   }
-  machine m;
-  machine_read(&m);
   int n = 0;
   for (int i = 0; i < rows->n; i++) {
     const record *r = &rows->row[i];
-    if (strcmp(r->host_class, m.cpu_model) == 0) { /* times of another machine are not these */
+    if (host_class == NULL || strcmp(r->host_class, host_class) == 0) {
       (void)snprintf(key[n].id, sizeof key[n].id, "%.16s", r->cell_id);
       key[n].process = r->process;
       key[n++].ends = runner_ends_cell(r);
@@ -62,4 +63,30 @@ base_status runner_done(const plan *p, const record_table *rows, bool *done, bas
   }
   free(key);
   return BASE_OK;
+}
+
+base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err) {
+  machine m;
+  machine_read(&m);
+  return done_on(p, rows, m.cpu_model, done, err); /* times of another machine are not these */
+}
+
+base_status runner_left(const plan *p, const char *dir, int *left, base_error *err) {
+  char path[1100];
+  record_table rows = {0};
+  *left = p->n_unit;
+  runner_path(dir, "results.csv", path, sizeof path);
+  if (access(path, F_OK) != 0) {
+    return BASE_OK; /* not begun */
+  }
+  BASE_TRY(record_table_read(path, &rows, err));
+  bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
+  base_status s = (done != NULL) ? done_on(p, &rows, NULL, done, err)
+                                 : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
+  for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
+    *left -= done[u] ? 1 : 0;
+  }
+  free(done);
+  record_table_free(&rows);
+  return s;
 }

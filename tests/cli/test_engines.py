@@ -1,25 +1,15 @@
 """More than one machine: 200 cells through GNU parallel and through a Slurm array, killed in the middle and started again, merge
-to the cells and verdicts of the built-in runner. Without Slurm, an sbatch that runs each array index stands in for it."""
+to the cells and verdicts of the built-in runner. Here an sbatch that runs each array index stands in for Slurm; scripts/test_slurm
+does the same with a Slurm of its own."""
 import os
 import pathlib
 import shutil
 import signal
-import subprocess
 import time
 
-from support import LCPBENCH, Skip, campaign, one_line_error, rows, run, tap
+from engines import TEXT, WHOLE_ROWS, built_in, merged_equals_built_in, rows_so_far, start, submit_words
+from support import Skip, campaign, one_line_error, run, tap
 
-NUMBERS = ",".join(str(n) for n in range(1, 51))
-TEXT = """
-name: engines
-limits: {time: 10s, grace: 0.5s}
-sampling: {processes: 1, samples: 2, max_samples: 2, inner: 0.005s}
-parts:
-  - name: a
-    problems: ["random_spd:n=20,seed={%s}"]
-    solvers: [lemke, pgs, projected_gradient, apgd]
-""" % NUMBERS
-SHARDS = 6
 FAKE_SBATCH = """#!/bin/sh
 # stands in for Slurm: runs the script once for every index of its array, one after the other
 [ "$1" = --wait ] && shift
@@ -32,24 +22,8 @@ exit $code
 """
 
 
-def verdicts(folder):
-    return {(r["cell_id"], r["process"], r["rep"], r["status"], r["solution_hash"], r["n_iter"], r["problem"], r["solver"])
-            for r in rows(folder)}
-
-
-def start(words, path=None):
-    env = dict(os.environ, OPENBLAS_NUM_THREADS="1")
-    if path:
-        env["PATH"] = f"{path}:{env['PATH']}"
-    return subprocess.Popen([LCPBENCH, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=env,
-                            start_new_session=True)
-
-
 def killed_once_then_whole(d, engine, path=None):
-    c = campaign(d, TEXT)
-    run("run", c, "--out", d / "one", "--quiet")
-    assert len({r["cell_id"] for r in rows(d / "one")}) == 200
-    words = ["submit", c, "--engine", engine, "--shards", SHARDS, "--out", d / "many", "--wait"]
+    words = submit_words(d, built_in(d), engine)
     p = start(words, path)
     give_up = time.time() + 60
     while time.time() < give_up and not any((d / "many").glob("shard.2/results.csv")):
@@ -57,14 +31,10 @@ def killed_once_then_whole(d, engine, path=None):
     assert p.poll() is None, "it was over before it could be killed"
     os.killpg(p.pid, signal.SIGKILL)
     p.wait()
-    before = sum(len(rows(f)) for f in (d / "many").glob("shard.*") if (f / "results.csv").exists())
-    assert 0 < before < 400, before
+    assert 0 < rows_so_far(d) < WHOLE_ROWS
     p = start(words, path)
     assert p.wait(timeout=300) == 0
-    shards = sorted((d / "many").glob("shard.*[0-9]"))
-    assert len(shards) == SHARDS, shards
-    run("merge", *shards, "--out", d / "merged")
-    assert verdicts(d / "merged") == verdicts(d / "one")
+    merged_equals_built_in(d)
 
 
 def gnu_parallel(d):
@@ -84,13 +54,6 @@ def slurm_stand_in(d):
     killed_once_then_whole(d, "slurm", d / "bin")
 
 
-def slurm_itself(d):
-    """Only where a Slurm answers."""
-    if shutil.which("sinfo") is None or subprocess.run(["sinfo"], capture_output=True).returncode != 0:
-        raise Skip("no running Slurm on this machine")
-    killed_once_then_whole(d, "slurm")
-
-
 def scripts_are_written(d):
     c = campaign(d, TEXT)
     run("submit", c, "--engine", "slurm", "--shards", 4, "--out", d / "o", "--dry-run")
@@ -102,4 +65,4 @@ def scripts_are_written(d):
     one_line_error("submit", d / "no.yaml", "--engine", "slurm", "--shards", 2, names=["no.yaml"])
 
 
-tap([scripts_are_written, gnu_parallel, slurm_stand_in, slurm_itself])
+tap([scripts_are_written, gnu_parallel, slurm_stand_in])
