@@ -334,6 +334,13 @@ static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
   }
 }
 
+/* z + y; a sum that cancels down to rounding is zero, so that a row whose answer is zero, driven there
+ * from a bound of its box, ends at zero and not at noise that a scale-invariant residual sees. */
+static double added(double z, double y) {
+  const double sum = z + y;
+  return (fabs(sum) <= 4 * DBL_EPSILON * fabs(y)) ? 0 : sum;
+}
+
 /* Two steps of iterative refinement of z_F, residuals in long double. */
 static void refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
   for (int round = 0; round < 2; round++) {
@@ -345,7 +352,7 @@ static void refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
     lin_chol_backward(s->L, s->m, s->y);
     for (int k = 0; k < s->m; k++) {
       const int i = s->order[k];
-      z[i] = fmin(fmax(z[i] + s->y[k], s->lo[i]), s->hi[i]); /* on K; the residual decides */
+      z[i] = fmin(fmax(added(z[i], s->y[k]), s->lo[i]), s->hi[i]); /* on K; the residual decides */
     }
     work->refinements++;
   }

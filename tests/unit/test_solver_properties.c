@@ -157,10 +157,35 @@ static void powers_of_two_change_no_bit(void **state) {
   }
 }
 
+/* A sphere that slides straight: nothing acts along the second tangent, whose answer is zero. Reached
+ * from the end of its box it must be zero and not the rest of a cancellation, which counts as wrong
+ * in a residual that knows no scale. */
+static void idle_rows_of_a_box_end_at_zero(void **state) {
+  (void)state;
+  for (int k = 0; k < 200; k++) {
+    double M[4] = {7.0, 0, 0, 7.0 * (1.0 + k * 2.2e-16)}, q[2] = {2.1, 0}, z[2];
+    double lo[2] = {-0.014715, -0.014715}, hi[2] = {0.014715, 0.014715};
+    lcp_block block = {.start = 0, .size = 2, .set = LCP_BOX};
+    const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M},
+                           .q = q,
+                           .lo = lo,
+                           .hi = hi,
+                           .block = &block,
+                           .n_block = 1,
+                           .traits = LCP_SYMMETRIC | LCP_PSD};
+    lcp_result res;
+    assert_true(run("ppm", &p, z, &res));
+    assert_int_equal(res.outcome, LCP_SOLVED);
+    check_close(z[0], lo[0], 0);
+    check_close(z[1], 0, 0);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(planted_solutions_are_found),
       cmocka_unit_test(powers_of_two_change_no_bit),
+      cmocka_unit_test(idle_rows_of_a_box_end_at_zero),
   };
   return cmocka_run_group_tests_name("solver properties", tests, NULL, NULL);
 }
