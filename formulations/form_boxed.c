@@ -1,8 +1,9 @@
 /* form_boxed.c - friction rows with fixed bounds: |lambda_t| <= mu lambda_n', each tangent on its
  * own, with lambda_n' from the last solve (Peiret, Gholami, Kovecses & Font-Llagunes 2016, and the
  * common game engines). M is symmetric positive semidefinite, so every solve has a solution; the
- * bounds are iterated until they stand still (outer = 1: once, with the impulses of the last
- * step). A square box is up to sqrt(2) too strong along its diagonal. */
+ * bounds are iterated until the answer satisfies the bounds that follow from it (outer = 1: once,
+ * with the impulses of the last step), which takes no second solve where contacts stick inside them.
+ * A square box is up to sqrt(2) too strong along its diagonal. */
 #include "formulations/row_form.h"
 
 #include <string.h>
@@ -11,7 +12,7 @@ typedef row_options options;
 
 static const base_field fields[] = {
     BASE_FIELD(options, outer, BASE_INT, "1", 100, 1, 1e6, "most solves in a step; 1: lagged"),
-    BASE_FIELD(options, outer_tol, BASE_REAL, "1", 1e-8, 1e-15, 1, "change of the bounds"),
+    BASE_FIELD(options, outer_tol, BASE_REAL, "1", 1e-8, 1e-15, 1, "what moved bounds change"),
     ROW_FORM_FIELDS(options),
 };
 
@@ -82,28 +83,38 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
   return BASE_OK;
 }
 
+/* How far the friction impulses of z are from those that the bounds now in place ask for, by the
+ * natural map of each row; over the largest normal impulse. */
+static double residual(row_form *s, const double *z, double largest) {
+  double most = 0;
+  lcp_matrix_apply(&s->matrix.M, z, s->q, s->w, s->scratch);
+  lcp_matrix_diagonal(&s->matrix.M, s->diagonal);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    for (int row = s->a.row[i] + 1; row < s->a.row[i + 1]; row++) {
+      const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : 0;
+      const double wanted = fmin(fmax(z[row] - step, s->lo[row]), s->hi[row]);
+      most = fmax(most, fabs(z[row] - wanted));
+    }
+  }
+  return (largest > 0) ? most / largest : 0;
+}
+
 static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
   (void)err;
   row_form *s = state;
-  double change = 0;
   double largest = 0;
   for (int i = 0; i < s->a.n_contact; i++) {
-    const double now = fmax(z[s->a.row[i]], 0.0);
-    const bool friction = form_rows_of(&s->a, i) > 1;
-    change = fmax(change, friction ? fabs(now - s->normal[i]) : 0);
-    largest = fmax(largest, now);
-    s->normal[i] = now;
+    s->normal[i] = fmax(z[s->a.row[i]], 0.0);
+    largest = fmax(largest, s->normal[i]);
   }
-  s->answer.residual = (largest > 0) ? change / largest : 0;
+  set_bounds(s);
+  s->answer.residual = residual(s, z, largest);
   const bool settled = s->answer.residual <= s->opt.outer_tol;
   if (settled || claimed != LCP_SOLVED || s->answer.work.solves >= s->opt.outer) {
     row_form_finish(s, z, claimed == LCP_SOLVED && (settled || s->opt.outer == 1));
-    return BASE_OK;
-  }
-  if (s->start == FORM_PREVIOUS) {
+  } else if (s->start == FORM_PREVIOUS) {
     memcpy(s->z0, z, (size_t)s->a.n_row * sizeof *z);
   }
-  set_bounds(s);
   return BASE_OK;
 }
 

@@ -14,6 +14,11 @@ static void layout(void *state, base_arena *m) {
   s->lo = BASE_ARRAY(m, double, s->cap_row);
   s->hi = BASE_ARRAY(m, double, s->cap_row);
   s->normal = BASE_ARRAY(m, double, s->cap_group);
+  if (s->opt.outer > 0) {
+    s->w = BASE_ARRAY(m, double, s->cap_row);
+    s->diagonal = BASE_ARRAY(m, double, s->cap_row);
+    s->scratch = BASE_ARRAY(m, double, s->cap_scratch);
+  }
   s->block = BASE_ARRAY(m, lcp_block, 4 * (size_t)s->cap_group);
 }
 
@@ -92,12 +97,15 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   if (opt->joints == 0 && opt->storage != ROW_FACTORED) {
     BASE_TRY(form_assembly_eliminate(&s->a, err));
   }
-  if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group) {
+  BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)opt->storage, err));
+  const size_t scratch = lcp_matrix_scratch(&s->matrix.M);
+  if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group ||
+      scratch > s->cap_scratch) {
     s->cap_row = c->n_row + c->n_row / 2;
     s->cap_group = c->n_group + c->n_group / 2;
+    s->cap_scratch = scratch;
     BASE_TRY(form_memory(&s->mem, layout, s, err));
   }
-  BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)opt->storage, err));
   fill_vectors(s);
   s->n_block = 0;
   s->done = false;

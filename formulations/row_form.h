@@ -11,7 +11,7 @@ typedef struct row_options {
   int activation, restitution;
   double push, push_speed, rest, joint_push;
   int outer;        /* boxed: most solves in a step */
-  double outer_tol; /* boxed: change of the bounds over the largest one [1] */
+  double outer_tol; /* boxed: what moved bounds change, over the largest impulse [1] */
 } row_options;
 
 typedef struct row_form {
@@ -22,11 +22,13 @@ typedef struct row_form {
   formulation_start start;
   double *q, *z0, *lambda, *lo, *hi; /* n_row */
   double *normal;                    /* n_contact: lambda_n behind the bounds [N s] */
+  double *w, *diagonal, *scratch;    /* boxed: M z + q, diag M; n_row each, and a product's own */
   lcp_block *block;                  /* at most 4 a contact, 1 a joint */
   int n_block;
   bool done;
   formulation_answer answer;
   int cap_row, cap_group;
+  size_t cap_scratch;
   void *mem; /* owned */
 } row_form;
 

@@ -120,8 +120,9 @@ static base_status run_pairs(const check_plan *plan, equal_unit *u, const int fa
       done = choose_facets(&plan->form[f], facets[1], &form[1], err);
     }
     for (int s = 0; done == BASE_OK && s < plan->n_solver; s++) {
-      if (plan->default_solvers && strcmp(plan->solver[s].solver->name, "lemke") != 0) {
-        continue; /* the tolerances are those of an exact method */
+      const char *fits = check_default_solver(u->request[0].spec, &form[0]);
+      if (plan->default_solvers && strcmp(plan->solver[s].solver->name, fits) != 0) {
+        continue;
       }
       for (int side = 0; side < 2; side++) {
         u->request[side].form = &form[side];

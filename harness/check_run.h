@@ -12,7 +12,7 @@ enum { CHECK_CHOICES = 48 };
 typedef struct check_plan {
   const char *id_glob; /* "*": all */
   int n_solver, n_form;
-  bool default_solvers; /* none was asked for: all for LCPs, lemke (nsgs on cones) for scenes */
+  bool default_solvers; /* none was asked for: all for LCPs, check_default_solver for scenes */
   solver_choice solver[CHECK_CHOICES];
   formulation_choice form[CHECK_CHOICES];
   double step; /* [s]; 0: the steps of the file */
@@ -33,6 +33,10 @@ base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
 
 /* Why a scene is not for this formulation (what it declares and the model lacks); NULL: it is. */
 const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form);
+
+/* The solver that a scene is run with where none was asked for: a finite method on the sets that the
+ * formulation poses (lemke on orthants, ppm on boxes), nsgs on cones. */
+const char *check_default_solver(const scene_spec *spec, const formulation_choice *form);
 
 /* A skipped case that could not be run at all. */
 void check_skip(const check_plan *plan, const char *id, const char *reason);

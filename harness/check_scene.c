@@ -192,16 +192,15 @@ static base_status fit(const scene_spec *spec, formulation_choice *form, base_er
   return BASE_OK;
 }
 
-/* Scenes run with the plan's default solvers: exact ones on the orthant, the cone's own on cones.
- * A formulation that steps by itself needs one solver, whichever. */
-static bool solver_wanted(const check_plan *plan, const formulation_choice *form,
-                          const lcp_solver *s) {
-  if (!plan->default_solvers) {
-    return true;
+const char *check_default_solver(const scene_spec *spec, const formulation_choice *form) {
+  if ((spec->effects & EFFECT_FRICTION) == 0) {
+    return "lemke";
   }
-  const bool cone =
-      form->form->stands_for != NULL && strcmp(form->form->stands_for, "coulomb") == 0;
-  return strcmp(s->name, cone ? "nsgs" : "lemke") == 0;
+  if ((form->form->model & FORM_BOUNDS_LAGGED) != 0) {
+    return "ppm";
+  }
+  const unsigned cones = FORM_CONE_EXACT | FORM_REGULARISED;
+  return ((form->form->model & cones) == FORM_CONE_EXACT) ? "nsgs" : "lemke";
 }
 
 static base_status run_formulation(const check_plan *plan, const scene_spec *spec,
@@ -226,12 +225,16 @@ static base_status run_formulation(const check_plan *plan, const scene_spec *spe
     (void)snprintf(u.blank.id, sizeof u.blank.id, "%.63s", spec->id);
     (void)snprintf(u.blank.formulation, sizeof u.blank.formulation, "%s", form.form->name);
     (void)snprintf(u.blank.solver, sizeof u.blank.solver, "%s", plan->solver[i].solver->name);
+    const char *fits = check_default_solver(spec, &form);
+    if (plan->default_solvers && strcmp(plan->solver[i].solver->name, fits) != 0) {
+      continue;
+    }
     const char *why = check_not_applicable(spec, &form);
     if (why != NULL) {
       u.blank.verdict = CHECK_SKIPPED;
       (void)snprintf(u.blank.reason, sizeof u.blank.reason, "%s", why);
       check_report_add(plan->report, &u.blank);
-    } else if (solver_wanted(plan, &form, plan->solver[i].solver)) {
+    } else {
       done = run_pair(plan, &u, err);
     }
   }
