@@ -1,5 +1,6 @@
 #include "harness/cell_run.h"
 
+#include "harness/effects_auto.h"
 #include "harness/predictions.h"
 #include "harness/problem_source.h"
 #include "harness/solve_once.h"
@@ -87,6 +88,15 @@ static void clear_times(record *r) {
   r->t_step_max_s = r->t_cpu_s = (double)NAN;
 }
 
+static void emit_sample(const measured *m, record *r, int rep, isolate_channel *out) {
+  r->rep = rep;
+  r->n_inner = m->n_inner;
+  if (!timed_status(m->status)) {
+    clear_times(r);
+  }
+  (void)isolate_emit(out, r);
+}
+
 static base_status repeat(measured *m, record *base, isolate_channel *out, base_error *err) {
   const campaign_sampling *s = &m->job->campaign->sampling;
   double seconds[CELL_SAMPLES];
@@ -103,16 +113,15 @@ static base_status repeat(measured *m, record *base, isolate_channel *out, base_
   if (m->status != RUN_OK || once > s->budget) {
     least = most = 1;
   }
+  if (most == 1 && m->n_inner == 1 && m->job->campaign->sampling.max_samples == 1) {
+    emit_sample(m, &warm, 0, out); /* a campaign of verdicts: the first run is the row */
+    return BASE_OK;
+  }
   const double from = base_seconds();
   for (int k = 0; k < most; k++) {
     record r = *base;
     BASE_TRY(m->sample(m, &r, &seconds[k], err));
-    r.rep = k;
-    r.n_inner = m->n_inner;
-    if (!timed_status(m->status)) {
-      clear_times(&r);
-    }
-    (void)isolate_emit(out, &r);
+    emit_sample(m, &r, k, out);
     memcpy(sorted, seconds, (size_t)(k + 1) * sizeof *sorted);
     const bool known = k + 1 >= least && stats_half_width(sorted, k + 1) <= s->half_width;
     if (known || (k + 1 >= least && base_seconds() - from > s->budget)) {
@@ -183,6 +192,7 @@ static void fill_verdict(const sim_result *q, record *r) {
 static void fill_predictions(const prediction_summary *p, record *r) {
   r->n_predictions = p->n;
   r->n_predictions_missed = p->n_missed;
+  SET_TEXT(r->missed, p->missed);
   if (p->n > 0) {
     r->err_worst = p->worst;
   }
@@ -270,13 +280,15 @@ static base_status prepare_scene(measured *m, record *r, base_error *err) {
   BASE_TRY(formulation_choose(c->formulation, &m->form, err));
   sim_request *q = &m->request;
   *q = (sim_request){.spec = &m->spec, .form = &m->form, .solver = &m->solver};
-  BASE_TRY(effects_override(m->spec.effects, c->effects, &q->effects, err));
   BASE_TRY(number_or(c->step, m->spec.n_h > 0 ? m->spec.h[0] : 0.01, "step", &q->h, err));
   BASE_TRY(number_or(c->duration, m->spec.duration, "duration", &q->duration, err));
   if (strcmp(c->start, "cold") != 0 && strcmp(c->start, "previous") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "start %s: need cold or previous", c->start);
   }
   q->start = (strcmp(c->start, "previous") == 0) ? FORM_PREVIOUS : FORM_COLD;
+  effects_choice choice;
+  BASE_TRY(effects_choose(q, c->effects, &choice, err));
+  SET_TEXT(r->effects_auto, choice.text);
   r->step_s = q->h;
   r->duration_s = q->duration;
   SET_TEXT(r->start, c->start);

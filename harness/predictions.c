@@ -1,5 +1,6 @@
 #include "harness/predictions.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const char *stands_for(const sim_request *q) {
@@ -12,7 +13,8 @@ bool prediction_applies(const sim_request *q, int i) {
   const double end = q->duration * (1.0 + 1e-9);
   const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
   const bool in_time = last <= end && (c->kind != CHECK_EVENT_TIME || c->value <= end);
-  return q->effects == q->spec->effects && in_time &&
+  const bool declared = (q->spec->effects & ~q->effects) == 0 || q->judged;
+  return declared && in_time &&
          spec_check_applies(c, stands_for(q), formulation_choice_facets(q->form));
 }
 
@@ -30,10 +32,38 @@ static bool kinematic(spec_check_kind k) {
          k == CHECK_WINDOW_MIN || k == CHECK_MAX_DRIFT;
 }
 
+/* The check of each kind that misses by most. */
+typedef struct missed_kind {
+  const spec_check *worst;
+  double times; /* error over tolerance; HUGE_VAL where it cannot be evaluated */
+  bool rest;    /* it ought to be 0 */
+} missed_kind;
+
+static void note_missed(const spec_check *c, const check_result *one, missed_kind *kind) {
+  const double times =
+      (one->known && one->tolerance > 0.0) ? one->error / one->tolerance : HUGE_VAL;
+  if (kind->worst == NULL || times > kind->times) {
+    *kind = (missed_kind){c, times, one->expected == 0.0};
+  }
+}
+
+static void print_missed(const missed_kind kind[CHECK_COUNT], char *buf, size_t cap) {
+  size_t used = 0;
+  for (int k = 0; k < CHECK_COUNT && used < cap; k++) {
+    if (kind[k].worst != NULL) {
+      char label[80];
+      check_label(kind[k].worst, label, sizeof label);
+      used += (size_t)snprintf(buf + used, cap - used, "%s%s%s %.2gx", used > 0 ? ", " : "", label,
+                               kind[k].rest ? " = 0" : "", kind[k].times);
+    }
+  }
+}
+
 void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,
                            prediction_summary *out) {
   *out = (prediction_summary){0};
   const check_context ctx = prediction_context(q, record, r);
+  missed_kind missed[CHECK_COUNT] = {{0}};
   for (int i = 0; i < q->spec->n_check; i++) {
     const spec_check *c = &q->spec->check[i];
     check_result one;
@@ -42,7 +72,10 @@ void predictions_summarise(const sim_request *q, const series *record, const sim
     }
     check_evaluate(c, &ctx, &one);
     out->n++;
-    out->n_missed += one.ok ? 0 : 1;
+    if (!one.ok) {
+      out->n_missed++;
+      note_missed(c, &one, &missed[c->kind]);
+    }
     if (one.known && one.tolerance > 0.0) {
       out->worst = fmax(out->worst, one.error / one.tolerance);
     }
@@ -55,4 +88,5 @@ void predictions_summarise(const sim_request *q, const series *record, const sim
       check_label(c, out->quantity, sizeof out->quantity);
     }
   }
+  print_missed(missed, out->missed, sizeof out->missed);
 }

@@ -14,11 +14,13 @@ typedef struct prediction_summary {
   double predicted; /* its predicted value */
   double tolerance; /* its tolerance */
   char quantity[80];
+  char missed[160];   /* what was missed, worst first of each kind: "max_drift top.y 3.2x, ..." */
   const char *source; /* view into the spec */
 } prediction_summary;
 
-/* Does the i-th check of the scene apply to this run? False for all when the effects differ from
- * the declared ones, and for checks at times beyond the duration. */
+/* Does the i-th check of the scene apply to this run? False for all when a declared effect is left
+ * out (unless the request says that it makes no difference), and for checks at times beyond the
+ * duration. */
 bool prediction_applies(const sim_request *q, int i);
 
 check_context prediction_context(const sim_request *q, const series *record, const sim_result *r);

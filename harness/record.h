@@ -18,7 +18,7 @@
   T(formulation, 32) T(formulation_options, 320) T(formulation_config, 480) T(model, 160)          \
   T(solver, 32) T(solver_options, 320) T(solver_config, 480) T(solver_variant, 32)                 \
   T(solver_version, 24)                                                                            \
-  R(step_s) R(duration_s) T(start, 16) T(effects, 200) R(tol) I(threads) B(quick)                  \
+  R(step_s) R(duration_s) T(start, 16) T(effects, 200) T(effects_auto, 240) R(tol) I(threads) B(quick)                  \
   I(n_bodies) I(n_dof) I(n_contacts) I(n_active) I(lcp_dim) I(nnz) R(density) T(storage, 16)       \
   R(t_contacts_s) R(t_assemble_s) R(t_setup_s) R(t_factor_s) R(t_solve_s) R(t_advance_s)           \
   R(t_total_s) R(t_step_s) R(t_step_max_s) R(t_cpu_s) I(n_inner) R(t_limit_s)                      \
@@ -30,7 +30,7 @@
   R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(energy_defect_J)   \
   R(energy_drift_rel)                                                                              \
   R(err_ref) T(err_quantity, 80) R(err_predicted) R(err_tol) T(err_source, 160) R(err_worst)       \
-  I(n_predictions) I(n_predictions_missed) T(effects_seen, 200) T(solution_hash, 24)               \
+  I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200) T(solution_hash, 24)               \
   T(host, 64) T(host_class, 96) T(cpu_set, 16) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
   R(canary_s) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty) T(build_hash, 24)              \
   T(command, 1200)

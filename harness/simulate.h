@@ -17,6 +17,7 @@
 typedef struct sim_request {
   const scene_spec *spec;
   unsigned effects; /* what is simulated, EFFECT_ bits */
+  bool judged; /* though effects are left out, the scene's predictions apply (effects_auto.h) */
   const formulation_choice *form;
   const solver_choice *solver;
   double h;        /* [s] */

@@ -1,6 +1,7 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/args.h"
 #include "harness/cli.h"
+#include "harness/effects_auto.h"
 #include "harness/json_out.h"
 #include "harness/predictions.h"
 #include "harness/simulate.h"
@@ -18,6 +19,7 @@ typedef struct simulation {
   formulation_choice form;
   solver_choice solver;
   sim_request request;
+  effects_choice effects;
   const char *text; /* the scene as given */
 } simulation;
 
@@ -46,8 +48,6 @@ static base_status choose(const simulate_options *o, const char *scene_text, sim
   BASE_TRY(scene_load(scene_text, &s->spec, err));
   sim_request *q = &s->request;
   *q = (sim_request){.spec = &s->spec, .form = &s->form, .solver = &s->solver};
-  BASE_TRY(effects_override(s->spec.effects, o->effects != NULL ? o->effects : "declared",
-                            &q->effects, err));
   BASE_TRY(positive("--step", o->step, s->spec.n_h > 0 ? s->spec.h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", o->duration, s->spec.duration, &q->duration, err));
   q->start = FORM_COLD;
@@ -56,7 +56,7 @@ static base_status choose(const simulate_options *o, const char *scene_text, sim
   } else if (o->start != NULL && strcmp(o->start, "cold") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--start %s: need cold or previous", o->start);
   }
-  return BASE_OK;
+  return effects_choose(q, o->effects != NULL ? o->effects : "declared", &s->effects, err);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -106,7 +106,7 @@ static json_t *prediction(const spec_check *c, const check_context *ctx, bool *o
   return o;
 }
 
-/* Checks belong to the scene as declared; with other effects they are not predictions. */
+/* Checks belong to the scene as declared; with less than that they are not predictions. */
 static json_t *predictions(const simulation *s, const series *record, const sim_result *r,
                            bool *all_ok) {
   const check_context ctx = prediction_context(&s->request, record, r);
@@ -126,6 +126,21 @@ static void put_effects(json_t *o, const char *key, unsigned mask) {
   char text[256];
   effects_print(mask, text, sizeof text);
   json_out_text(o, key, text);
+}
+
+/* What --effects auto:E decided, and what the decision cost. */
+static void put_auto(json_t *o, const effects_choice *e) {
+  if (!e->automatic) {
+    return;
+  }
+  json_t *a = json_object();
+  json_out_real(a, "level", e->level);
+  put_effects(a, "dropped", e->dropped);
+  json_out_real(a, "change", e->change);
+  json_out_int(a, "pilot_steps", e->pilot_steps);
+  json_out_real(a, "t_pilot_s", e->pilot_seconds);
+  json_out_text(a, "why", e->text);
+  (void)json_object_set_new(o, "effects_auto", a);
 }
 
 static void put_counts(json_t *o, const sim_result *r) {
@@ -192,6 +207,7 @@ static json_t *to_json(const simulation *s, const series *record, const sim_resu
   put_effects(o, "effects_declared", s->spec.effects);
   put_effects(o, "effects_simulated", s->request.effects);
   put_effects(o, "effects_seen", r->effects_seen);
+  put_auto(o, &s->effects);
   json_out_text(o, "solution_hash", hash);
   put_times(o, r);
   return o;
