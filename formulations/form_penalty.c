@@ -29,7 +29,7 @@ typedef struct options {
 static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, law, PENALTY_MODELS, PENALTY_HUNT_CROSSLEY, "normal force law"),
     BASE_FIELD_CHOICE(options, integrator, "rkf45|rk8pd|msbdf|bsimp", 2, "GSL stepping method"),
-    BASE_FIELD(options, stiffness, BASE_REAL, "N/m^1.5", 1e7, 1e-3, 1e15,
+    BASE_FIELD(options, stiffness, BASE_REAL, "N/m^1.5", 1e7, 1e-3, 1e17,
                "K of the force law (N/m for kelvin_voigt)"),
     BASE_FIELD(options, damping, BASE_REAL, "N s/m", 1e3, 0, 1e12, "c of kelvin_voigt"),
     BASE_FIELD(options, slip_speed, BASE_REAL, "m/s", 1e-3, 1e-9, 1e3,

@@ -8,8 +8,9 @@ bool check_selected(const check_plan *plan, const char *id) {
   return fnmatch(plan->id_glob, id, 0) == 0;
 }
 
-void check_skip(const check_plan *plan, const char *id, const char *reason) {
-  check_outcome o = {.verdict = CHECK_SKIPPED,
+static void not_run(const check_plan *plan, check_verdict verdict, const char *id,
+                    const char *reason) {
+  check_outcome o = {.verdict = verdict,
                      .check = "run",
                      .got = (double)NAN,
                      .expected = (double)NAN,
@@ -17,6 +18,14 @@ void check_skip(const check_plan *plan, const char *id, const char *reason) {
   (void)snprintf(o.id, sizeof o.id, "%s", id);
   (void)snprintf(o.reason, sizeof o.reason, "%.190s", reason);
   check_report_add(plan->report, &o);
+}
+
+void check_skip(const check_plan *plan, const char *id, const char *reason) {
+  not_run(plan, CHECK_SKIPPED, id, reason);
+}
+
+void check_refuse(const check_plan *plan, const char *id, const char *reason) {
+  not_run(plan, CHECK_FAILED, id, reason);
 }
 
 /* ---- isolation --------------------------------------------------------------------------------*/

@@ -38,8 +38,11 @@ const char *check_not_applicable(const scene_spec *spec, const formulation_choic
  * formulation poses (lemke on orthants, ppm on boxes), nsgs on cones. */
 const char *check_default_solver(const scene_spec *spec, const formulation_choice *form);
 
-/* A skipped case that could not be run at all. */
+/* A case that an option out of a formulation's range keeps from running: skipped. */
 void check_skip(const check_plan *plan, const char *id, const char *reason);
+/* A case that cannot be run for want of something in `problems` (a shape, an effect, a load, a gap
+ * function) or because it is wrong: failed, never skipped. */
+void check_refuse(const check_plan *plan, const char *id, const char *reason);
 
 bool check_selected(const check_plan *plan, const char *id);
 

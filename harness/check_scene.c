@@ -242,7 +242,25 @@ static base_status run_formulation(const check_plan *plan, const scene_spec *spe
   return done;
 }
 
+/* Does every shape, effect and load of the scene exist here, also with an effect switched off? */
+static bool can_open(const check_plan *plan, const scene_spec *spec) {
+  for (int k = -1; k < spec->n_off; k++) {
+    const unsigned off = (k < 0) ? 0u : spec->off[k].effect;
+    world *w = NULL;
+    base_error why = {0};
+    if (world_open(&w, spec, spec->effects & ~off, &why) != BASE_OK) {
+      check_refuse(plan, spec->id, why.text);
+      return false;
+    }
+    world_close(w);
+  }
+  return true;
+}
+
 base_status check_scene_case(const check_plan *plan, const scene_spec *spec, base_error *err) {
+  if (!can_open(plan, spec)) {
+    return BASE_OK;
+  }
   for (int i = 0; i < plan->n_form; i++) {
     BASE_TRY(run_formulation(plan, spec, &plan->form[i], err));
   }

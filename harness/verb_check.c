@@ -95,7 +95,7 @@ static base_status run_scenes(const check_plan *plan, const case_file *f, base_e
   }
   for (int i = 0; i < f->scenes.n_failed; i++) {
     if (check_selected(plan, f->scenes.failed[i].id)) {
-      check_skip(plan, f->scenes.failed[i].id, f->scenes.failed[i].err.text);
+      check_refuse(plan, f->scenes.failed[i].id, f->scenes.failed[i].err.text);
     }
   }
   return BASE_OK;

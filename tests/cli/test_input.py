@@ -75,6 +75,35 @@ def check_errors(d):
     one_line_error("check", SHARED / "cases/cases.json", "--filter", "name=A*", names=["name=A*"])
 
 
+def check_skips_no_case_for_want_of_anything(d):
+    """Every case of the shared catalogue is run; a skip is the model's or the solver's limit, never a missing shape, effect or load."""
+    catalogue = SHARED / "cases/cases.json"
+    if not catalogue.exists():
+        raise Skip("shared cases are absent")
+    o = run_json("check", catalogue, "--formulation", "velocity", "--solver", "lemke", "--json")
+    cases = json.loads(catalogue.read_text())
+    wanted = {c["id"] for group in ("lcp", "scenes", "stress") for c in cases[group]}
+    assert wanted <= {c["id"] for c in o["checks"]}, wanted - {c["id"] for c in o["checks"]}
+    for c in o["checks"]:
+        assert c["result"] != "skipped" or c["reason"].startswith(("models no ", "honest failure: ")), c
+    # the stiffest compliant contact, 1e16 N/m, is inside the range of the formulation made for it
+    o = run_json("check", catalogue, "--filter", "id=C07.5", "--formulation", "penalty", "--solver", "lemke", "--json")
+    assert o["passed"] == 4, o
+
+
+def check_fails_what_it_cannot_run(d):
+    """A scene that asks for something that does not exist is a failure, not a skip."""
+    ball = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1], "vel": [0, 1]}
+    good = {"id": "s", "dim": 2, "T": 0.02, "bodies": [ball], "checks": [{"type": "state", "var": "b.y", "t": 0.02, "value": 1.02,
+                                                                          "tol": {"abs": 1e-9}}]}
+    wants = [{"bodies": [dict(ball, shape={"type": "torus", "r": 0.1})]}, {"needs": ["magnetism"]},
+             {"loads": [{"body": "b", "type": "wind"}]}]
+    for want in wants:
+        (d / "s.json").write_text(json.dumps([dict(good, id="good"), dict(good, **want)]))
+        done = run("check", d / "s.json", "--formulation", "velocity", "--solver", "lemke", code=3)
+        assert "FAILED s - - [run]" in done.stdout and done.stdout.endswith(" 1 failed, 0 skipped\n"), done.stdout
+
+
 def lists_are_bare_names(d):
     for what in ("problems", "scenes", "formulations", "solvers", "campaigns", "effects"):
         names = run("list", what).stdout.splitlines()
@@ -148,6 +177,7 @@ def environment_gives_options(d):
     assert o["solver"] == "lemke"
 
 
-tap([usage_errors, problem_errors, scene_errors, check_errors, lists_are_bare_names, solve_prints_one_object,
+tap([usage_errors, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
+     check_fails_what_it_cannot_run, lists_are_bare_names, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
      certificates_are_written, export_reads_back])
