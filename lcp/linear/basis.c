@@ -31,6 +31,7 @@ void lin_basis_layout(lin_basis *b, int n, int nnz, base_arena *a) {
 void lin_basis_start(lin_basis *b, const lin_system *sys, const unsigned char *in_z) {
   const int n = sys->n;
   b->sys = sys;
+  b->fresh = false;
   b->n_eta = 0;
   b->eta_flops = 0;
   for (int v = 0; v <= 2 * n; ++v) {
@@ -97,6 +98,7 @@ bool lin_basis_factor(lin_basis *b) {
   b->eta_first[0] = 0;
   const bool ok = lin_lu_factor(&b->lu, &kernel);
   b->full = !ok && b->lu.deficient == 0;
+  b->fresh = ok;
   if (!ok) {
     return false;
   }
@@ -223,6 +225,7 @@ void lin_basis_defect(const lin_basis *b, const double *y, const double *r, doub
 void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   const int n = b->sys->n;
   const int e = b->n_eta++;
+  b->fresh = false;
   size_t at = b->eta_first[e];
   for (int i = 0; i < n; ++i) {
     b->eta_index[at] = i;
@@ -245,6 +248,7 @@ void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
 /* Product-form columns are streamed, a factorisation jumps about: the weights are measured times of
  * an operation of each kind in units of a streamed one. */
 bool lin_basis_due(const lin_basis *b) {
-  const double factor = 4 * b->lu.flops + 16 * (double)b->kcolptr[b->kernel_size];
+  const double each = b->lu.dense ? 1 : 4;
+  const double factor = each * b->lu.flops + 16 * (double)b->kcolptr[b->kernel_size];
   return b->n_eta == LIN_ETA_MAX || b->eta_flops > factor + 50 * (double)b->sys->n;
 }

@@ -27,6 +27,7 @@ typedef struct lin_basis {
   int *head;  /* cap_n: variable in each row position */
   int *where; /* 2 cap_n + 1: row position of a variable, -1 when nonbasic */
   bool full;  /* the last failure was lack of memory, not singularity */
+  bool fresh; /* factored, and no column replaced since */
 
   lin_lu lu;
   int kernel_size;

@@ -2,9 +2,12 @@
 
 #include <suitesparse/colamd.h>
 
+#include <cblas.h>
+#include <lapacke.h>
 #include <math.h>
 #include <string.h>
 
+enum { DENSE_FROM = 4 }; /* rows below which a call of LAPACK costs more than it saves */
 static const double colamd_trial = 40; /* operations per entry of A that make it worth a trial */
 static const double colamd_gain = 0.7; /* share of them left when it is kept */
 
@@ -216,8 +219,57 @@ static void review_ordering(lin_lu *f, const lin_columns *A) {
   }
 }
 
+/* Largest entry of each column of A into x, its entries into `value`. */
+static void unpack(lin_lu *f, const lin_columns *A) {
+  const int n = A->n;
+  memset(f->value, 0, sizeof(double) * (size_t)n * (size_t)n);
+  for (int j = 0; j < n; ++j) {
+    double *column = f->value + (size_t)j * (size_t)n;
+    double top = 0;
+    for (int p = A->colptr[j]; p < A->colptr[j + 1]; ++p) {
+      column[A->rowind[p]] = A->val[p];
+      top = fmax(top, fabs(A->val[p]));
+    }
+    f->x[j] = top;
+  }
+}
+
+/* True when A was factored as a dense matrix. */
+static bool factor_dense(lin_lu *f, const lin_columns *A) {
+  const int n = A->n;
+  const size_t entries = (size_t)n * (size_t)n;
+  f->dense = n >= DENSE_FROM && 2 * (size_t)A->colptr[n] > entries && entries <= f->cap_fill;
+  if (!f->dense) {
+    return false;
+  }
+  unpack(f, A);
+  bool regular = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->value, n, f->stack) == 0;
+  for (int k = 0; k < n; ++k) {
+    f->prow[k] = k;
+    f->col[k] = k;
+    const double pivot = f->value[(size_t)k * (size_t)n + (size_t)k];
+    regular = regular && fabs(pivot) > LIN_LU_SINGULAR * f->x[k];
+    f->x[k] = 0;
+  }
+  for (int k = 0; k < n; ++k) { /* the exchanges of rows, one after another */
+    const int other = f->stack[k] - 1;
+    const int row = f->prow[other];
+    f->prow[other] = f->prow[k];
+    f->prow[k] = row;
+  }
+  f->n = n;
+  f->flops = 2.0 / 3 * (double)n * (double)n * (double)n;
+  f->fill = entries;
+  f->deficient = 0;
+  f->dense = regular;
+  return regular;
+}
+
 bool lin_lu_factor(lin_lu *f, const lin_columns *A) {
   const int n = A->n;
+  if (factor_dense(f, A)) {
+    return true;
+  }
   begin(f, A);
   int kept = 0;
   for (int t = 0; kept + f->deficient < n; ++t) {
@@ -243,8 +295,25 @@ bool lin_lu_factor(lin_lu *f, const lin_columns *A) {
   return f->deficient == 0;
 }
 
+static void solve_dense(const lin_lu *f, double *b) {
+  const int n = f->n;
+  for (int k = 0; k < n; ++k) {
+    f->x[k] = b[f->prow[k]];
+  }
+  cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, n, f->value, n, f->x, 1);
+  cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, n, f->value, n, f->x, 1);
+  for (int k = 0; k < n; ++k) {
+    b[f->prow[k]] = f->x[k];
+    f->x[k] = 0;
+  }
+}
+
 void lin_lu_solve(const lin_lu *f, double *b) {
   const int n = f->n;
+  if (f->dense) {
+    solve_dense(f, b);
+    return;
+  }
   for (int k = 0; k < n; ++k) {
     const double xk = b[f->prow[k]];
     if (xk == 0) {

@@ -1,10 +1,12 @@
-/* linear/sparse_lu.h - LU of a sparse square matrix in caller-owned memory.
+/* linear/sparse_lu.h - LU of a square matrix in caller-owned memory, sparse or not.
  *
  * Left-looking, one column at a time, with threshold partial pivoting (Gilbert & Peierls 1988);
  * columns ordered by their number of entries or, in a series of matrices where that fills in and the
  * dearer ordering turns out to pay, by COLAMD (Davis, Gilbert, Larimore & Ng 2004). Among entries within a factor
  * LIN_LU_THRESHOLD of the largest, the one in the row with the fewest entries is the pivot, which
- * keeps rows that couple everything (one body, many contacts) for last.
+ * keeps rows that couple everything (one body, many contacts) for last. A matrix with more entries
+ * than half goes to LAPACK (dgetrf, partial pivoting), where its factor fits; one that turns out
+ * singular there comes back to the sparse method, which finds the dependent columns.
  */
 #pragma once
 
@@ -39,6 +41,7 @@ typedef struct lin_lu {
   size_t cap_fill; /* entries of `index` and `value` */
   size_t fill;     /* entries used: L and U without their diagonals */
   double flops;    /* of the last factorisation, counted */
+  bool dense;      /* the last one is LAPACK's: L and U column by column in `value` */
   int deficient;   /* columns found dependent in the last factorisation */
 
   size_t *ufirst; /* cap_n+1: column k holds U in [ufirst, lfirst), L in [lfirst, next ufirst) */

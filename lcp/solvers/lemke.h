@@ -33,6 +33,8 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect);
 /* Relative sizes below which a pivot is taken for zero and a ratio for a tie. */
 typedef struct lemke_tolerance {
   double pivot, tie;
+  bool
+      local; /* the cover is zero in rows that the first basis satisfies: a short path, no theorem */
 } lemke_tolerance;
 
 typedef enum lemke_end {

@@ -9,7 +9,7 @@
 
 enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
 enum { REPAIRS = 64 };      /* rounds of repairing a singular first basis */
-enum { GENERIC_FROM = 64 }; /* rows from which ties are first compared by the generic column */
+enum { GENERIC_FROM = 16 }; /* rows from which ties are first compared by the generic column */
 static const double doubtful = 1e-7;   /* a pivot this small is computed afresh before use [1] */
 static const double lex_noise = 1e-12; /* round-off of a lexicographic column [1] */
 static const double keep_share =
@@ -196,8 +196,12 @@ static int pivot(lemke_path *t, int p) {
   return left;
 }
 
+static bool covered(const lemke_path *t, int i, double low) {
+  return bounded(t, i) && (!t->tol.local || t->x[i] < low);
+}
+
 /* Brings z0 in against the most negative basic value; false when there is none. The covering
- * vector is B 1: all ones in the basis the path starts from. */
+ * vector is B 1: all ones in the basis the path starts from, or in its negative rows. */
 static bool enter_cover(lemke_path *t) {
   const int n = t->sys.n;
   int count = 0;
@@ -205,7 +209,7 @@ static bool enter_cover(lemke_path *t) {
   const double slack = -low;
   bool any = false;
   for (int i = 0; i < n; ++i) {
-    t->d[i] = bounded(t, i) ? -1 : 0;
+    t->d[i] = covered(t, i, low) ? -1 : 0;
     t->lex[i] = 0;
     any = any || (bounded(t, i) && t->x[i] < low);
   }
@@ -218,7 +222,7 @@ static bool enter_cover(lemke_path *t) {
     low = bounded(t, i) ? fmin(low, t->x[i]) : low;
   }
   for (int i = 0; i < n; ++i) {
-    if (bounded(t, i) && t->x[i] <= low + slack) {
+    if (t->d[i] != 0 && t->x[i] <= low + slack) {
       t->tied[count++] = i;
     }
   }
@@ -329,6 +333,16 @@ static void start_generic(lemke_path *t) {
   }
 }
 
+/* The basis of in_z is there, factored, with its x: nothing was pivoted since. */
+static bool is_factored(const lemke_path *t) {
+  const int n = t->sys.n;
+  bool same = t->basis.fresh && t->basis.where[2 * n] < 0;
+  for (int i = 0; i < n && same; ++i) {
+    same = (t->basis.where[n + i] >= 0) == (t->in_z[i] != 0);
+  }
+  return same;
+}
+
 /* Row with the largest entry in column j that could join the basis to make column j independent. */
 static int helper_row(const lemke_path *t, int j) {
   int best = -1;
@@ -348,6 +362,9 @@ static int helper_row(const lemke_path *t, int j) {
  * or, where there is none, stays at zero as a redundant constraint, its w_i = 0 left to the
  * residual test. */
 static bool factor_first(lemke_path *t) {
+  if (t->tol.local && is_factored(t)) {
+    return true;
+  }
   memset(t->tried, 0, (size_t)t->sys.n);
   t->basis.lu.ordering = LIN_BY_COUNT;
   for (int round = 0; round < REPAIRS; ++round) {
@@ -390,9 +407,11 @@ lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance t
 bool lemke_path_settle(lemke_path *t) {
   const int n = t->sys.n;
   t->generic = false;
-  lin_basis_start(&t->basis, &t->sys, t->in_z);
-  if (!refactor(t)) {
-    return false;
+  if (!is_factored(t)) {
+    lin_basis_start(&t->basis, &t->sys, t->in_z);
+    if (!refactor(t)) {
+      return false;
+    }
   }
   for (int pass = 0; pass < 2; ++pass) { /* two more corrections: x is then as good as the data */
     lin_basis_residual(&t->basis, t->x, t->system->q, t->sum);

@@ -5,6 +5,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 enum { SPREAD = 20 }; /* rows whose maxima are apart by more than 2^20 are scaled */
@@ -148,6 +149,25 @@ static int velocity_columns(lemke_system *s, const lcp_factored *f, int at) {
   return at;
 }
 
+/* ilogb without the call; a subnormal number takes the long way. */
+static int exponent(double v) {
+  uint64_t bits;
+  memcpy(&bits, &v, sizeof bits);
+  const int e = (int)(bits >> 52 & 0x7ff);
+  return (e == 0) ? ilogb(v) : e - 1023;
+}
+
+/* ldexp without the call: a product with a power of two, where that is a normal number. */
+static double scaled(double v, int e) {
+  if (e < -1022 || e > 1023) {
+    return ldexp(v, e);
+  }
+  const uint64_t bits = (uint64_t)(e + 1023) << 52;
+  double power;
+  memcpy(&power, &bits, sizeof power);
+  return v * power;
+}
+
 /* Largest binary exponents of rows and columns under the present scaling. */
 static void measure(lemke_system *s) {
   for (int i = 0; i < s->rows; ++i) {
@@ -157,7 +177,7 @@ static void measure(lemke_system *s) {
   for (int j = 0; j < s->rows; ++j) {
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
       const int i = s->rowind[p];
-      const int e = ilogb(s->val[p]) + s->row_exp[i] + s->col_exp[j];
+      const int e = exponent(s->val[p]) + s->row_exp[i] + s->col_exp[j];
       s->row_top[i] = (e > s->row_top[i]) ? e : s->row_top[i];
       s->col_top[j] = (e > s->col_top[j]) ? e : s->col_top[j];
     }
@@ -198,7 +218,7 @@ static void equilibrate(lemke_system *s) {
   }
   for (int j = 0; j < n; ++j) {
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
-      s->val[p] = ldexp(s->val[p], s->row_exp[s->rowind[p]] + s->col_exp[j]);
+      s->val[p] = scaled(s->val[p], s->row_exp[s->rowind[p]] + s->col_exp[j]);
     }
   }
 }
@@ -208,13 +228,13 @@ static void scale_right_side(lemke_system *s, const double *q) {
   for (int i = 0; i < s->rows; ++i) {
     s->q[i] = (i < s->n) ? q[i] : 0;
     if (s->q[i] != 0) {
-      const int e = ilogb(s->q[i]) + s->row_exp[i];
+      const int e = exponent(s->q[i]) + s->row_exp[i];
       top = (e > top) ? e : top;
     }
   }
   top = (top == INT_MIN) ? 0 : top;
   for (int i = 0; i < s->rows; ++i) {
-    s->q[i] = ldexp(s->q[i], s->row_exp[i] - top);
+    s->q[i] = scaled(s->q[i], s->row_exp[i] - top);
   }
   s->q_exp = top;
 }
@@ -243,7 +263,7 @@ void lemke_system_build(lemke_system *s, const lcp_problem *p) {
   equilibrate(s);
   lcp_matrix_diagonal(M, s->diagonal);
   for (int i = 0; i < s->n; ++i) {
-    s->diagonal[i] = ldexp(s->diagonal[i], s->row_exp[i] + s->col_exp[i]);
+    s->diagonal[i] = scaled(s->diagonal[i], s->row_exp[i] + s->col_exp[i]);
   }
   scale_right_side(s, p->q);
 }

@@ -32,7 +32,10 @@ typedef struct lemke_state {
 
 /* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
  * parallel contacts, blunt ones where round-off has piled up. */
-static const lemke_tolerance attempts[] = {{1e-11, 1e-12}, {1e-14, 1e-15}, {1e-8, 1e-10}};
+static const lemke_tolerance attempts[] = {
+    {1e-11, 1e-12, false}, {1e-14, 1e-15, false}, {1e-8, 1e-10, false}};
+
+static const lemke_tolerance polishing = {1e-11, 1e-15, true};
 
 /* The residual of a right basis is round-off; more means a neighbouring basis, worth another try
  * even where the tolerance is met (two contacts parallel up to 2^-40). */
@@ -212,6 +215,14 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
   return false;
 }
 
+/* The basis a path ended in is right up to the tolerance for ties, which lets a contact penetrate by
+ * as much; a few pivots from there with the sharp one put that right. */
+static bool polish(lemke_state *k, const lemke_options *o, lcp_result *res) {
+  res->work.refinements++;
+  return lemke_path_run(&k->path, &k->system, polishing) == LEMKE_SOLVED &&
+         accept(k, &o->stop, res);
+}
+
 /* A ray is then a proof, though not always one that survives rounding. */
 static bool ray_is_final(const lcp_problem *p) {
   return (p->traits & (LCP_PSD | LCP_PD | LCP_COPOSITIVE_PLUS)) != 0;
@@ -232,6 +243,9 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
       res->outcome = outcome_of(end);
     }
     if (accept(k, &o->stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
+      break;
+    }
+    if (end == LEMKE_SOLVED && a == 0 && polish(k, o, res)) {
       break;
     }
     if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) && restart_after_ray(k, o, res)) {
