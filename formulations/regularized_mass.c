@@ -106,7 +106,8 @@ static void order_bodies(const contact_set *c, reg_mass *m) {
   }
 }
 
-/* Row i of the envelope holds columns first[i] .. i. */
+/* Row i of the envelope holds columns first[i] .. end of its body: equally long for one body, so
+ * that its rows are a matrix. What lies above the diagonal is not used. */
 static void find_envelope(const contact_set *c, reg_mass *m) {
   for (int b = 0; b < c->n_body; b++) {
     int least = m->place[b];
@@ -114,13 +115,15 @@ static void find_envelope(const contact_set *c, reg_mass *m) {
       const int other = m->place[m->link[k]];
       least = (other < least) ? other : least;
     }
-    for (int k = 0; k < dofs(c, b); k++) {
-      m->first[m->place[b] + k] = least;
+    const int end = m->place[b] + dofs(c, b);
+    for (int i = m->place[b]; i < end; i++) {
+      m->first[i] = least;
+      m->at[i + 1] = (size_t)(end - least);
     }
   }
   m->at[0] = 0;
   for (int i = 0; i < c->n_dof; i++) {
-    m->at[i + 1] = m->at[i] + (size_t)(i - m->first[i] + 1);
+    m->at[i + 1] += m->at[i];
   }
 }
 
@@ -189,7 +192,8 @@ static void add_outer(const reg_mass *m, int row, const double *x, int nx, int c
   for (int i = 0; i < nx; i++) {
     double *to = entry(m, row + i, column);
     const double scaled = x[i] / compliance;
-    for (int j = 0; j < ((row == column) ? i + 1 : ny); j++) {
+    const int end = (row == column) ? i + 1 : ny;
+    for (int j = 0; j < end; j++) {
       to[j] += scaled * y[j];
     }
   }
@@ -239,24 +243,28 @@ static bool factor(reg_mass *m, int n) {
   return true;
 }
 
-/* Y <- L^-1 Y, Y row-major with `width` right sides. */
-static void forward(const reg_mass *m, int n, int width) {
-  for (int i = 0; i < n; i++) {
-    double *yi = m->Y + (ptrdiff_t)i * width;
-    const double *row = entry(m, i, m->first[i]);
-    for (int k = m->first[i]; k < i; k++) {
-      const double l = row[k - m->first[i]];
-      const double *yk = m->Y + (ptrdiff_t)k * width;
-      if (l == 0) {
-        continue;
-      }
-      for (int c = 0; c < width; c++) {
-        yi[c] -= l * yk[c];
-      }
+/* Y <- L^-1 Y, Y row-major with `width` right sides, body by body. */
+static void forward(const contact_set *c, const reg_mass *m, int width) {
+  for (int k = c->n_body - 1; k >= 0; k--) {
+    const int n = dofs(c, m->order[k]);
+    const int at = m->place[m->order[k]];
+    if (n == 0) {
+      continue;
     }
-    const double d = 1 / row[i - m->first[i]];
-    for (int c = 0; c < width; c++) {
-      yi[c] *= d;
+    const int from = m->first[at];
+    const int before = at - from;
+    const double *L = entry(m, at, from);
+    double *y = m->Y + (ptrdiff_t)at * width;
+    if (before > 0) {
+      cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, before + n,
+                  m->Y + (ptrdiff_t)from * width, width, 1, y, width);
+    }
+    for (int i = 0; i < n; i++) { /* dtrsm does not pay for so few rows */
+      const double *row = L + (ptrdiff_t)i * (before + n) + before;
+      for (int j = 0; j < i; j++) {
+        cblas_daxpy(width, -row[j], y + (ptrdiff_t)j * width, 1, y + (ptrdiff_t)i * width, 1);
+      }
+      cblas_dscal(width, 1 / row[i], y + (ptrdiff_t)i * width, 1);
     }
   }
 }
@@ -334,7 +342,7 @@ bool reg_mass_reduce(regularized *s) {
     return false;
   }
   right_sides(s, width);
-  forward(m, n, width);
+  forward(s->a.set, m, width);
   for (int i = 0; i < p; i++) {
     s->b[i] = s->a.r[s->a.row[i]] + s->a.bias[s->a.group[i]];
   }
