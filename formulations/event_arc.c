@@ -142,6 +142,7 @@ static size_t number(const arc *a, const int *group, work *w) {
   return m;
 }
 
+/* The equations for what is added to the forces at the start of the arc. */
 static void fill(arc *a, const int *group, size_t m, const work *w) {
   const contact_set *c = &a->set;
   const size_t n = (size_t)c->n_dof;
@@ -166,6 +167,7 @@ static void fill(arc *a, const int *group, size_t m, const work *w) {
     w->b[i] = -(row_dot(c, g, r, w->free_acc) + curve + drift + target);
     for (size_t j = 0; j < m; j++) {
       w->A[j * m + i] = row_dot(c, g, r, w->push + j * n);
+      w->b[i] -= w->A[j * m + i] * a->contact[w->of[j]].start[w->row[j]];
     }
   }
 }
@@ -204,12 +206,13 @@ base_status arc_forces(arc *a, double *acc, base_error *err) {
   }
   for (size_t j = 0; j < m; j++) {
     arc_contact *k = &a->contact[w.of[j]];
-    k->force[w.row[j]] = w.b[j];
+    const double f = k->start[w.row[j]] + w.b[j];
+    k->force[w.row[j]] = f;
     for (int t = 0; !k->stick && t < 2; t++) {
-      k->force[1 + t] = -k->mu * k->direction[t] * w.b[j];
+      k->force[1 + t] = -k->mu * k->direction[t] * f;
     }
     for (size_t d = 0; d < n; d++) {
-      acc[d] += w.push[j * n + d] * w.b[j];
+      acc[d] += w.push[j * n + d] * f;
     }
   }
   return BASE_OK;

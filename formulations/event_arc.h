@@ -5,8 +5,10 @@
  *   a_n + 2 s u_n + s^2 gap = 0           every touching contact
  *   a_t + s u_t = 0                       every sticking one          (s: Baumgarte's rate)
  *
- * solved in the least-squares sense of least norm (LAPACK dgelsy), so that redundant contacts share
- * their forces. d = u_t/|u_t| while sliding, the direction of departure at the start of it.
+ * Redundant contacts leave the forces undetermined: of all that satisfy the equations those nearest
+ * to the forces at the start of the arc are taken (least-norm correction, LAPACK dgelsy), which lie
+ * in their cones and which the motion changes continuously. d = u_t/|u_t| while sliding, the
+ * direction of departure at the start of it.
  */
 #pragma once
 
@@ -17,6 +19,7 @@ typedef struct arc_contact {
   uint64_t id;
   bool stick;
   double direction[2]; /* of sliding: at the start of the arc, then of the last accepted state */
+  double start[3];     /* force at the start of the arc, contact frame [N] */
   /* written by arc_forces */
   bool present;
   double mu, gap, u[3], force[3];

@@ -9,6 +9,7 @@ static void layout(void *state, base_arena *m) {
   s->first = BASE_ARRAY(m, int, s->cap_contact + 1);
   s->direction = BASE_ARRAY(m, double, 2 * (size_t)s->cap_contact);
   s->mu = BASE_ARRAY(m, double, s->cap_contact);
+  s->turn = BASE_ARRAY(m, double, s->cap_contact);
   s->unit = BASE_ARRAY(m, double, s->cap_contact);
   s->block = BASE_ARRAY(m, lcp_block, s->cap_contact);
   s->C = BASE_ARRAY(m, double, rows *rows);
@@ -41,7 +42,7 @@ static int width(const slip_problem *s, const form_assembly *a, int i) {
 
 /* Unit vector of facet k in the tangent rows of contact i. */
 static void facet(const slip_problem *s, const form_assembly *a, int i, int k, double d[2]) {
-  const double angle = 6.283185307179586476925 * k / facets_of(s, a, i);
+  const double angle = s->turn[i] + 6.283185307179586476925 * k / facets_of(s, a, i);
   d[0] = (tangents(a, i) == 1) ? 1.0 - 2.0 * k : cos(angle);
   d[1] = (tangents(a, i) == 1) ? 0.0 : sin(angle);
 }
@@ -57,6 +58,7 @@ base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, base
   }
   form_assembly_dense(a, s->C);
   memset(s->direction, 0, 2 * (size_t)a->n_contact * sizeof *s->direction);
+  memset(s->turn, 0, (size_t)a->n_contact * sizeof *s->turn);
   for (int i = 0; i < a->n_contact; i++) {
     const size_t r = (size_t)a->row[i];
     const double own = s->C[r * (size_t)a->n_row + r];

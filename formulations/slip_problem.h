@@ -21,6 +21,7 @@ typedef struct slip_problem {
   int *first;        /* n_contact+1 */
   double *direction; /* 2 n_contact: d, zero where the contact sticks or has no friction */
   double *mu;        /* n_contact */
+  double *turn;      /* n_contact: angle of the first facet from the first tangent [rad] */
   double *unit; /* n_contact: 1/kg, scales sigma to an impulse and the cone row to a velocity */
   double *C;    /* n_row^2 */
   double *M, *q, *z0; /* n^2, n, n zeros */
@@ -30,7 +31,7 @@ typedef struct slip_problem {
   void *mem; /* owned */
 } slip_problem;
 
-/* Room for the contacts of a; reads C. Directions are zeroed. */
+/* Room for the contacts of a; reads C. Directions and turns are zeroed. */
 base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, base_error *err);
 void slip_close(slip_problem *s);
 
