@@ -4,6 +4,7 @@
 #include "harness/yaml_read.h"
 #include "lcp/base/fields.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -246,6 +247,9 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
   if (strcmp(key, "seed") == 0) {
     double seed = 0.0;
     BASE_TRY(real_member(f, key, v, 0.0, &seed, err));
+    if (seed > 9007199254740992.0 || seed != floor(seed)) {
+      return yaml_fail(f, v, key, "need an integer up to 2^53", err);
+    }
     c->seed = (uint64_t)seed;
     return BASE_OK;
   }

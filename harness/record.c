@@ -1,5 +1,6 @@
 #include "harness/record.h"
 
+#include "harness/verdict.h"
 #include "lcp/base/fields.h"
 
 #include <errno.h>
@@ -239,6 +240,10 @@ base_status record_parse(const char *row, record *r, base_error *err) {
       return BASE_FAIL(err, BASE_EINVAL, "column %s: '%.40s' does not belong here", columns[i].name,
                        cell);
     }
+  }
+  run_status known;
+  if (!run_status_find(r->status, &known)) {
+    return BASE_FAIL(err, BASE_EINVAL, "column status: '%.40s' is none of its words", r->status);
   }
   return BASE_OK;
 }

@@ -57,6 +57,17 @@ base_status yaml_fail(const yaml_file *f, const yaml_node_t *n, const char *key,
                    (n != NULL) ? n->start_mark.line + 1 : 1, key, rule);
 }
 
+/* Is the key of `p` also that of a pair before it? Few pairs come that far: unknown keys end it. */
+static bool given_before(yaml_file *f, const yaml_node_t *map, const yaml_node_pair_t *p,
+                         const char *name) {
+  for (const yaml_node_pair_t *e = map->data.mapping.pairs.start; e < p; e++) {
+    if (strcmp(yaml_text(yaml_item(f, e->key)), name) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 base_status yaml_members(yaml_file *f, yaml_node_t *map, const char *what, yaml_take take,
                          void *ctx, base_error *err) {
   if (map->type != YAML_MAPPING_NODE) {
@@ -68,6 +79,9 @@ base_status yaml_members(yaml_file *f, yaml_node_t *map, const char *what, yaml_
     const char *name = yaml_text(key);
     if (name == NULL || value == NULL) {
       return yaml_fail(f, key, what, "need plain keys", err);
+    }
+    if (given_before(f, map, p, name)) {
+      return yaml_fail(f, key, name, "is given twice", err);
     }
     const base_status done = take(ctx, f, name, value, err);
     if (done == BASE_EUNSUPPORTED) {

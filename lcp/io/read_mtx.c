@@ -3,6 +3,7 @@
 #include "lcp/io/lcp_read.h"
 #include "lcp/io/lcp_text.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -165,6 +166,15 @@ static base_status array_matrix(lcp_text *t, const header *h, lcp_file_problem *
   return BASE_OK;
 }
 
+/* More numbers than announced are as wrong as fewer. */
+static base_status at_end(const lcp_text *t, base_error *err) {
+  char w[64];
+  lcp_text_peek(t, w);
+  return (w[0] == '\0') ? BASE_OK
+                        : BASE_FAIL(err, BASE_EINVAL, "%s:%ld: '%s' after the last entry", t->path,
+                                    t->line, w);
+}
+
 static base_status read_matrix(lcp_text *t, lcp_file_problem *out, base_error *err) {
   header h;
   BASE_TRY(read_header(t, &h, err));
@@ -174,19 +184,27 @@ static base_status read_matrix(lcp_text *t, lcp_file_problem *out, base_error *e
   }
   BASE_TRY(h.array ? array_matrix(t, &h, out, err) : coordinate_matrix(t, &h, out, err));
   out->p.traits = lcp_matrix_is_symmetric(&out->p.M) ? LCP_SYMMETRIC : 0u;
-  return BASE_OK;
+  return at_end(t, err);
 }
 
 static base_status vector_values(lcp_text *t, const header *h, double *x, base_error *err) {
   if (h->array) {
     return array_values(t, h, x, err);
   }
-  memset(x, 0, (size_t)h->rows * sizeof *x);
+  for (long i = 0; i < h->rows; i++) {
+    x[i] = (double)NAN; /* not given so far */
+  }
   for (long k = 0; k < h->entries; k++) {
     long i, j;
     BASE_TRY(lcp_text_int(t, "a row index", 1, h->rows, &i, err));
     BASE_TRY(lcp_text_int(t, "a column index", 1, 1, &j, err));
+    if (!isnan(x[i - 1])) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s: entry %ld stands twice", t->path, i);
+    }
     BASE_TRY(lcp_text_real(t, "an entry", &x[i - 1], err));
+  }
+  for (long i = 0; i < h->rows; i++) {
+    x[i] = isnan(x[i]) ? 0.0 : x[i];
   }
   return BASE_OK;
 }
@@ -202,6 +220,9 @@ base_status lcp_read_mtx_vector(const char *path, int n, double *x, base_error *
   }
   if (s == BASE_OK) {
     s = vector_values(&t, &h, x, err);
+  }
+  if (s == BASE_OK) {
+    s = at_end(&t, err);
   }
   lcp_text_close(&t);
   return s;

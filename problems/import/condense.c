@@ -92,6 +92,18 @@ static void release(pieces *k, cholmod_common *c) {
   cholmod_free_dense(&k->v, c);
 }
 
+/* First column without a positive pivot, or n. CHOLMOD's simplicial L D L' stops at a zero of D only. */
+static size_t indefinite_at(const cholmod_factor *L) {
+  const int *p = L->p;
+  const double *x = L->x;
+  for (size_t j = 0; j < L->minor && !L->is_super && !L->is_ll; j++) {
+    if (!(x[p[j]] > 0.0)) {
+      return j;
+    }
+  }
+  return L->minor;
+}
+
 static base_status factorise(const friction_problem *p, pieces *k, cholmod_common *c,
                              base_error *err) {
   cholmod_sparse *M = copy_in(&p->M, c), *S = symmetrised(M, c);
@@ -104,8 +116,9 @@ static base_status factorise(const friction_problem *p, pieces *k, cholmod_commo
     return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to analyse", p->M.n_col);
   }
   (void)cholmod_factorize(k->M, k->L, c);
-  if (c->status != CHOLMOD_OK || k->L->minor < k->L->n) {
-    return BASE_FAIL(err, BASE_EINVAL, "M is not positive definite (column %zu)", k->L->minor + 1);
+  const size_t bad = indefinite_at(k->L);
+  if (c->status != CHOLMOD_OK || bad < k->L->n) {
+    return BASE_FAIL(err, BASE_EINVAL, "M is not positive definite (pivot %zu)", bad + 1);
   }
   return BASE_OK;
 }

@@ -129,6 +129,10 @@ static void bad_files_are_refused(void **state) {
       {"lcpbench certificate 1\nkind farkas\nn 2\n1 1\n0 1\n", ":4"},
       {"lcpbench certificate 1\nkind farkas\nn 1\n0 nan\n", ":4"},
       {"lcpbench certificate 1\nkind basis\nn 1\n0 2 1.5\n", ":4"},
+      {"lcpbench certificate 1\nkind basis\n", "'n'"},
+      {"lcpbench certificate 1\nn 1\nkind basis\n0 1 1.5\n", "'kind'"},
+      {"lcpbench certificate 1\nkind ray\nn -1\n", "n"},
+      {"lcpbench certificate 1\nkind basis\nn 1\n0 1 one\n", "one"},
   };
   for (int i = 0; i < BASE_COUNT(bad); i++) {
     FILE *f = fopen(path, "w");

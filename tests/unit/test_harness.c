@@ -26,6 +26,7 @@ static void rows_read_back(void **state) {
   a.rho = (double)NAN;
   a.n_iter = -7;
   a.verified = 0;
+  (void)snprintf(a.status, sizeof a.status, "ok");
   const size_t n = record_row(&a, line, sizeof line);
   assert_int_equal(line[n - 1], '\n');
   assert_ptr_equal(strchr(line, '\n'), line + n - 1); /* a row is a line */

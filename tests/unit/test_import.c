@@ -352,6 +352,106 @@ static void malformed_hdf5_is_refused(void **state) {
   refused(scratch(".hdf5"), "no group");
 }
 
+/* ---- HDF5, global: a good file with one dataset replaced ------------------------------------- */
+
+typedef struct edit {
+  const char *name; /* below the group of the problem */
+  int n;            /* numbers put in its place; -1: nothing */
+  bool real;
+  double x[6];
+  const char *says;
+} edit;
+
+static const edit common_edits[] = {
+    {"spacedim", -1, false, {0}, "no dataset"},
+    {"spacedim", 1, false, {7}, "spacedim = 7"},
+    {"spacedim", 2, false, {3, 3}, "has 2 numbers"},
+    {"M/m", 1, false, {-2}, "m = -2"},
+    {"M/n", 1, false, {90000000}, "M"},
+    {"M/nz", 1, false, {-9}, "nz = -9"},
+    {"M/p", 2, false, {0, 1}, "p has 2 numbers"},
+    {"M/i", 1, false, {0}, "M/x"},
+    {"M/x", 1, true, {1}, "M/x"},
+    {"H", -1, false, {0}, "H/m"},
+    {"H/m", 1, false, {1}, "need"},
+    {"H/i", -1, false, {0}, "no dataset"},
+    {"vectors/f", 1, true, {0}, "M"},
+    {"vectors/w", 1, true, {0}, "w: has 1"},
+    {"vectors/mu", 1, true, {-0.5}, "mu"},
+    {"vectors/mu", 1, false, {1}, "list of real numbers"},
+    {"vectors/mu", 0, true, {0}, "0 contacts"},
+};
+static const edit rolling_edits[] = {
+    {"vectors/mu_r", -1, false, {0}, "no dataset"},
+    {"vectors/mu_r", 1, true, {-1}, "mu_r"},
+    {"vectors/mu_r", 2, true, {1, 1}, "has 2 numbers"},
+    {"spacedim", 1, false, {2}, "spacedim = 2"},
+};
+
+static void put_edit(const char *group, const edit *e) {
+  char name[96];
+  (void)snprintf(name, sizeof name, "%s/%s", group, e->name);
+  const hid_t file = H5Fopen(scratch(".hdf5"), H5F_ACC_RDWR, H5P_DEFAULT);
+  assert_true(file >= 0 && H5Ldelete(file, name, H5P_DEFAULT) >= 0);
+  int integers[6];
+  for (int i = 0; i < e->n; i++) {
+    integers[i] = (int)e->x[i];
+  }
+  if (e->n >= 0 && e->real) {
+    put(file, name, H5T_NATIVE_DOUBLE, e->x, (hsize_t)e->n);
+  } else if (e->n >= 0) {
+    put(file, name, H5T_NATIVE_INT, integers, (hsize_t)e->n);
+  }
+  (void)H5Fclose(file);
+}
+
+/* One contact of `rows` rows on `rows` + 1 dofs: M = 2, H = identity above a row of zeros. */
+static void write_global(int rows) {
+  char text[1024];
+  int used = snprintf(text, sizeof text, "%d 1 0 %d %d %d %d\n", rows, rows + 1, rows + 1, rows + 1,
+                      rows + 1);
+  for (int i = 0; i < (rows + 1) * (rows + 1); i++) {
+    used += snprintf(text + used, sizeof text - (size_t)used, "%d ", (i % (rows + 2) == 0) ? 2 : 0);
+  }
+  used += snprintf(text + used, sizeof text - (size_t)used, "\n0 %d %d %d %d\n", rows + 1, rows,
+                   rows + 1, rows);
+  for (int i = 0; i < rows * (rows + 1); i++) {
+    used += snprintf(text + used, sizeof text - (size_t)used, "%d ", (i % (rows + 2) == 0) ? 1 : 0);
+  }
+  for (int i = 0; i < 2 * rows + 1; i++) {
+    used += snprintf(text + used, sizeof text - (size_t)used, "-1 ");
+  }
+  (void)snprintf(text + used, sizeof text - (size_t)used, "0.5 %s", (rows == 5) ? "0.1" : "");
+  FILE *f = fopen(scratch(".dat"), "wb");
+  assert_non_null(f);
+  assert_true(fputs(text, f) >= 0 && fclose(f) == 0);
+  friction_problem p;
+  base_error err = {0};
+  check_ok(friction_read_siconos(scratch(".dat"), &p, &err), &err);
+  check_ok(friction_write_fclib(scratch(".hdf5"), &p, &err), &err);
+  friction_free(&p);
+}
+
+static void edits_are_refused(int rows, const char *group, const edit *list, int n) {
+  known_lcp k;
+  base_error err = {0};
+  write_global(rows);
+  check_ok(import_problem(scratch(".hdf5"), 0, &k, &err), &err);
+  known_lcp_free(&k);
+  for (int i = 0; i < n; i++) {
+    write_global(rows);
+    put_edit(group, &list[i]);
+    refused(scratch(".hdf5"), list[i].says);
+  }
+}
+
+static void malformed_global_hdf5_is_refused(void **state) {
+  (void)state;
+  edits_are_refused(3, "/fclib_global", common_edits, BASE_COUNT(common_edits));
+  edits_are_refused(5, "/fclib_global_rolling", common_edits, BASE_COUNT(common_edits));
+  edits_are_refused(5, "/fclib_global_rolling", rolling_edits, BASE_COUNT(rolling_edits));
+}
+
 /* A dataset may announce what was never stored: no memory for it. */
 static void empty_promises_allocate_nothing(void **state) {
   (void)state;
@@ -385,6 +485,7 @@ int main(void) {
       cmocka_unit_test(facets_follow_the_formula),
       cmocka_unit_test(malformed_text_is_refused),
       cmocka_unit_test(malformed_hdf5_is_refused),
+      cmocka_unit_test(malformed_global_hdf5_is_refused),
       cmocka_unit_test(empty_promises_allocate_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, clean_up);

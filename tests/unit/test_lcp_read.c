@@ -83,6 +83,8 @@ static void refuses_hostile_matrices(void **state) {
       {BANNER "coordinate real general\n2 2 1\n1 1 one\n", ":3"},
       {BANNER "coordinate real general\n2 2 2\n1 1 1.25\n1 1 2.5\n", "twice"},
       {BANNER "array real general\n2 2\n1.5\n2.5\n3.5\n", "entry"},
+      {BANNER "array real general\n1 1\n1.5\n2.5\n", "'2.5' after the last"},
+      {BANNER "coordinate real general\n2 2 1\n1 1 1\n2 2 1\n", "'2' after the last"},
   };
   put(q_path, BANNER "array real general\n2 1\n-1.5\n0\n");
   for (int i = 0; i < BASE_COUNT(bad); i++) {
