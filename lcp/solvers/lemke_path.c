@@ -196,8 +196,16 @@ static int pivot(lemke_path *t, int p) {
   return left;
 }
 
-static bool covered(const lemke_path *t, int i, double low) {
-  return bounded(t, i) && (!t->tol.local || t->x[i] < low);
+/* Size of the terms that basic variable i is made of, as lemke_residual left it: round-off in a body
+ * that barely moves is small against its own data, not against those of the whole scene. */
+static double own_size(const lemke_path *t, int i) {
+  const int n = t->sys.n;
+  const int var = t->basis.head[i];
+  return (var < n) ? t->system->tau0[var] : t->system->zref[var - n];
+}
+
+static bool covered(const lemke_path *t, int i) {
+  return bounded(t, i) && (!t->tol.local || t->x[i] < -t->tol.tie * own_size(t, i));
 }
 
 /* Brings z0 in against the most negative basic value; false when there is none. The covering
@@ -209,9 +217,9 @@ static bool enter_cover(lemke_path *t) {
   const double slack = -low;
   bool any = false;
   for (int i = 0; i < n; ++i) {
-    t->d[i] = covered(t, i, low) ? -1 : 0;
+    t->d[i] = covered(t, i) ? -1 : 0;
     t->lex[i] = 0;
-    any = any || (bounded(t, i) && t->x[i] < low);
+    any = any || (t->d[i] != 0 && (t->tol.local || t->x[i] < low));
   }
   if (!any) {
     return false;
