@@ -6,6 +6,10 @@
 
 enum { MOST_ROWS = 8 };
 
+/* The tolerance is 1e-9 of the smallest body: a gap below 1e-15 of that is a rounding error of
+ * positions, and no overlap to be pushed out. */
+static const double gap_noise = 1e-6;
+
 static int dofs(const contact_set *c, int body) {
   return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
 }
@@ -49,7 +53,7 @@ static void group_velocity(const contact_set *c, int g, int rows, int metres, co
 /* Bias of contact i; HUGE_VAL where it is not active. u_free = J_n v_free + drift. */
 static double normal_bias(const contact_set *c, int i, const form_rule *rule, double u_free,
                           bool was_closed) {
-  const double gap = c->gap[i];
+  const double gap = (fabs(c->gap[i]) <= gap_noise * c->tol) ? 0 : c->gap[i];
   const double u = c->u_before[c->row_start[i]];
   const double tol = was_closed ? 10 * c->tol : c->tol;
   const double test = (rule->activation == FORM_MOREAU) ? gap + 0.5 * c->h * u : gap;
