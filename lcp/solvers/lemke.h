@@ -78,9 +78,9 @@ void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a);
 /* Pivots from the complementary basis in_z until the path ends. */
 lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
 
-/* Solution of the last basis without z0, refined in extended precision: values by position in
- * t->x. False when that basis is singular. */
-bool lemke_path_settle(lemke_path *t);
+/* Solution of the basis in_z, refined in extended precision: values by position in t->x. False when
+ * that basis is singular. */
+bool lemke_path_settle(lemke_path *t, const lemke_system *s);
 
 /* y >= 0, M'y <= 0, q'y < 0 from the ray of the path, into y (by row of the problem). True only when the
  * three hold exactly for the binary numbers of the problem. */

@@ -395,10 +395,14 @@ static bool factor_first(lemke_path *t) {
   return false;
 }
 
-lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+static void bind(lemke_path *t, const lemke_system *s) {
   t->system = s;
-  t->tol = tol;
   t->sys = (lin_system){s->rows, s->colptr, s->rowind, s->val, t->cover};
+}
+
+lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  bind(t, s);
+  t->tol = tol;
   t->generic = false;
   if (!factor_first(t)) {
     return LEMKE_BROKEN;
@@ -412,7 +416,8 @@ lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance t
   return end;
 }
 
-bool lemke_path_settle(lemke_path *t) {
+bool lemke_path_settle(lemke_path *t, const lemke_system *s) {
+  bind(t, s);
   const int n = t->sys.n;
   t->generic = false;
   if (!is_factored(t)) {

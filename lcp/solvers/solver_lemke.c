@@ -1,21 +1,24 @@
 /* solver_lemke.c - Lemke's method (Lemke 1965; Cottle, Pang & Stone 1992, algorithms 4.4.5 and 4.9.3):
  * covering vector, complementary pivots, lexicographic ratio test. See README.md, "lemke". */
 #include "lcp/base/clock.h"
-#include "lcp/solvers/lemke.h"
+#include "lcp/solvers/lemke_sift.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct lemke_options {
   lcp_stop stop;
-  int start;    /* index into "origin|sliding" */
+  int start;    /* START_* */
   int restarts; /* first bases tried after a ray that proves nothing */
 } lemke_options;
 
+enum { START_SIFT, START_ORIGIN, START_SLIDING };
+
 static const base_field field_table[] = {
     LCP_STOP_FIELDS(lemke_options, 1e-9, 1e7),
-    BASE_FIELD_CHOICE(lemke_options, start, "origin|sliding", 0,
-                      "first basis where z is zero: all w, or every contact sliding"),
+    BASE_FIELD_CHOICE(lemke_options, start, "sift|origin|sliding", START_SIFT,
+                      "first basis: of a growing set of contacts where they are many on few bodies "
+                      "in factored form; else, where z is zero, all w; or every contact sliding"),
     BASE_FIELD(lemke_options, restarts, BASE_INT, "1", 4, 0, 1000,
                "other first bases tried after a ray that proves nothing"),
 };
@@ -23,6 +26,7 @@ static const base_field field_table[] = {
 typedef struct lemke_state {
   lemke_system system;
   lemke_path path;
+  lemke_sift sift;
   double *best;                    /* n: point with the smallest residual so far */
   double *trial;                   /* rows, scaled */
   double *proof;                   /* n: Farkas vector or ray */
@@ -51,6 +55,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   const size_t n = (size_t)cap->n;
   lemke_system_layout(&k->system, cap, a);
   lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof, a);
+  lemke_sift_layout(&k->sift, cap, a);
   k->best = BASE_ARRAY(a, double, n);
   k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
   k->proof = BASE_ARRAY(a, double, n);
@@ -64,6 +69,7 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   (void)err;
   lemke_state *k = state;
   lemke_system_build(&k->system, p);
+  lemke_sift_prepare(&k->sift, &k->system, p);
   return BASE_OK;
 }
 
@@ -82,7 +88,7 @@ static void read_point(const lemke_state *k, double *z) {
 /* Judges the basis the path ended in; keeps it when it is the best so far. True when no other
  * attempt is needed. */
 static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
-  if (!lemke_path_settle(&k->path)) {
+  if (!lemke_path_settle(&k->path, &k->system)) {
     return false;
   }
   read_point(k, k->trial);
@@ -228,11 +234,34 @@ static bool ray_is_final(const lcp_problem *p) {
   return (p->traits & (LCP_PSD | LCP_PD | LCP_COPOSITIVE_PLUS)) != 0;
 }
 
+/* From a basis sifted with the usual tolerances, then from there with sharper ones, which see a contact
+ * left out that is violated by little more than round-off. True when no other attempt is needed. */
+static bool sift_attempts(lemke_state *k, const lemke_options *o, const double *z,
+                          lcp_result *res) {
+  (void)start_basis(k, z);
+  lemke_sift_end sifted = LEMKE_SIFT_DONE;
+  for (int a = 0; a < 2 && sifted == LEMKE_SIFT_DONE; ++a) {
+    sifted = lemke_sift_run(&k->sift, &k->path, &k->system, attempts[a]);
+    const lemke_end end = (sifted == LEMKE_SIFT_WIDE)
+                              ? lemke_path_run(&k->path, &k->system, attempts[a])
+                              : LEMKE_SOLVED;
+    res->variant = "sifted";
+    res->outcome = outcome_of(end);
+    if ((sifted != LEMKE_SIFT_FAILED && accept(k, &o->stop, res)) || end == LEMKE_LIMIT ||
+        end == LEMKE_TIMEOUT) {
+      return true;
+    }
+  }
+  res->work.fallbacks++;
+  return res->residual <= o->stop.tol;
+}
+
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
   bool warm = start_basis(k, z);
-  warm = warm || (o->start == 1 && start_sliding(k));
+  warm = warm || (o->start == START_SLIDING && start_sliding(k));
+  res->variant = "";
   for (int a = 0; a < BASE_COUNT(attempts);) {
     const lemke_end end = lemke_path_run(&k->path, &k->system, attempts[a]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
@@ -258,6 +287,9 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
     (void)start_basis(k, z);
     res->work.fallbacks += a < BASE_COUNT(attempts);
   }
+}
+
+static void conclude(const lemke_state *k, const lemke_options *o, lcp_result *res) {
   if (res->residual <= o->stop.tol) {
     res->outcome = LCP_SOLVED;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = k->basis};
@@ -278,7 +310,11 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   t->deadline = base_seconds() + o->stop.max_seconds;
   t->basis.factorizations = 0;
   t->basis.backsolves = 0;
-  run_attempts(k, p, o, z, res);
+  const bool sift = o->start == START_SIFT && k->sift.f != NULL;
+  if (!sift || !sift_attempts(k, o, z, res)) {
+    run_attempts(k, p, o, z, res);
+  }
+  conclude(k, o, res);
   memcpy(z, k->best, sizeof(double) * (size_t)p->M.n);
   res->work.iterations = t->pivots;
   res->work.pivots = t->pivots;

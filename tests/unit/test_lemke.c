@@ -1,12 +1,10 @@
 /* lemke: exact pivot counts, scalings, order of the unknowns, planted solutions, mixed problems,
- * the factored form, warm starts, rays and proofs. */
+ * warm starts, rays and proofs. The factored form: test_lemke_factored.c. */
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
-#include "tests/support/few_bodies.h"
-#include "tests/support/tableau_lemke.h"
 
 #include <string.h>
 
@@ -410,93 +408,6 @@ static void mixed_problems(void **state) {
   }
 }
 
-static lcp_result run_few(const lcp_problem *p, const char *options, double *z, lcp_verdict *v) {
-  const lcp_solver *solver = lcp_solver_find("lemke");
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  unsigned char opt[512];
-  lcp_instance *k = NULL;
-  base_error err = {0};
-  lcp_result res;
-  base_fields_default(solver->fields, solver->n_fields, opt);
-  check_ok(base_fields_parse(solver->fields, solver->n_fields, opt, options, &err), &err);
-  check_ok(lcp_instance_open(&k, solver, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  assert_int_equal(lcp_instance_storage(k), LCP_FACTORED);
-  check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
-  check_ok(lcp_judge(p, z, v, &err), &err);
-  lcp_instance_close(k);
-  return res;
-}
-
-/* max |M (z - other)| with M formed and `other` from the plain tableau. */
-static double velocity_gap(const lcp_problem *p, const double *z) {
-  const int n = p->M.n;
-  double *dense = calloc((size_t)n * (size_t)n, sizeof *dense);
-  double *work = calloc(tableau_lemke_work(n), sizeof *work);
-  double *other = calloc((size_t)n, sizeof *other);
-  long pivots = 0;
-  double top = 0;
-  lcp_matrix_to_dense(&p->M, dense);
-  assert_int_equal(tableau_lemke(n, dense, p->q, other, work, &pivots), LCP_SOLVED);
-  for (int r = 0; r < n; ++r) {
-    double gap = 0;
-    for (int c = 0; c < n; ++c) {
-      gap += dense[(ptrdiff_t)c * n + r] * (z[c] - other[c]);
-    }
-    top = fmax(top, fabs(gap));
-  }
-  free(dense);
-  free(work);
-  free(other);
-  return top;
-}
-
-static void check_few(int bodies, int contacts, int facets) {
-  known_lcp k;
-  base_error err = {0};
-  lcp_verdict v;
-  check_ok(few_bodies(&k, bodies, contacts, facets, 3, &err), &err);
-  double *z = calloc((size_t)k.p.M.n, sizeof *z);
-  const lcp_result res = run_few(&k.p, "", z, &v);
-  assert_int_equal(res.outcome, LCP_SOLVED);
-  assert_true(v.rho <= 1e-12);
-  assert_true(v.rho <= res.residual + 1e-16); /* the bound is a bound */
-  if (facets == 0) {                          /* M is PSD: w is unique */
-    check_close(velocity_gap(&k.p, z), 0, 1e-11);
-  }
-  free(z);
-  known_lcp_free(&k);
-}
-
-/* Few bodies, many contacts: what the factored form gives is right for the formed matrix. */
-static void factored_form_agrees_with_dense(void **state) {
-  (void)state;
-  check_few(1, 40, 0);
-  check_few(1, 20, 4);
-  check_few(5, 60, 0);
-  check_few(6, 15, 4);
-  check_few(3, 9, 6);
-}
-
-/* Few contacts that slide: the sliding start gets there in fewer pivots. */
-static void sliding_start_saves_pivots(void **state) {
-  (void)state;
-  known_lcp k;
-  base_error err = {0};
-  lcp_verdict v;
-  double z[60] = {0};
-  double slid[60] = {0};
-  check_ok(few_bodies(&k, 10, 10, 4, 3, &err), &err);
-  assert_int_equal(k.p.M.n, BASE_COUNT(z));
-  const lcp_result cold = run_few(&k.p, "", z, &v);
-  assert_int_equal(cold.outcome, LCP_SOLVED);
-  const lcp_result start = run_few(&k.p, "start=sliding", slid, &v);
-  assert_int_equal(start.outcome, LCP_SOLVED);
-  assert_true(v.rho <= 1e-12);
-  assert_true(start.work.pivots < cold.work.pivots);
-  known_lcp_free(&k);
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(murty_and_fathi_take_two_to_the_n),
@@ -512,8 +423,6 @@ int main(void) {
       cmocka_unit_test(bimatrix_game_is_solved),
       cmocka_unit_test(pivot_limit_is_reported),
       cmocka_unit_test(mixed_problems),
-      cmocka_unit_test(factored_form_agrees_with_dense),
-      cmocka_unit_test(sliding_start_saves_pivots),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

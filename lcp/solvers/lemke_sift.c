@@ -1,0 +1,344 @@
+#include "lcp/solvers/lemke_sift.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { SIFT_PRICED = -1 }; /* helper: w_i >= 0 must come from the velocities */
+enum { SIFT_HELPER = -2 }; /* the row of a helper */
+
+void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a) {
+  const bool factored = cap->n_dof > 0;
+  const size_t n = factored ? (size_t)cap->n : 0;
+  const size_t rows = factored ? n + (size_t)cap->n_dof : 0;
+  const size_t nnz = factored ? (size_t)cap->nnz + 2 * (size_t)cap->n_jac + (size_t)cap->n_dof : 0;
+  *k = (lemke_sift){0};
+  k->helper = BASE_ARRAY(a, int, n);
+  k->gain = BASE_ARRAY(a, double, n);
+  k->jptr = BASE_ARRAY(a, int, n + 1);
+  k->jdof = BASE_ARRAY(a, int, cap->n_jac);
+  k->jval = BASE_ARRAY(a, double, cap->n_jac);
+  k->u = BASE_ARRAY(a, double, cap->n_dof);
+  k->worst = BASE_ARRAY(a, int, cap->n_body);
+  k->depth = BASE_ARRAY(a, double, cap->n_body);
+  k->inside = BASE_ARRAY(a, unsigned char, n); /* a group has a row at least */
+  k->chosen = BASE_ARRAY(a, unsigned char, n);
+  k->row = BASE_ARRAY(a, int, n);
+  k->local = BASE_ARRAY(a, int, n);
+  k->sub.colptr = BASE_ARRAY(a, int, rows + 1);
+  k->sub.rowind = BASE_ARRAY(a, int, nnz);
+  k->sub.val = BASE_ARRAY(a, double, nnz);
+  k->sub.q = BASE_ARRAY(a, double, rows);
+  k->sub.is_free = BASE_ARRAY(a, unsigned char, rows);
+}
+
+/* ---- what a contact outside the set needs --------------------------------------------------- */
+
+static bool has_entry(const lemke_system *s, int j, int row) {
+  for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+    if (s->rowind[p] == row) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* True when z_j moves no body and may take any value at no cost while the rest of its contact rests
+ * at zero (w_j = 0 there), and can only raise w elsewhere: the slip speed of a polyhedral cone. */
+static bool is_helper(const lemke_system *s, int j) {
+  bool helps = !s->is_free[j] && s->q[j] == 0 && s->colptr[j] < s->colptr[j + 1];
+  for (int p = s->colptr[j]; helps && p < s->colptr[j + 1]; ++p) {
+    const int i = s->rowind[p];
+    helps = i < s->n && i != j && s->val[p] > 0 && !s->is_free[i] && has_entry(s, i, j);
+  }
+  return helps;
+}
+
+static void find_helpers(lemke_sift *k, const lemke_system *s) {
+  k->one_by_one = false;
+  for (int i = 0; i < s->n; ++i) {
+    k->helper[i] = SIFT_PRICED;
+  }
+  for (int j = 0; j < s->n; ++j) {
+    if (!is_helper(s, j)) {
+      continue;
+    }
+    k->one_by_one = true;
+    k->helper[j] = SIFT_HELPER;
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      k->helper[s->rowind[p]] = j;
+      k->gain[s->rowind[p]] = s->val[p];
+    }
+  }
+}
+
+/* S joins rows of one contact only. */
+static bool contacts_are_closed(const lemke_system *s, const lcp_factored *f) {
+  for (int g = 0; g < f->n_group; ++g) {
+    for (int j = f->row_start[g]; j < f->row_start[g + 1]; ++j) {
+      for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+        const int i = s->rowind[p];
+        if (i < s->n && (i < f->row_start[g] || i >= f->row_start[g + 1])) {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+/* Transposes the velocity columns; the last entry of each is its diagonal. */
+static void list_jacobian(lemke_sift *k, const lemke_system *s) {
+  memset(k->jptr, 0, sizeof(int) * ((size_t)s->n + 1));
+  for (int c = s->n; c < s->rows; ++c) {
+    for (int p = s->colptr[c]; p < s->colptr[c + 1] - 1; ++p) {
+      k->jptr[s->rowind[p]]++;
+    }
+  }
+  int at = 0;
+  for (int i = 0; i <= s->n; ++i) { /* ends first; filling backwards turns them into beginnings */
+    at += (i < s->n) ? k->jptr[i] : 0;
+    k->jptr[i] = at;
+  }
+  for (int c = s->rows - 1; c >= s->n; --c) {
+    for (int p = s->colptr[c + 1] - 2; p >= s->colptr[c]; --p) {
+      const int to = --k->jptr[s->rowind[p]];
+      k->jdof[to] = c - s->n;
+      k->jval[to] = s->val[p];
+    }
+  }
+}
+
+/* Where sifting was measured to pay: with friction from as many contacts as velocities on, without
+ * from twice as many. */
+static bool bodies_are_few(const lemke_sift *k, int n_dof) {
+  return (k->one_by_one ? 2 : 1) * (long)k->f->n_group > 2 * (long)n_dof;
+}
+
+void lemke_sift_prepare(lemke_sift *k, const lemke_system *s, const lcp_problem *p) {
+  k->f = (p->M.storage == LCP_FACTORED) ? p->M.factored : NULL;
+  if (k->f == NULL) {
+    return;
+  }
+  find_helpers(k, s);
+  if (!bodies_are_few(k, s->rows - s->n) || !contacts_are_closed(s, k->f)) {
+    k->f = NULL;
+    return;
+  }
+  list_jacobian(k, s);
+}
+
+/* w_i of a row outside the set, helpers at zero. */
+static double speed(const lemke_sift *k, const lemke_system *s, int i) {
+  double w = s->q[i];
+  for (int p = k->jptr[i]; p < k->jptr[i + 1]; ++p) {
+    w += k->jval[p] * k->u[k->jdof[p]];
+  }
+  return w;
+}
+
+/* Basis of a contact at rest outside: where some w_i < 0 a helper comes in, against the row that needs
+ * most of it. */
+static void choose_helpers(lemke_sift *k, const lemke_system *s, int g) {
+  const int first = k->f->row_start[g];
+  const int last = k->f->row_start[g + 1];
+  for (int h = first; h < last; ++h) {
+    int most = -1;
+    double value = 0;
+    for (int i = first; i < last && k->helper[h] == SIFT_HELPER; ++i) {
+      const double need = (k->helper[i] == h) ? -speed(k, s, i) / k->gain[i] : 0;
+      most = (need > value) ? i : most;
+      value = (need > value) ? need : value;
+    }
+    k->chosen[h] = k->chosen[h] || most >= 0;
+    if (most >= 0) {
+      k->chosen[most] = 1;
+    }
+  }
+}
+
+/* ---- the problem of the set ----------------------------------------------------------------- */
+
+/* Impulse columns of the set, in the numbering of the set. */
+static int sub_impulses(lemke_sift *k, const lemke_system *s) {
+  lemke_system *sub = &k->sub;
+  int at = 0;
+  for (int l = 0; l < sub->n; ++l) {
+    const int j = k->row[l];
+    sub->colptr[l] = at;
+    sub->q[l] = s->q[j];
+    sub->is_free[l] = s->is_free[j];
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      const int i = s->rowind[p];
+      sub->rowind[at] = (i < s->n) ? k->local[i] : i - s->n + sub->n;
+      sub->val[at++] = s->val[p];
+    }
+  }
+  return at;
+}
+
+static void sub_velocities(lemke_sift *k, const lemke_system *s, int at) {
+  lemke_system *sub = &k->sub;
+  const int n_dof = s->rows - s->n;
+  int *next = sub->colptr + sub->n + 1; /* shifted by one: counts, then ends */
+  memset(next, 0, sizeof(int) * (size_t)n_dof);
+  for (int l = 0; l < sub->n; ++l) {
+    for (int p = k->jptr[k->row[l]]; p < k->jptr[k->row[l] + 1]; ++p) {
+      next[k->jdof[p]]++;
+    }
+  }
+  for (int c = 0; c < n_dof; ++c) {
+    const int last = s->colptr[s->n + c + 1] - 1;
+    const int count = next[c];
+    next[c] = at;
+    at += count + 1;
+    sub->rowind[at - 1] = sub->n + c;
+    sub->val[at - 1] = s->val[last];
+    sub->q[sub->n + c] = s->q[s->n + c];
+    sub->is_free[sub->n + c] = 1;
+  }
+  for (int l = 0; l < sub->n; ++l) {
+    for (int p = k->jptr[k->row[l]]; p < k->jptr[k->row[l] + 1]; ++p) {
+      const int to = next[k->jdof[p]]++;
+      sub->rowind[to] = l;
+      sub->val[to] = k->jval[p];
+    }
+  }
+  for (int c = 0; c < n_dof; ++c) { /* past the diagonal */
+    next[c]++;
+  }
+}
+
+static void build_sub(lemke_sift *k, const lemke_system *s) {
+  lemke_system *sub = &k->sub;
+  sub->n = 0;
+  for (int g = 0; g < k->f->n_group; ++g) {
+    for (int i = k->f->row_start[g]; i < k->f->row_start[g + 1] && k->inside[g]; ++i) {
+      k->local[i] = sub->n;
+      k->row[sub->n++] = i;
+    }
+  }
+  sub->rows = sub->n + s->rows - s->n;
+  const int at = sub_impulses(k, s);
+  sub->colptr[sub->n] = at;
+  sub_velocities(k, s, at);
+}
+
+/* ---- rounds --------------------------------------------------------------------------------- */
+
+static void admit(lemke_sift *k, const lemke_system *s, int g) {
+  if (!k->inside[g]) {
+    k->inside[g] = 1;
+    k->set_groups++;
+    choose_helpers(k, s, g);
+  }
+}
+
+/* The first set: contacts with an impulse in the start basis, joints, and what moves no body. */
+static void begin(lemke_sift *k, const lemke_system *s, const unsigned char *in_z) {
+  k->set_groups = 0;
+  memset(k->u, 0, sizeof *k->u * (size_t)(s->rows - s->n));
+  memset(k->inside, 0, (size_t)k->f->n_group);
+  memset(k->chosen, 0, (size_t)s->n);
+  for (int g = 0; g < k->f->n_group; ++g) {
+    bool taken = k->f->body[2 * g] < 0 && k->f->body[2 * g + 1] < 0;
+    for (int i = k->f->row_start[g]; i < k->f->row_start[g + 1]; ++i) {
+      taken = taken || s->is_free[i] || (in_z[i] && k->helper[i] == SIFT_PRICED);
+    }
+    k->inside[g] = taken;
+    k->set_groups += taken;
+    for (int i = k->f->row_start[g]; i < k->f->row_start[g + 1] && taken; ++i) {
+      k->chosen[i] = in_z[i];
+    }
+  }
+}
+
+/* Path on the set from the basis chosen, or from its origin. Velocities go to u. */
+static bool follow_set(lemke_sift *k, lemke_path *t, lemke_tolerance tol, bool origin) {
+  const lemke_system *sub = &k->sub;
+  for (int l = 0; l < sub->rows; ++l) {
+    t->in_z[l] = sub->is_free[l] || (!origin && k->chosen[k->row[l]]);
+  }
+  if (lemke_path_run(t, sub, tol) != LEMKE_SOLVED) {
+    return false;
+  }
+  for (int l = 0; l < sub->n; ++l) {
+    k->chosen[k->row[l]] = t->in_z[l];
+  }
+  for (int c = 0; c < sub->rows - sub->n; ++c) {
+    const int at = t->basis.where[sub->rows + sub->n + c];
+    k->u[c] = (at < 0) ? 0 : t->x[at];
+  }
+  return true;
+}
+
+/* The contact outside that is violated most, or -1. */
+static int worst_of_all(const lemke_sift *k) {
+  int best = -1;
+  for (int b = 0; b < k->f->n_body; ++b) {
+    if (k->worst[b] >= 0 && (best < 0 || k->depth[b] < k->depth[best])) {
+      best = b;
+    }
+  }
+  return (best < 0) ? -1 : k->worst[best];
+}
+
+/* From an advanced basis the covering vector B 1 has negative entries, and where M is not symmetric the
+ * path may end on a ray where one from the origin does not. */
+static bool solve_set(lemke_sift *k, lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  build_sub(k, s);
+  return follow_set(k, t, tol, false) || follow_set(k, t, tol, true);
+}
+
+/* Finds, for every body, the contact outside that is violated most. */
+static void price(lemke_sift *k, const lemke_system *s, double noise) {
+  const lcp_factored *f = k->f;
+  for (int b = 0; b < f->n_body; ++b) {
+    k->worst[b] = -1;
+    k->depth[b] = -noise;
+  }
+  for (int g = 0; g < f->n_group; ++g) {
+    for (int i = f->row_start[g]; i < f->row_start[g + 1] && !k->inside[g]; ++i) {
+      const double w = (k->helper[i] == SIFT_PRICED) ? speed(k, s, i) : 0;
+      for (int side = 0; side < 2; ++side) {
+        const int b = f->body[2 * g + side];
+        if (b >= 0 && w < k->depth[b]) {
+          k->depth[b] = w;
+          k->worst[b] = g;
+        }
+      }
+    }
+  }
+}
+
+/* Takes in what is violated; false when nothing is. */
+static bool widen(lemke_sift *k, const lemke_system *s, double noise) {
+  price(k, s, noise);
+  const int worst = worst_of_all(k);
+  for (int b = 0; b < k->f->n_body && worst >= 0; ++b) {
+    if (k->worst[b] >= 0 && (!k->one_by_one || k->worst[b] == worst)) {
+      admit(k, s, k->worst[b]);
+    }
+  }
+  return worst >= 0;
+}
+
+lemke_sift_end lemke_sift_run(lemke_sift *k, lemke_path *t, const lemke_system *s,
+                              lemke_tolerance tol) {
+  const lcp_factored *f = k->f;
+  begin(k, s, t->in_z);
+  bool solved = k->set_groups == 0 || solve_set(k, t, s, tol);
+  bool done = false;
+  while (solved && !done && 2 * k->set_groups <= f->n_group) {
+    done = !widen(k, s, tol.tie);
+    solved = done || solve_set(k, t, s, tol);
+  }
+  for (int g = 0; g < f->n_group && solved; ++g) {
+    if (!k->inside[g]) {
+      choose_helpers(k, s, g);
+    }
+  }
+  for (int i = 0; i < s->rows && solved; ++i) {
+    t->in_z[i] = (i >= s->n) || k->chosen[i];
+  }
+  return !solved ? LEMKE_SIFT_FAILED : done ? LEMKE_SIFT_DONE : LEMKE_SIFT_WIDE;
+}
