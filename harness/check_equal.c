@@ -29,7 +29,9 @@ static bool run_side(const equal_unit *u, int side, double *value, isolate_chann
   series record;
   sim_result r;
   base_error err = {0};
-  const char *why = check_not_applicable(u->request[side].spec, u->request[side].form);
+  const char *file = check_not_applicable(u->request[side].spec, u->request[side].form);
+  const char *why =
+      (file != NULL) ? file : check_limit(u->request[side].spec, u->request[side].form);
   if (why != NULL) {
     emit(out, u, "run", CHECK_SKIPPED, why);
     return false;

@@ -31,8 +31,12 @@ base_status check_scene_case(const check_plan *plan, const scene_spec *spec, bas
 base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
                               const scene_file *scenes, base_error *err);
 
-/* Why a scene is not for this formulation (what it declares and the model lacks); NULL: it is. */
+/* Why a scene is not for this formulation, by the file's own word; NULL: it is. */
 const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form);
+
+/* What the scene declares and the model lacks; NULL: nothing. Such a run is made all the same, and has
+ * to end with an honest status and finite numbers, which are not compared. */
+const char *check_limit(const scene_spec *spec, const formulation_choice *form);
 
 /* The solver that a scene is run with where none was asked for: a finite method on the sets that the
  * formulation poses (lemke on orthants, ppm on boxes), nsgs on cones. */

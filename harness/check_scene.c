@@ -10,6 +10,7 @@ typedef struct scene_unit {
   sim_request request;
   const spec_off *off; /* judged by this statement alone; NULL: by the scene's checks */
   const char *forms;   /* which "forms" word the formulation goes by; "" for none */
+  const char *limit;   /* what the model lacks: only status and finiteness are judged; or NULL */
   check_outcome blank;
 } scene_unit;
 
@@ -49,7 +50,7 @@ static bool judge_status(isolate_channel *out, const scene_unit *u, const sim_re
     emit(out, u, "status", CHECK_SKIPPED, text);
     return false;
   }
-  if (u->request.spec->expect_unsolved) {
+  if (u->request.spec->expect_unsolved && u->limit == NULL) {
     const bool honest = r->status != RUN_OK && r->status != RUN_UNVERIFIED;
     emit(out, u, "status", honest ? CHECK_PASSED : CHECK_FAILED, text);
     return honest;
@@ -85,6 +86,12 @@ static void judge_checks(isolate_channel *out, const scene_unit *u, const series
                              .deflection = r->deflection,
                              .finite = r->finite};
   const int facets = formulation_choice_facets(u->request.form);
+  if (u->limit != NULL) {
+    const spec_check finite = {.kind = CHECK_FINITE};
+    emit_check(out, u, &finite, &ctx);
+    emit(out, u, "numbers", CHECK_SKIPPED, u->limit);
+    return;
+  }
   if (u->off != NULL) {
     emit_check(out, u, &u->off->check, &ctx);
     return;
@@ -116,23 +123,27 @@ static void run_unit(void *ctx, isolate_channel *out) {
 }
 
 const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form) {
-  const unsigned model = form->form->model;
   const char *forms = (form->form->stands_for != NULL) ? form->form->stands_for : "";
-  const bool contact = (spec->effects & EFFECT_CONTACT) != 0;
   for (int i = 0; i < spec->n_not_applicable; i++) {
     if (strcmp(spec->not_applicable[i], form->form->name) == 0 ||
         strcmp(spec->not_applicable[i], forms) == 0) {
       return "not applicable, says the file";
     }
   }
+  return NULL;
+}
+
+const char *check_limit(const scene_spec *spec, const formulation_choice *form) {
+  const unsigned model = form->form->model;
+  const bool soft = (model & FORM_PENALTY) != 0;
   if (spec->contact_stiffness > 0.0) {
-    return (model & FORM_PENALTY) != 0 ? NULL : "models no compliant normal contact";
+    return soft ? NULL : "models no compliant normal contact: its numbers are not judged";
   }
-  if ((model & FORM_PENALTY) != 0 && contact) {
-    return "models compliant normal contact; the file's tolerances are for rigid contact";
+  if (soft && (spec->effects & EFFECT_CONTACT) != 0) {
+    return "models compliant normal contact: the numbers of rigid contact are not judged";
   }
   if ((spec->effects & EFFECT_FRICTION) != 0 && (model & FORM_FRICTION) == 0) {
-    return "models no friction";
+    return "models no friction: its numbers are not judged";
   }
   return NULL;
 }
@@ -167,7 +178,9 @@ static base_status run_pair(const check_plan *plan, scene_unit *u, base_error *e
     u->off = NULL;
     u->blank.step = u->request.h;
     BASE_TRY(check_isolated(plan, &u->blank, run_unit, u, err));
-    BASE_TRY(run_off(plan, u, err));
+    if (u->limit == NULL) {
+      BASE_TRY(run_off(plan, u, err));
+    }
   }
   return BASE_OK;
 }
@@ -219,7 +232,7 @@ static base_status run_formulation(const check_plan *plan, const scene_spec *spe
     return BASE_OK;
   }
   for (int i = 0; done == BASE_OK && i < plan->n_solver; i++) {
-    scene_unit u = {.forms = forms, .blank = {.check = "run"}};
+    scene_unit u = {.forms = forms, .limit = check_limit(spec, &form), .blank = {.check = "run"}};
     u.request = (sim_request){.spec = spec, .form = &form, .solver = &plan->solver[i]};
     u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
     (void)snprintf(u.blank.id, sizeof u.blank.id, "%.63s", spec->id);
