@@ -3,6 +3,7 @@
 #include "harness/campaign.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
+#include "harness/list_json.h"
 #include "harness/registry.h"
 #include "problems/family.h"
 #include "problems/scene.h"
@@ -185,6 +186,23 @@ static json_t *row_json(const list_row *r, const list_kind *k) {
   return o;
 }
 
+/* Scenes are whole objects in JSON: parameters, effects, predictions. */
+static int print_scenes_json(void) {
+  int n;
+  const scene *const *all = scenes(&n);
+  json_t *list = json_array();
+  base_error err = {0};
+  for (int i = 0; i < n; i++) {
+    json_t *o;
+    if (list_scene_json(all[i], &o, &err) != BASE_OK) {
+      json_decref(list);
+      return cli_report(&err);
+    }
+    (void)json_array_append_new(list, o);
+  }
+  return json_out_print(list, stdout) ? CLI_OK : CLI_INTERNAL;
+}
+
 static int print_kind(const list_kind *k, const char *format) {
   char scratch[4096];
   list_row row;
@@ -226,6 +244,9 @@ static int run(int argc, char **argv) {
   }
   for (int i = 0; i < BASE_COUNT(kinds); i++) {
     if (strcmp(kinds[i].name, what) == 0) {
+      if (strcmp(what, "scenes") == 0 && strcmp(format, "json") == 0) {
+        return print_scenes_json();
+      }
       return print_kind(&kinds[i], format);
     }
   }

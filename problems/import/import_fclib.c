@@ -2,6 +2,7 @@
  * in triplet (nz >= 0: x[k] at row i[k], column p[k]), column (nz = -1) or row (-2) form. Stored
  * solutions are zeros in practice and are not read. */
 #include "problems/import/friction_problem.h"
+#include "problems/import/survives.h"
 #include "problems/triplets.h"
 
 #include <hdf5.h>
@@ -283,13 +284,7 @@ static base_status read_any(const source *s, friction_problem *p) {
   return BAD(s, "%s: no group fclib_local, fclib_global or fclib_global_rolling", s->path);
 }
 
-base_status friction_read_fclib(const char *path, friction_problem *out, base_error *err) {
-  memset(out, 0, sizeof *out);
-  FILE *f = fopen(path, "rb"); /* HDF5 does not say why a file cannot be opened */
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
-  }
-  (void)fclose(f);
+static base_status read_quietly(const char *path, friction_problem *out, base_error *err) {
   H5E_auto2_t print;
   void *data;
   (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
@@ -307,6 +302,34 @@ base_status friction_read_fclib(const char *path, friction_problem *out, base_er
     }
   }
   (void)H5Eset_auto2(H5E_DEFAULT, print, data);
+  return status;
+}
+
+typedef struct trial {
+  const char *path;
+  friction_problem problem;
+} trial;
+
+static void try_reading(void *ctx) {
+  trial *t = ctx;
+  base_error err = {0};
+  (void)read_quietly(t->path, &t->problem, &err);
+}
+
+base_status friction_read_fclib(const char *path, friction_problem *out, base_error *err) {
+  memset(out, 0, sizeof *out);
+  FILE *f = fopen(path, "rb"); /* HDF5 does not say why a file cannot be opened */
+  if (f == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
+  }
+  (void)fclose(f);
+  trial t = {.path = path};
+  bool survived = false;
+  BASE_TRY(survives(try_reading, &t, &survived, err));
+  if (!survived) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: damaged: the HDF5 library fails on it", path);
+  }
+  const base_status status = read_quietly(path, out, err);
   if (status != BASE_OK) {
     friction_free(out);
   }

@@ -116,6 +116,7 @@ base_status kit_drift(scene_spec *s, const char *var, double abs, double h2_coef
                       base_error *err) {
   spec_check *c;
   BASE_TRY(spec_add_check(s, CHECK_MAX_DRIFT, var, &c, err));
+  kit_source(c, "stays where it is");
   c->tol.abs = abs;
   c->tol.h2 = h2_coef;
   if (out != NULL) {
@@ -127,6 +128,7 @@ base_status kit_drift(scene_spec *s, const char *var, double abs, double h2_coef
 base_status kit_energy(scene_spec *s, double abs, double h_coef, base_error *err) {
   spec_check *c;
   BASE_TRY(spec_add_check(s, CHECK_ENERGY_NONINCREASE, NULL, &c, err));
+  kit_source(c, "contacts give no energy");
   c->tol.abs = abs;
   c->tol.h = h_coef;
   return BASE_OK;
@@ -163,12 +165,15 @@ base_status kit_moves(scene_spec *s, const char *var, double value, const char *
 
 base_status kit_finite(scene_spec *s, base_error *err) {
   spec_check *c;
-  return spec_add_check(s, CHECK_FINITE, NULL, &c, err);
+  BASE_TRY(spec_add_check(s, CHECK_FINITE, NULL, &c, err));
+  kit_source(c, "no NaN, no infinity");
+  return BASE_OK;
 }
 
 base_status kit_penetration(scene_spec *s, double abs, double h_coef, base_error *err) {
   spec_check *c;
   BASE_TRY(spec_add_check(s, CHECK_MAX_PENETRATION, NULL, &c, err));
+  kit_source(c, "bodies do not overlap");
   c->tol.abs = abs;
   c->tol.h = h_coef;
   return BASE_OK;

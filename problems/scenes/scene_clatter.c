@@ -36,7 +36,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   c->tol.h = 1.5;
   kit_source(c, "flat on the floor");
   BASE_TRY(spec_add_state(s, "block.angle", T, 0.0, 1e-4, 4.0, err));
+  kit_source(kit_last(s), "flat on the floor");
   BASE_TRY(spec_add_state(s, "block.omega", T, 0.0, 1e-3, 5.0, err));
+  kit_source(kit_last(s), "flat on the floor");
   BASE_TRY(kit_energy(s, 1e-8, 0.0, err));
   kit_last(s)->tol.h2 = 100.0;
   return BASE_OK;

@@ -33,6 +33,7 @@ static base_status predict(scene_spec *s, const cradle *p, base_error *err) {
   }
   spec_check *c;
   BASE_TRY(spec_add_check(s, CHECK_MOMENTUM_X, NULL, &c, err));
+  kit_source(c, "no force from outside along x");
   c->t = s->duration;
   c->value = v;
   c->tol.abs = 1e-9 * v;

@@ -78,6 +78,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   }
   BASE_TRY(kit_force(s, "object", "left", false, p->duration / 2.0, p->duration, p->squeeze,
                      1e-5 * p->squeeze, NULL, err));
+  kit_source(kit_last(s), "squeeze");
   return kit_rigid_only(kit_last(s), err);
 }
 

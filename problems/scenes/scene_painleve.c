@@ -27,6 +27,7 @@ static base_status after_step(scene_spec *s, const char *var, double value, doub
   c->tol.abs = 1e-6;
   c->tol.h = h_coef;
   c->tol.h2 = h2_coef;
+  kit_source(c, "free motion, or the impulse of sticking");
   return kit_rigid_only(c, err);
 }
 

@@ -39,10 +39,13 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     BASE_TRY(
         kit_rests(s, "top.y", 1e-7 * r, "stands: mu_cc >= tan 15, mu_ground >= tan(15)/3", err));
     BASE_TRY(kit_force(s, "left", "floor", false, T / 2.0, T, 1.5 * W, 1e-6 * W, &c, err));
+    kit_source(c, "half of all the weight, 3 W/2");
     BASE_TRY(kit_rigid_only(c, err));
     BASE_TRY(kit_force(s, "top", "left", false, T / 2.0, T, 0.5 * W, 1e-6 * W, &c, err));
+    kit_source(c, "W/2: moments about the ground contact");
     BASE_TRY(kit_rigid_only(c, err));
     BASE_TRY(kit_force(s, "top", "left", true, T / 2.0, T, 0.5 * W * limit, 1e-6 * W, &c, err));
+    kit_source(c, "W/2 tan 15 degrees");
     return kit_rigid_only(c, err);
   }
   return kit_moves(s, "top.y", (fmin(cc, ground) < 0.97) ? 0.01 * r : 0.0, "collapses", err);

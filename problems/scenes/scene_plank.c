@@ -40,6 +40,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   kit_last(s)->tol.reg_h = 3.0 * v0;
   kit_last(s)->tol.reg_v = T;
   BASE_TRY(spec_add_check(s, CHECK_MOMENTUM_X, NULL, &c, err));
+  kit_source(c, "no force from outside along x");
   c->t = T;
   c->value = m * v0;
   c->tol.abs = 1e-8 * m * v0;

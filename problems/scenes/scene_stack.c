@@ -48,6 +48,7 @@ static base_status predict(scene_spec *s, const stack *p, base_error *err) {
   (void)snprintf(var, sizeof var, "%s.x", name);
   BASE_TRY(kit_drift(s, var, 1e-7, 0.0, NULL, err));
   BASE_TRY(spec_add_check(s, CHECK_MAX_PENETRATION, NULL, &c, err));
+  kit_source(c, "bodies do not overlap");
   c->tol.abs = 1e-7;
   c->tol.h2 = p->gravity;
   return kit_energy(s, 1e-8 * heaviest * p->gravity * p->half * p->n + 1e-12, 0.0, err);

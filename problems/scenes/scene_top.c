@@ -53,9 +53,11 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     BASE_TRY(predict_symmetric(s, p, sqrt(w2) * scale, err));
   }
   BASE_TRY(spec_add_check(s, CHECK_ANGULAR_MOMENTUM_DRIFT_REL, NULL, &c, err));
+  kit_source(c, "no torque about the centre");
   c->tol.abs = 1e-9;
   c->tol.h = scale;
   BASE_TRY(spec_add_check(s, CHECK_ENERGY_GROWTH_REL, NULL, &c, err));
+  kit_source(c, "no torque about the centre");
   c->tol.abs = 1e-9;
   return BASE_OK;
 }

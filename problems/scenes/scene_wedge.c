@@ -39,6 +39,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   BASE_TRY(kit_expect(s, "block.vy", T, -(M + m) * g * sine * sine / D * T, 2.0,
                       "-(M+m) g sin^2/(M + m sin^2) T", err));
   BASE_TRY(spec_add_check(s, CHECK_MOMENTUM_X, NULL, &c, err));
+  kit_source(c, "no force from outside along x");
   c->t = T;
   c->tol.abs = 1e-8 * (m + M);
   return BASE_OK;

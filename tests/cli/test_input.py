@@ -113,6 +113,28 @@ def lists_are_bare_names(d):
     assert "velocity x lemke" in run("list", "compat").stdout
 
 
+def scenes_are_described_in_full(d):
+    """What a tool needs to offer every scene: parameters with ranges and units, effects, observables, sourced predictions."""
+    effects = set(run("list", "effects").stdout.split())
+    for s in run_json("list", "scenes", "--format", "json"):
+        where = s["name"]
+        assert len(s["title"]) > 5 and len(s["about"]) > 80 and s["parameters"] and s["predictions"], where
+        assert s["dim"] in (2, 3) and s["duration_s"] > 0 and s["step_s"] > 0, where
+        assert s["effects"] and set(s["effects"]) <= effects and ("spatial" in s["effects"]) == (s["dim"] == 3), where
+        for p in s["parameters"]:
+            assert p["unit"] and len(p["help"]) > 3, (where, p)
+            if p["kind"] == "choice":
+                assert p["default"] in p["words"] and len(p["words"]) > 1, (where, p)
+            else:
+                assert p["kind"] in ("integer", "real") and p["min"] <= p["default"] <= p["max"], (where, p)
+        for o in s["observables"]:
+            assert o["name"] and o["unit"], (where, o)
+        for c in s["predictions"]:
+            assert c["quantity"] and c["unit"] and c["source"], (where, c)
+            assert all(t is not None and t >= 0 for t in c["tolerance"].values()), (where, c)
+            assert c["value"] is not None or c["quantity"] in ("finite", "energy_nonincrease"), (where, c)
+
+
 def solve_prints_one_object(d):
     o = run_json("solve", problem(d), "--solver", "lemke", "--z", d / "z.mtx")
     for key in ("problem n nnz storage solver options status claimed verified rho res_natural res_natural_rel res_comp "
@@ -178,6 +200,6 @@ def environment_gives_options(d):
 
 
 tap([usage_errors, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
-     check_fails_what_it_cannot_run, lists_are_bare_names, solve_prints_one_object,
+     check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
      certificates_are_written, export_reads_back])

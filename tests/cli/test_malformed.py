@@ -166,6 +166,11 @@ def matrix_market(d):
     each(d, "small.q.mtx", VECTOR, lambda q: lemke(q.with_name("small.M.mtx")), beside=["small.M.mtx"])
 
 
+def a_file_that_crashes_its_library(d):
+    """A damaged local heap: libhdf5 1.10.8 reads through a null pointer; found by scripts/fuzz."""
+    one_line_error("solve", SEEDS / "damaged_heap.hdf5", "--solver", "nsgs", names=["damaged_heap.hdf5"])
+
+
 def result_rows(d):
     """The rows of a campaign, read again by status."""
     run("run", SEEDS / "campaign.yaml", "--filter", "part=families", "--out", d / "run")
@@ -173,4 +178,4 @@ def result_rows(d):
     refused(path, path.read_text(), ROWS, ("status", d / "run"), ["results.csv"])
 
 
-tap([scenes_in_json, scenes_in_yaml, case_files, campaigns, siconos_text, matrix_market, result_rows])
+tap([scenes_in_json, scenes_in_yaml, case_files, campaigns, siconos_text, matrix_market, a_file_that_crashes_its_library, result_rows])
