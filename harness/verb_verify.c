@@ -1,12 +1,13 @@
 /* lcpbench verify: recomputes the verdicts of a campaign folder. Answers that are stored are judged
  * again from the problem; every other cell is run again by its own command, and must give the same
- * verdict, counters and bits. */
+ * verdict, counters and bits. With --certificate: checks that file against a problem. */
 #include "harness/args.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
 #include "harness/problem_source.h"
 #include "harness/runner.h"
 #include "harness/sim_watch.h"
+#include "harness/verify_certificate.h"
 #include "lcp/lcp_judge.h"
 
 #include <errno.h>
@@ -197,13 +198,25 @@ static int verify_rows(const char *dir, const record_table *t) {
 }
 
 static int run(int argc, char **argv) {
-  const arg_table table = {NULL, 0, 1, 1, "DIR"};
+  const char *certificate = NULL;
+  const char *q = NULL;
+  int facets = 0;
+  const arg_option options[] = {{"--certificate", ARG_TEXT, &certificate},
+                                {"--q", ARG_TEXT, &q},
+                                {"--facets", ARG_INT, &facets}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "DIR or PROBLEM"};
   const char *dir;
   int n;
   char path[1100];
   base_error err = {0};
   record_table t;
   base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
+  if (done == BASE_OK && certificate != NULL) {
+    return verify_certificate(dir, q, facets, certificate);
+  }
+  if (done == BASE_OK && (q != NULL || facets != 0)) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--q and --facets describe the problem of a --certificate");
+  }
   if (done == BASE_OK) {
     runner_path(dir, "results.csv", path, sizeof path);
     done = record_table_read(path, &t, &err);
@@ -219,7 +232,9 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_verify;
 const cli_verb verb_verify = {
     .name = "verify",
-    .usage = "verify DIR",
-    .help = "recomputes every verdict: stored answers are judged again, scenes run again",
+    .usage = "verify DIR | PROBLEM --certificate FILE [--q FILE] [--facets N]",
+    .help =
+        "recomputes every verdict of a campaign: stored answers are judged again, scenes run again;"
+        " or checks a certificate without any solver",
     .run = run,
 };

@@ -12,12 +12,16 @@
  *           tested exactly. A degenerate problem with rounded data may fail that by round-off, and
  *           above n = 64 it is not tried: then rho of the file's z (lcp_judge.h, extended precision)
  *           decides, and `exact` is false;
- *   ray     v >= 0, v != 0: a ray proves nothing alone, so it never counts as exact. */
+ *   ray     v >= 0, v != 0, and M reverses its sign, v_i (Mv)_i <= 0 for all i (free rows: (Mv)_i = 0),
+ *           as w = Mv + d z0 >= 0, v'w = 0 of a path with d >= 0 gives: M is then no P-matrix (Fiedler
+ *           & Ptak 1962). v comes from a floating-point path, so the sums, in extended precision, may
+ *           miss by LCP_CERT_RAY_TOL of their terms; that proves nothing of q and never counts as exact. */
 #pragma once
 
 #include "lcp/lcp_solver.h"
 
 enum { LCP_CERT_EXACT_N = 64 };
+#define LCP_CERT_RAY_TOL 1e-10 /* as LCP_VERIFY_EXACT [1] */
 
 typedef struct lcp_certificate_file {
   lcp_certificate_kind kind;
@@ -28,8 +32,10 @@ typedef struct lcp_certificate_file {
 
 typedef struct lcp_certificate_verdict {
   bool holds;
-  bool exact;      /* decided in rational arithmetic */
-  double residual; /* basis: rho of the file's z; farkas: q'y / (|q|'|y|) (negative) */
+  bool exact; /* decided in rational arithmetic */
+  double
+      residual; /* basis: rho of the file's z; farkas: q'y / (|q|'|y|) (negative); ray: the largest
+                    * v_i (Mv)_i / (v_i (|M||v|)_i) */
   const char *why; /* static: the rule that failed, or what was shown */
 } lcp_certificate_verdict;
 

@@ -1,6 +1,7 @@
 /* lcp_verify.c - certificates checked in rational arithmetic. GMP's own allocator ends the process
  * when memory runs out; sizes are bounded (n <= 64 for the elimination, one sum at a time else). */
 #include "lcp/lcp_certificate.h"
+#include "lcp/lcp_column.h"
 #include "lcp/lcp_judge.h"
 
 #include <gmp.h>
@@ -225,15 +226,48 @@ static base_status verify_farkas(const lcp_problem *p, const lcp_certificate_fil
   return BASE_OK;
 }
 
-static void verify_ray(const lcp_certificate_file *f, lcp_certificate_verdict *out) {
-  bool sign = true;
+/* max over i of v_i (Mv)_i / (v_i (|M||v|)_i), or of |..| in free rows; HUGE_VAL unless v >= 0 elsewhere
+ * and v != 0. */
+static double reversal_fault(const lcp_problem *p, const unsigned char *set, const double *v,
+                             lcp_columns *columns, long double *product, long double *size) {
   bool zero = true;
-  for (int i = 0; i < f->n; i++) {
-    sign = sign && f->vector[i] >= 0;
-    zero = zero && f->vector[i] == 0;
+  for (int j = 0; j < p->M.n; j++) {
+    if (v[j] < 0 && !is_free(p, set, j)) {
+      return HUGE_VAL;
+    }
+    const lcp_column c = lcp_columns_at(columns, j);
+    for (int k = 0; k < c.count; k++) {
+      product[c.row[k]] += c.val[k] * v[j];
+      size[c.row[k]] += fabsl(c.val[k] * v[j]);
+    }
+    zero = zero && v[j] == 0;
   }
-  out->holds = sign && !zero;
-  out->why = out->holds ? "a ray: proves nothing alone" : "not a ray: v >= 0, v != 0 fails";
+  double worst = zero ? HUGE_VAL : 0;
+  for (int i = 0; i < p->M.n; i++) {
+    const long double sign = is_free(p, set, i) ? copysignl(1, product[i]) : 1;
+    const bool counts = (v[i] != 0 || is_free(p, set, i)) && size[i] > 0;
+    worst = counts ? fmax(worst, (double)(sign * product[i] / size[i])) : worst;
+  }
+  return worst;
+}
+
+static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *f,
+                              const unsigned char *set, lcp_certificate_verdict *out,
+                              base_error *err) {
+  lcp_columns columns;
+  BASE_TRY(lcp_columns_open(&columns, &p->M, err));
+  long double *sums = calloc(2 * (size_t)p->M.n + 1, sizeof *sums);
+  if (sums == NULL) {
+    lcp_columns_close(&columns);
+    return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
+  }
+  out->residual = reversal_fault(p, set, f->vector, &columns, sums, sums + p->M.n);
+  out->holds = out->residual <= LCP_CERT_RAY_TOL;
+  out->why = out->holds ? "M reverses the sign of a ray: no P-matrix, nothing more"
+                        : "no ray: v >= 0, v != 0, v_i (Mv)_i <= 0 fails";
+  free(sums);
+  lcp_columns_close(&columns);
+  return BASE_OK;
 }
 
 base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_file *f,
@@ -260,7 +294,7 @@ base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_f
   } else if (f->kind == LCP_CERT_FARKAS) {
     status = verify_farkas(p, f, set, out, err);
   } else {
-    verify_ray(f, out);
+    status = verify_ray(p, f, set, out, err);
   }
   free(set);
   return status;

@@ -157,14 +157,17 @@ static lcp_outcome outcome_of(lemke_end end) {
   return LCP_NUMERICAL;
 }
 
-/* The ray as a certificate: a Farkas vector where that can be proved. */
-static void certify_ray(lemke_state *k, const lcp_problem *p, lcp_result *res) {
+/* The ray as a certificate: a Farkas vector where that can be proved. Without proof only a ray of a cold
+ * path, whose covering vector is positive, says something of M. */
+static void certify_ray(lemke_state *k, const lcp_problem *p, bool cold, lcp_result *res) {
   if (res->certificate.kind != LCP_CERT_NONE) {
     return;
   }
-  const bool proved = lemke_farkas(&k->path, &k->system, p, k->proof);
-  res->certificate =
-      (lcp_certificate){.kind = proved ? LCP_CERT_FARKAS : LCP_CERT_RAY, .vector = k->proof};
+  if (lemke_farkas(&k->path, &k->system, p, k->proof)) {
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = k->proof};
+  } else if (cold) {
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_RAY, .vector = k->proof};
+  }
 }
 
 /* Row j with the largest |M_ij M_ji| among those not yet used, or -1. */
@@ -266,7 +269,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
     const lemke_end end = lemke_path_run(&k->path, &k->system, attempts[a]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     if (end == LEMKE_RAY) {
-      certify_ray(k, p, res);
+      certify_ray(k, p, !warm, res);
     }
     if (last || a == 0) {
       res->outcome = outcome_of(end);
