@@ -87,6 +87,19 @@ static base_status text_member(yaml_file *f, const char *key, yaml_node_t *v, ch
   return BASE_OK;
 }
 
+/* One of two words; true for the second. */
+static base_status word_member(yaml_file *f, const char *key, yaml_node_t *v, const char *no,
+                               const char *yes, bool *out, base_error *err) {
+  const char *text = yaml_text(v);
+  if (text == NULL || (strcmp(text, no) != 0 && strcmp(text, yes) != 0)) {
+    char rule[80];
+    (void)snprintf(rule, sizeof rule, "need %s or %s", no, yes);
+    return yaml_fail(f, v, key, rule, err);
+  }
+  *out = strcmp(text, yes) == 0;
+  return BASE_OK;
+}
+
 static base_status take_limit(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                               base_error *err) {
   campaign_limits *l = ctx;
@@ -125,6 +138,15 @@ static base_status take_sampling(void *ctx, yaml_file *f, const char *key, yaml_
   }
   if (strcmp(key, "inner") == 0) {
     return seconds_member(f, key, v, &s->inner, err);
+  }
+  if (strcmp(key, "doctor") == 0) {
+    return seconds_member(f, key, v, &s->doctor, err);
+  }
+  if (strcmp(key, "order") == 0) {
+    return word_member(f, key, v, "random", "abba", &s->abba, err);
+  }
+  if (strcmp(key, "cache") == 0) {
+    return word_member(f, key, v, "warm", "cold", &s->cold, err);
   }
   return BASE_EUNSUPPORTED;
 }
@@ -253,6 +275,12 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
     c->seed = (uint64_t)seed;
     return BASE_OK;
   }
+  if (strcmp(key, "solutions") == 0) {
+    return word_member(f, key, v, "off", "on", &c->solutions, err);
+  }
+  if (strcmp(key, "trace") == 0) {
+    return word_member(f, key, v, "off", "on", &c->trace, err);
+  }
   if (strcmp(key, "parts") == 0) {
     return read_parts(f, v, c, err);
   }
@@ -292,7 +320,7 @@ static base_status read_file(yaml_file *f, campaign *c, base_error *err) {
 }
 
 base_status campaign_read(const char *text, bool quick, campaign *out, base_error *err) {
-  *out = (campaign){.quick = quick, .seed = 1};
+  *out = (campaign){.quick = quick, .solutions = true, .seed = 1};
   out->limits = (campaign_limits){.time = 60.0, .grace = 2.0, .memory = 4.0 * 1073741824.0};
   out->sampling = (campaign_sampling){.processes = 5,
                                       .samples = 7,

@@ -4,7 +4,10 @@
  *   title: ...
  *   seed: 1
  *   limits: {time: 60s, memory: 4G, grace: 2s}
- *   sampling: {processes: 3, samples: 5, max_samples: 31, half_width: 0.02, budget: 20s}
+ *   sampling: {processes: 3, samples: 5, max_samples: 31, half_width: 0.02, budget: 20s,
+ *              order: random|abba, cache: warm|cold, doctor: 6s}
+ *   solutions: on                                # optional: on; answers kept for verify
+ *   trace: off                                   # optional: off; a twin run writes its history
  *   parts:
  *     - name: dimension
  *       problems: ["box_stack:n={1,2,4,8}"]      # braces: one problem for each value
@@ -45,6 +48,9 @@ typedef struct campaign_sampling {
   double half_width; /* of the 95 % interval of the median, relative; stop when reached [1] */
   double budget;     /* [s] of measuring in one process */
   double inner;      /* [s] shortest bracket; shorter solves are looped */
+  double doctor;     /* [s] noise floor measured before the first row; 0: not */
+  bool abba;         /* solvers of a problem forth and back in turn, not at random */
+  bool cold;         /* the caches are emptied before every sample */
 } campaign_sampling;
 
 #define CAMPAIGN_AXES(X)                                                                           \
@@ -62,7 +68,7 @@ typedef struct campaign {
   char name[48];
   char title[200];
   char path[512];
-  bool quick;
+  bool quick, solutions, trace;
   uint64_t seed;
   campaign_limits limits;
   campaign_sampling sampling;

@@ -1,19 +1,14 @@
 #include "harness/cell_run.h"
 
-#include "harness/effects_auto.h"
-#include "harness/predictions.h"
-#include "harness/problem_source.h"
-#include "harness/solve_once.h"
+#include "harness/cell_measure.h"
+#include "harness/machine.h"
+#include "harness/outliers.h"
 #include "harness/stats.h"
 #include "lcp/base/clock.h"
-#include "problems/scene.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-enum { CELL_SAMPLES = 1024 };
-
-#define SET_TEXT(field, text) ((void)snprintf((field), sizeof(field), "%s", (text)))
+#include <sys/resource.h>
 
 static const char *after_colon(const char *text) {
   const char *colon = strchr(text, ':');
@@ -31,6 +26,7 @@ void cell_identity(const cell_job *job, record *r) {
   r->quick = job->campaign->quick ? 1 : 0;
   r->t_limit_s = job->campaign->limits.time;
   r->canary_s = job->canary;
+  SET_TEXT(r->cache, job->campaign->sampling.cold ? "cold" : "warm");
   SET_TEXT(r->campaign, job->campaign->name);
   SET_TEXT(r->part, c->part);
   SET_TEXT(r->cell_id, c->id);
@@ -49,31 +45,69 @@ void cell_identity(const cell_job *job, record *r) {
   cell_command(c, r->command, sizeof r->command);
 }
 
+/* ---- what both kinds of cells share -----------------------------------------------------------*/
+
+void cell_fill_work(const lcp_work *w, const lcp_solver *s, long n_solves, record *r) {
+  r->n_iter = w->iterations;
+  r->n_pivot = w->pivots;
+  r->n_matvec = w->matvecs;
+  r->n_factor = w->factorizations;
+  r->n_linesearch = w->linesearches;
+  if (n_solves > 0 && w->iterations + w->pivots + w->sweeps == 0 && strcmp(r->status, "ok") == 0) {
+    record_flag(r, "zero_iterations");
+  }
+  if (r->n_fallback > 0) {
+    record_flag(r, "fallback");
+  }
+  if (n_solves > 0 && s->allocates) {
+    record_flag(r, "allocates");
+  }
+}
+
+void cell_cool(const measured *m) {
+  if (m->sweep != NULL) {
+    machine_sweep(m->sweep, m->n_sweep);
+  }
+}
+
+void cell_tell_limit(const campaign_limits *l, solver_choice *s) {
+  for (int i = 0; i < s->solver->n_fields; i++) {
+    const base_field *f = &s->solver->fields[i];
+    if (strcmp(f->name, "max_seconds") == 0 && f->kind == BASE_REAL) {
+      double own;
+      memcpy(&own, (unsigned char *)s->opt + f->offset, sizeof own);
+      own = fmin(own, 0.8 * l->time);
+      memcpy((unsigned char *)s->opt + f->offset, &own, sizeof own);
+    }
+  }
+}
+
 /* ---- repetitions ------------------------------------------------------------------------------*/
 
-/* What a cell is measured with; `sample` fills the row and gives the seconds of one evaluation. */
-typedef struct measured {
-  base_status (*sample)(struct measured *m, record *r, double *seconds, base_error *err);
-  const cell_job *job;
-  int n_inner;
-  run_status status;
-  sim_request request; /* scenes */
-  scene_spec spec;
-  formulation_choice form;
-  solver_choice solver;
-  problem_source source; /* complementarity problems */
-  double *z;             /* n_inner copies of the start point */
-} measured;
+/* The rows of this process so far. */
+typedef struct sampling {
+  int n, cap;
+  record *row;     /* owned */
+  double *seconds; /* of one evaluation; owned */
+  double *sorted;  /* scratch; owned */
+  double longest;  /* one sample took at most, everything included [s] */
+  double from;     /* [s] */
+} sampling;
 
-static void emit_error(const cell_job *job, record *r, const base_error *err,
-                       isolate_channel *out) {
-  r->rep = 0;
-  SET_TEXT(r->status, run_status_name(err->code == BASE_ENOMEM         ? RUN_OOM
-                                      : err->code == BASE_EUNSUPPORTED ? RUN_UNSUPPORTED
-                                                                       : RUN_ERROR));
-  (void)snprintf(r->note, sizeof r->note, "%.230s", err->text);
-  (void)job;
-  (void)isolate_emit(out, r);
+static base_status sampling_open(sampling *s, int cap, base_error *err) {
+  *s = (sampling){.cap = cap, .from = base_seconds()};
+  s->row = calloc((size_t)cap, sizeof *s->row);
+  s->seconds = calloc((size_t)cap, sizeof *s->seconds);
+  s->sorted = calloc((size_t)cap, sizeof *s->sorted);
+  return (s->row != NULL && s->seconds != NULL && s->sorted != NULL)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_ENOMEM, "no memory for %d samples", cap);
+}
+
+static void sampling_close(sampling *s) {
+  free(s->row);
+  free(s->seconds);
+  free(s->sorted);
 }
 
 /* Times stand only where the method came to an end worth timing. */
@@ -85,343 +119,202 @@ static bool timed_status(run_status s) {
 static void clear_times(record *r) {
   r->t_contacts_s = r->t_assemble_s = r->t_setup_s = r->t_factor_s = (double)NAN;
   r->t_solve_s = r->t_advance_s = r->t_total_s = r->t_step_s = (double)NAN;
-  r->t_step_max_s = r->t_cpu_s = (double)NAN;
+  r->t_step_max_s = r->t_step_p50_s = r->t_step_p95_s = r->t_step_p99_s = (double)NAN;
+  r->share_1ms = r->share_4ms = r->share_16ms = r->t_cpu_s = (double)NAN;
 }
 
-static void emit_sample(const measured *m, record *r, int rep, isolate_channel *out) {
-  r->rep = rep;
+static base_status take_sample(measured *m, const record *base, sampling *s, base_error *err) {
+  record *r = &s->row[s->n];
+  struct rusage before;
+  struct rusage after;
+  *r = *base;
+  const double from = base_seconds();
+  (void)getrusage(RUSAGE_THREAD, &before);
+  BASE_TRY(m->sample(m, r, &s->seconds[s->n], err));
+  (void)getrusage(RUSAGE_THREAD, &after);
+  s->longest = fmax(s->longest, base_seconds() - from);
+  r->ctx_invol = after.ru_nivcsw - before.ru_nivcsw;
+  r->major_faults = after.ru_majflt - before.ru_majflt;
+  r->rep = s->n;
   r->n_inner = m->n_inner;
   if (!timed_status(m->status)) {
     clear_times(r);
   }
-  (void)isolate_emit(out, r);
+  s->n++;
+  return BASE_OK;
 }
 
-static base_status repeat(measured *m, record *base, isolate_channel *out, base_error *err) {
-  const campaign_sampling *s = &m->job->campaign->sampling;
-  double seconds[CELL_SAMPLES];
-  double sorted[CELL_SAMPLES];
-  record warm = *base;
+/* First touch and lazy binding; stores the answers, which a timed run must not do. */
+static base_status warm_up(measured *m, const record *base, sampling *s, base_error *err) {
+  answers a;
   m->n_inner = 1;
-  double once;
-  BASE_TRY(m->sample(m, &warm, &once, err)); /* first touch; calibrates the inner loop */
-  if (once > 0.0 && once < s->inner) {
+  if (m->job->solution == NULL) {
+    return take_sample(m, base, s, err);
+  }
+  BASE_TRY(answers_create(&a, m->job->solution, err));
+  m->store = &a;
+  const base_status done = take_sample(m, base, s, err);
+  m->store = NULL;
+  const base_status closed = answers_close(&a, done == BASE_OK, err);
+  return (done != BASE_OK) ? done : closed;
+}
+
+static void calibrate(measured *m, double once) {
+  const campaign_sampling *s = &m->job->campaign->sampling;
+  if (once > 0.0 && once < s->inner && m->sweep == NULL) {
     m->n_inner = (int)fmin(ceil(s->inner / once), 1e6);
   }
-  int least = (once > 10.0) ? 3 : s->samples;
-  int most = (s->max_samples < CELL_SAMPLES) ? s->max_samples : CELL_SAMPLES;
-  if (m->status != RUN_OK || once > s->budget) {
-    least = most = 1;
-  }
-  if (most == 1 && m->n_inner == 1 && m->job->campaign->sampling.max_samples == 1) {
-    emit_sample(m, &warm, 0, out); /* a campaign of verdicts: the first run is the row */
-    return BASE_OK;
-  }
+}
+
+/* Would one more sample end before the process is killed? */
+static bool time_left(const measured *m, const sampling *s) {
+  return base_seconds() - s->from + 1.2 * s->longest < m->job->campaign->limits.time;
+}
+
+static bool known_well(const measured *m, sampling *s) {
+  memcpy(s->sorted, s->seconds, (size_t)s->n * sizeof *s->sorted);
+  return stats_half_width(s->sorted, s->n) <= m->job->campaign->sampling.half_width;
+}
+
+/* Between `least` and `most` samples; other answers than the warm-up's are flagged. */
+static base_status take_samples(measured *m, const record *base, const char *hash, int least,
+                                int most, sampling *s, base_error *err) {
+  const double budget = m->job->campaign->sampling.budget;
   const double from = base_seconds();
-  for (int k = 0; k < most; k++) {
-    record r = *base;
-    BASE_TRY(m->sample(m, &r, &seconds[k], err));
-    emit_sample(m, &r, k, out);
-    memcpy(sorted, seconds, (size_t)(k + 1) * sizeof *sorted);
-    const bool known = k + 1 >= least && stats_half_width(sorted, k + 1) <= s->half_width;
-    if (known || (k + 1 >= least && base_seconds() - from > s->budget)) {
+  while (s->n < most) {
+    BASE_TRY(take_sample(m, base, s, err));
+    if (strcmp(s->row[s->n - 1].solution_hash, hash) != 0) {
+      record_flag(&s->row[s->n - 1], "not_repeatable");
+    }
+    const bool enough = s->n >= least && (known_well(m, s) || base_seconds() - from > budget);
+    if (enough || !time_left(m, s)) {
       break;
     }
   }
   return BASE_OK;
 }
 
-/* ---- scenes -----------------------------------------------------------------------------------*/
-
-static void fill_sizes(const sim_result *q, record *r) {
-  r->n_bodies = q->n_body;
-  r->n_dof = q->n_dof;
-  r->n_contacts = q->n_contact_max;
-  r->n_active = q->n_active_max;
-  r->lcp_dim = q->lcp_dim_max;
-  r->n_steps = q->steps;
-  r->n_solves = q->n_solves;
-  r->n_unsolved = q->n_unsolved;
-  r->n_modes = q->n_modes;
-  r->n_fallback = q->n_fallbacks + q->work.fallbacks;
-  if (q->n_solves > 0) {
-    r->nnz = q->nnz_max;
-    r->density = (double)q->nnz_max / ((double)q->lcp_dim_max * q->lcp_dim_max);
-    SET_TEXT(r->storage, storage_name(q->storage));
-    r->workspace_B = (double)q->workspace;
+/* As many again as lie far from the others, once. Nothing is deleted. */
+static base_status measure_again(measured *m, const record *base, sampling *s, base_error *err) {
+  const int again = outliers_flag(s->row, s->n);
+  for (int k = 0; k < again && s->n < s->cap && time_left(m, s); k++) {
+    BASE_TRY(take_sample(m, base, s, err));
+    record_flag(&s->row[s->n - 1], "remeasured");
   }
-}
-
-static void fill_work(const lcp_work *w, record *r) {
-  r->n_iter = w->iterations;
-  r->n_pivot = w->pivots;
-  r->n_matvec = w->matvecs;
-  r->n_factor = w->factorizations;
-  r->n_linesearch = w->linesearches;
-}
-
-static void fill_verdict(const sim_result *q, record *r) {
-  SET_TEXT(r->status, run_status_name(q->status));
-  SET_TEXT(r->status_claimed, run_status_name(q->claimed));
-  SET_TEXT(r->note, q->note);
-  r->verified = (q->verified && q->status == RUN_OK) ? 1 : 0;
-  r->rho = q->rho_max;
-  r->res_natural = q->natural_max;
-  r->res_natural_rel = q->natural_rel_max;
-  r->res_feas_z = q->feas_z_max;
-  r->res_feas_w = q->feas_w_max;
-  r->res_comp = q->comp_max;
-  r->res_ncp = q->ncp_max;
-  r->res_ncp_rel = q->ncp_rel_max;
-  r->res_cone = q->cone_rel_max;
-  r->dissipation_gap_J = q->dissipation_max;
-  r->penetration_m = q->penetration_max;
-  r->energy_defect_J = q->energy_defect;
-  r->energy_drift_rel = q->energy_drift_rel;
-  (void)snprintf(r->solution_hash, sizeof r->solution_hash, "%016llx", (unsigned long long)q->hash);
-  SET_TEXT(r->solver_variant, q->variant != NULL ? q->variant : "");
-  effects_print(q->effects_seen, r->effects_seen, sizeof r->effects_seen);
-  if (q->n_solves > 0 && q->work.iterations + q->work.pivots + q->work.sweeps == 0 &&
-      q->status == RUN_OK) {
-    SET_TEXT(r->flags, "zero_iterations");
-  } else if (r->n_fallback > 0) {
-    SET_TEXT(r->flags, "fallback");
-  }
-}
-
-static void fill_predictions(const prediction_summary *p, record *r) {
-  r->n_predictions = p->n;
-  r->n_predictions_missed = p->n_missed;
-  SET_TEXT(r->missed, p->missed);
-  if (p->n > 0) {
-    r->err_worst = p->worst;
-  }
-  if (p->has_ref) {
-    r->err_ref = p->error;
-    r->err_predicted = p->predicted;
-    r->err_tol = p->tolerance;
-    SET_TEXT(r->err_quantity, p->quantity);
-    (void)snprintf(r->err_source, sizeof r->err_source, "%.159s", p->source);
-  }
-}
-
-/* One row from n_inner whole simulations: times are means, everything else is the same each time.
- * The series is needed once, for the predictions. */
-static base_status sample_scene(measured *m, record *r, double *seconds, base_error *err) {
-  sim_times sum = {0};
-  double cpu = 0.0;
-  double longest = 0.0;
-  sim_result q = {0};
-  for (int i = 0; i < m->n_inner; i++) {
-    series record_;
-    const double from = base_cpu_seconds();
-    const base_status done = simulate(&m->request, &record_, &q, err);
-    cpu += base_cpu_seconds() - from;
-    if (done == BASE_OK && i + 1 == m->n_inner) {
-      prediction_summary p;
-      predictions_summarise(&m->request, &record_, &q, &p);
-      fill_predictions(&p, r);
-    }
-    series_close(&record_);
-    BASE_TRY(done);
-    sum.contacts += q.time.contacts;
-    sum.assemble += q.time.assemble;
-    sum.setup += q.time.setup;
-    sum.factor += q.time.factor;
-    sum.solve += q.time.solve;
-    sum.advance += q.time.advance;
-    longest = (i == 0) ? q.step_longest : fmin(longest, q.step_longest);
-  }
-  const double n = m->n_inner;
-  r->t_contacts_s = sum.contacts / n;
-  r->t_assemble_s = sum.assemble / n;
-  r->t_setup_s = sum.setup / n;
-  r->t_factor_s = sum.factor / n;
-  r->t_solve_s = sum.solve / n;
-  r->t_advance_s = sum.advance / n;
-  r->t_total_s =
-      (sum.contacts + sum.assemble + sum.setup + sum.factor + sum.solve + sum.advance) / n;
-  r->t_step_s = (q.steps > 0) ? r->t_total_s / (double)q.steps : (double)NAN;
-  r->t_step_max_s = longest;
-  r->t_cpu_s = cpu / n;
-  m->status = q.status;
-  *seconds = r->t_total_s;
-  fill_sizes(&q, r);
-  fill_work(&q.work, r);
-  fill_verdict(&q, r);
+  (void)outliers_flag(s->row, s->n);
   return BASE_OK;
 }
 
-static base_status number_or(const char *text, double dflt, const char *what, double *out,
-                             base_error *err) {
-  *out = dflt;
-  if (text[0] != '\0' && (!base_parse_real(text, out) || !(*out > 0.0))) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s %s: need a number above 0", what, text);
-  }
-  return BASE_OK;
-}
-
-static void model_words(unsigned model, char *buf, size_t cap) {
-  static const char *const words[] = {
-      "unilateral",    "friction", "cone_exact", "cone_polyhedral", "regularised",
-      "bounds_lagged", "penalty",  "position",   "acceleration",    "no_lcp"};
-  size_t used = 0;
-  buf[0] = '\0';
-  for (int i = 0; i < BASE_COUNT(words); i++) {
-    if ((model & 1u << i) != 0 && used < cap) {
-      used += (size_t)snprintf(buf + used, cap - used, "%s%s", used > 0 ? " " : "", words[i]);
-    }
-  }
-}
-
-static base_status prepare_scene(measured *m, record *r, base_error *err) {
-  const cell *c = m->job->cell;
-  BASE_TRY(scene_load(c->problem, &m->spec, err));
-  BASE_TRY(formulation_choose(c->formulation, &m->form, err));
-  sim_request *q = &m->request;
-  *q = (sim_request){.spec = &m->spec, .form = &m->form, .solver = &m->solver};
-  BASE_TRY(number_or(c->step, m->spec.n_h > 0 ? m->spec.h[0] : 0.01, "step", &q->h, err));
-  BASE_TRY(number_or(c->duration, m->spec.duration, "duration", &q->duration, err));
-  if (strcmp(c->start, "cold") != 0 && strcmp(c->start, "previous") != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "start %s: need cold or previous", c->start);
-  }
-  q->start = (strcmp(c->start, "previous") == 0) ? FORM_PREVIOUS : FORM_COLD;
-  effects_choice choice;
-  BASE_TRY(effects_choose(q, c->effects, &choice, err));
-  SET_TEXT(r->effects_auto, choice.text);
-  r->step_s = q->h;
-  r->duration_s = q->duration;
-  SET_TEXT(r->start, c->start);
-  effects_print(q->effects, r->effects, sizeof r->effects);
-  (void)snprintf(r->formulation_config, sizeof r->formulation_config, "%.479s", m->form.config);
-  model_words(m->form.form->model, r->model, sizeof r->model);
-  m->sample = sample_scene;
-  return BASE_OK;
-}
-
-/* ---- complementarity problems -----------------------------------------------------------------*/
-
-/* n_inner solves inside one bracket, each from its own copy of the start point. Set-up and
- * factorisation are repeated until they too have filled a bracket, at most as often. */
-static base_status time_loop(measured *m, lcp_instance *k, record *r, base_error *err) {
-  const lcp_problem *p = m->source.p;
-  const size_t n = (size_t)p->M.n;
-  lcp_times sum = {0};
-  const int loops = m->n_inner;
-  int prepared = 0;
-  const double inner = m->job->campaign->sampling.inner;
-  while (prepared < loops && (prepared == 0 || sum.setup + sum.factor < inner)) {
-    BASE_TRY(lcp_instance_prepare(k, p, err));
-    const lcp_times t = lcp_instance_times(k);
-    sum.setup += t.setup;
-    sum.factor += t.factor;
-    prepared++;
-  }
-  const double cpu = base_cpu_seconds();
-  const double from = base_seconds();
-  for (int i = 0; i < loops; i++) {
-    lcp_result res;
-    BASE_TRY(lcp_instance_solve(k, NULL, m->z + (size_t)i * n, &res, err));
-  }
-  r->t_solve_s = (base_seconds() - from) / loops;
-  r->t_cpu_s = (base_cpu_seconds() - cpu) / loops;
-  r->t_setup_s = sum.setup / prepared;
-  r->t_factor_s = sum.factor / prepared;
-  r->t_total_s = r->t_setup_s + r->t_factor_s + r->t_solve_s;
-  return BASE_OK;
-}
-
-static void fill_solve(const solve_record *q, record *r) {
-  const lcp_verdict *v = &q->verdict;
-  SET_TEXT(r->status, run_status_name(q->status));
-  SET_TEXT(r->status_claimed, q->has_claim ? lcp_outcome_name(q->claim.outcome) : "");
-  SET_TEXT(r->note, q->note);
-  r->verified = (q->verified && q->status == RUN_OK) ? 1 : 0;
-  if (!q->has_claim) {
-    return;
-  }
-  r->rho = v->rho;
-  r->res_natural = v->natural;
-  r->res_natural_rel = v->natural_rel;
-  r->res_feas_z = v->infeasible_z;
-  r->res_feas_w = v->infeasible_w;
-  r->res_comp = v->comp;
-  r->n_solves = 1;
-  r->n_unsolved = (q->status == RUN_OK) ? 0 : 1;
-  r->n_fallback = q->claim.work.fallbacks;
-  r->workspace_B = (double)q->bytes;
-  fill_work(&q->claim.work, r);
-  SET_TEXT(r->solver_variant, q->claim.variant != NULL ? q->claim.variant : "");
-  (void)snprintf(r->solution_hash, sizeof r->solution_hash, "%016llx", (unsigned long long)q->hash);
-}
-
-static base_status sample_lcp(measured *m, record *r, double *seconds, base_error *err) {
-  const lcp_problem *p = m->source.p;
-  const size_t n = (size_t)p->M.n;
-  free(m->z);
-  m->z = calloc(n * (size_t)m->n_inner + 1, sizeof *m->z);
-  if (m->z == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d start points", m->n_inner);
-  }
-  solve_record once;
-  BASE_TRY(solve_once(p, &m->solver, m->z, &once, err)); /* the verdict, untimed */
-  if (m->job->solution != NULL && once.has_claim && m->n_inner == 1) {
-    BASE_TRY(lcp_write_mtx_vector(m->job->solution, p->M.n, m->z, err));
-  }
-  memset(m->z, 0, n * sizeof *m->z);
-  fill_solve(&once, r);
-  r->lcp_dim = p->M.n;
-  r->nnz = lcp_matrix_entries(&p->M);
-  r->density = (n > 0) ? (double)r->nnz / ((double)n * (double)n) : (double)NAN;
-  SET_TEXT(r->storage, storage_name(p->M.storage));
-  m->status = once.status;
-  *seconds = 0.0;
-  if (!once.has_claim) {
+static base_status repeat(measured *m, const record *base, sampling *s, base_error *err) {
+  const campaign_sampling *c = &m->job->campaign->sampling;
+  char hash[sizeof base->solution_hash];
+  BASE_TRY(warm_up(m, base, s, err));
+  const double once = s->seconds[0];
+  calibrate(m, once);
+  if (!time_left(m, s) || (c->max_samples == 1 && m->n_inner == 1)) {
+    record_flag(&s->row[0],
+                "first_run"); /* no second one fits, or verdicts are all that is asked */
     return BASE_OK;
   }
-  lcp_instance *k;
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  BASE_TRY(lcp_instance_open(&k, m->solver.solver, &cap, m->solver.opt, err));
-  const base_status done = time_loop(m, k, r, err);
-  lcp_instance_close(k);
-  *seconds = r->t_solve_s; /* what the inner loop repeats */
-  return done;
-}
-
-static base_status prepare_lcp(measured *m, base_error *err) {
-  m->sample = sample_lcp;
-  return problem_source_open(m->job->cell->problem, NULL, 0, &m->source, err);
+  memcpy(hash, s->row[0].solution_hash, sizeof hash);
+  s->n = 0;
+  if (m->status != RUN_OK || once > c->budget) {
+    return take_samples(m, base, hash, 1, 1, s, err);
+  }
+  const int least = (once > 10.0 && c->samples > 3) ? 3 : c->samples;
+  BASE_TRY(take_samples(m, base, hash, least, c->max_samples, s, err));
+  return measure_again(m, base, s, err);
 }
 
 /* ---- the cell ---------------------------------------------------------------------------------*/
 
 static base_status prepare(measured *m, record *r, base_error *err) {
-  const cell *c = m->job->cell;
-  BASE_TRY(solver_choose(c->solver, &m->solver, err));
-  if (c->tol[0] != '\0') {
-    BASE_TRY(solver_choice_set(&m->solver, "tol", c->tol, err));
+  if (m->job->campaign->sampling.cold) {
+    m->n_sweep = machine_sweep_length();
+    m->sweep = calloc(m->n_sweep, sizeof *m->sweep);
+    if (m->sweep == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory to empty the caches");
+    }
   }
-  r->tol = verdict_asked(m->solver.solver, m->solver.opt);
-  (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", m->solver.config);
-  return (c->formulation[0] != '\0') ? prepare_scene(m, r, err) : prepare_lcp(m, err);
+  return (m->job->cell->formulation[0] != '\0') ? cell_scene_prepare(m, r, err)
+                                                : cell_lcp_prepare(m, r, err);
+}
+
+static void close_measured(measured *m) {
+  free(m->z);
+  free(m->sweep);
+  problem_source_close(&m->source);
+  solver_choice_free(&m->solver);
+  if (m->is_scene) {
+    simulation_close(&m->sim);
+  }
+}
+
+static void emit_error(record *r, const base_error *err, isolate_channel *out) {
+  r->rep = 0;
+  SET_TEXT(r->status, run_status_name(err->code == BASE_ENOMEM         ? RUN_OOM
+                                      : err->code == BASE_EUNSUPPORTED ? RUN_UNSUPPORTED
+                                                                       : RUN_ERROR));
+  (void)snprintf(r->note, sizeof r->note, "%.230s", err->text);
+  (void)isolate_emit(out, r);
+}
+
+/* The untimed twin: one evaluation with its history written. */
+static base_status run_twin(measured *m, const record *base, sampling *s, base_error *err) {
+  trace_file t;
+  BASE_TRY(trace_open(&t, m->job->trace, err));
+  m->n_inner = 1;
+  m->trace = &t;
+  const base_status done = take_sample(m, base, s, err);
+  const base_status closed = trace_close(&t, done == BASE_OK, err);
+  if (done == BASE_OK) {
+    clear_times(&s->row[0]);
+    if (t.full) {
+      record_flag(&s->row[0], "trace_cut");
+    }
+  }
+  return (done != BASE_OK) ? done : closed;
 }
 
 void cell_run(const cell_job *job, isolate_channel *out) {
   record base;
   base_error err = {0};
   measured m = {.job = job, .status = RUN_OK};
-  spec_init(&m.spec);
+  sampling s = {0};
   cell_identity(job, &base);
-  base_status done = prepare(&m, &base, &err);
+  const int most = job->campaign->sampling.max_samples;
+  base_status done = sampling_open(&s, 2 * most + 1, &err);
   if (done == BASE_OK) {
-    done = repeat(&m, &base, out, &err);
+    done = prepare(&m, &base, &err);
+  }
+  if (done == BASE_OK) {
+    done = (job->trace != NULL ? run_twin : repeat)(&m, &base, &s, &err);
+  }
+  for (int i = 0; done == BASE_OK && i < s.n; i++) {
+    (void)isolate_emit(out, &s.row[i]);
   }
   if (done != BASE_OK) {
-    emit_error(job, &base, &err, out);
+    emit_error(&base, &err, out);
   }
-  free(m.z);
-  spec_free(&m.spec);
-  problem_source_close(&m.source);
-  formulation_choice_free(&m.form);
-  solver_choice_free(&m.solver);
+  sampling_close(&s);
+  close_measured(&m);
+}
+
+base_status cell_replay(const cell_job *job, const char *path, record *out, base_error *err) {
+  measured m = {.job = job, .status = RUN_OK, .n_inner = 1};
+  answers a;
+  double seconds;
+  cell_identity(job, out);
+  BASE_TRY(answers_open(&a, path, err));
+  m.replay = &a;
+  base_status done = prepare(&m, out, err);
+  if (done == BASE_OK) {
+    done = m.sample(&m, out, &seconds, err);
+  }
+  if (done == BASE_OK) {
+    done = answers_finish(&a, err);
+  }
+  (void)answers_close(&a, false, NULL);
+  close_measured(&m);
+  return done;
 }

@@ -10,12 +10,17 @@ typedef struct cell_job {
   const cell *cell;
   int process;
   double canary;        /* latest canary time [s] */
-  const char *solution; /* path for the answer of an LCP cell; NULL: not stored */
+  const char *solution; /* path for the answers (answers.h); NULL: not stored */
+  const char *trace;    /* path for the convergence history (trace.h): the job is the untimed twin;
+                           NULL: a timed run */
 } cell_job;
 
-/* Emits one record per repetition; failures of the solver, of the input and of memory are records
- * too. */
+/* Emits one record per repetition (of a twin: one without times); failures of the solver, of the
+ * input and of memory are records too. */
 void cell_run(const cell_job *job, isolate_channel *out);
+
+/* The row that the answers stored at path imply: every verdict anew, no times, no work. */
+base_status cell_replay(const cell_job *job, const char *path, record *out, base_error *err);
 
 /* The columns known before the run. */
 void cell_identity(const cell_job *job, record *r);

@@ -69,7 +69,7 @@ static double resampled_median(const samples *s, base_rng *rng) {
   return stats_median(x, n);
 }
 
-static void judge(const samples *a, const samples *b, double noise_floor, compare_pair *out) {
+static void judge(const samples *a, const samples *b, compare_pair *out) {
   double ratio[BOOTSTRAP];
   base_rng rng = base_rng_seeded(1);
   for (int k = 0; k < BOOTSTRAP; k++) {
@@ -83,7 +83,7 @@ static void judge(const samples *a, const samples *b, double noise_floor, compar
   out->hi = stats_quantile(ratio, BOOTSTRAP, 0.975);
   out->n_a = count(a);
   out->n_b = count(b);
-  const bool outside = fabs(log(out->ratio)) > noise_floor;
+  const bool outside = fabs(log(out->ratio)) > out->floor;
   out->word = COMPARE_SAME;
   if (outside && out->hi < 1.0) {
     out->word = COMPARE_FASTER;
@@ -117,7 +117,7 @@ static bool takes(const compare_side *s, int i) {
 }
 
 base_status compare_sides(const compare_side *a, const compare_side *b, const char *column,
-                          double noise_floor, compare_pair **out, int *n, base_error *err) {
+                          const doctor_floor *noise, compare_pair **out, int *n, base_error *err) {
   const bool by_solver = a->solver == NULL && b->solver == NULL;
   *n = 0;
   *out = calloc((size_t)a->rows->n + 1, sizeof **out);
@@ -139,7 +139,8 @@ base_status compare_sides(const compare_side *a, const compare_side *b, const ch
       if (count(&x[0]) > 1 && count(&x[1]) > 1) {
         compare_pair *p = &(*out)[(*n)++];
         *p = (compare_pair){.a = &a->rows->row[i], .b = &b->rows->row[k]};
-        judge(&x[0], &x[1], noise_floor, p);
+        p->floor = doctor_floor_of(noise, fmax(p->a->workspace_B, p->b->workspace_B));
+        judge(&x[0], &x[1], p);
       }
       break;
     }

@@ -1,5 +1,6 @@
 #include "harness/machine.h"
 
+#include "harness/args.h"
 #include "lcp/base/clock.h"
 
 #include <math.h>
@@ -115,4 +116,31 @@ double machine_canary(void) {
   volatile double kept = sum;
   (void)kept;
   return base_seconds() - from;
+}
+
+size_t machine_sweep_length(void) {
+  char line[64];
+  double bytes = 0.0;
+  first_line("/sys/devices/system/cpu/cpu0/cache/index3/size", line, sizeof line);
+  const bool known = args_bytes(line, &bytes) && bytes > 0.0;
+  return (size_t)(2.0 * (known ? bytes : 32.0 * 1048576.0) / sizeof(double));
+}
+
+void machine_sweep(double *x, size_t n) {
+  double sum = 0.0;
+  for (size_t i = 0; i < n; i += 8) { /* one double of each 64-byte line */
+    x[i] += 1.0;
+    sum += x[i];
+  }
+  volatile double kept = sum;
+  (void)kept;
+}
+
+long machine_throttles(int cpu) {
+  char path[120];
+  char line[64];
+  (void)snprintf(path, sizeof path,
+                 "/sys/devices/system/cpu/cpu%d/thermal_throttle/core_throttle_count", cpu);
+  first_line(path, line, sizeof line);
+  return (line[0] != '\0') ? strtol(line, NULL, 10) : -1;
 }

@@ -22,5 +22,13 @@ void machine_utc(char *buf, size_t cap); /* 2024-01-31T12:00:00Z */
  * of more than 3 % between two of its times marks what was measured between them. [s] */
 double machine_canary(void);
 
+/* Doubles to stream so that twice the last-level cache has passed (32 MB where its size is unknown),
+ * and the streaming: every line is read and written, so that nothing useful is left in any cache. */
+size_t machine_sweep_length(void);
+void machine_sweep(double *x, size_t n);
+
+/* How often the CPU was slowed down for its temperature; -1: the system does not tell. */
+long machine_throttles(int cpu);
+
 /* Copies the value of "key : value" from a /proc style file, "" if absent. */
 void machine_proc_value(const char *path, const char *key, char *buf, size_t cap);

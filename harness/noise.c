@@ -110,7 +110,9 @@ static void measure_class(noise_class *c, size_t n, int rounds, double budget, b
 }
 
 void noise_measure(double seconds, uint64_t seed, noise_report *out) {
-  *out = (noise_report){.size = {{.name = "cache"}, {.name = "large_cache"}, {.name = "memory"}}};
+  *out = (noise_report){.size = {{.name = "cache", .up_to = 131072.0},
+                                 {.name = "large_cache", .up_to = 4194304.0},
+                                 {.name = "memory", .up_to = HUGE_VAL}}};
   base_rng rng = base_rng_seeded(seed);
   measure_clock(out);
   measure_bandwidth(out);

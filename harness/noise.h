@@ -11,6 +11,7 @@ enum { NOISE_CLASSES = 3 };
 
 typedef struct noise_class {
   const char *name;
+  double up_to;   /* workspace of cells that this class speaks for, at most [B]; Inf: any */
   double seconds; /* one sample takes about [s] */
   double floor;   /* 95th percentile of |log ratio| [1] */
   double spread;  /* (q75 - q25)/median of single samples [1] */

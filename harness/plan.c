@@ -146,6 +146,7 @@ static base_status cell_key(const campaign *camp, cell *c, base_error *err) {
                             c->start,
                             c->effects,
                             camp->quick ? "quick" : "full",
+                            camp->sampling.cold ? "cold" : "warm",
                             seed};
     sha256 s;
     sha256_begin(&s);
@@ -320,6 +321,18 @@ static int by_rank(const void *a, const void *b) {
   return (x->u.process > y->u.process) - (x->u.process < y->u.process);
 }
 
+/* Position of a cell's solver among those of its problem, by the seed: the order that abba runs
+ * forth in even processes and back in odd ones. */
+static uint64_t rank_of(const plan *p, const cell *c, int process) {
+  const uint64_t seed = p->campaign->seed + 1;
+  if (!p->campaign->sampling.abba) {
+    return hash_text(c->id, seed + (uint64_t)process);
+  }
+  const uint64_t forth = hash_text(c->id, seed) >> 16;
+  const uint64_t block = (uint64_t)process << 48;
+  return block | ((process % 2 == 0) ? forth : (UINT64_MAX >> 16) - forth);
+}
+
 static base_status order_units(plan *p, const plan_filter *f, base_error *err) {
   const int processes = p->campaign->sampling.processes;
   const size_t n = (size_t)p->n_cell * (size_t)processes;
@@ -337,8 +350,7 @@ static base_status order_units(plan *p, const plan_filter *f, base_error *err) {
       continue;
     }
     for (int k = 0; k < processes; k++) {
-      r[m++] =
-          (ranked){group, hash_text(p->cell[i].id, p->campaign->seed + 1 + (uint64_t)k), {i, k}};
+      r[m++] = (ranked){group, rank_of(p, &p->cell[i], k), {i, k}};
     }
   }
   qsort(r, m, sizeof *r, by_rank);
@@ -373,29 +385,4 @@ void plan_free(plan *p) {
   free(p->cell);
   free(p->unit);
   *p = (plan){0};
-}
-
-/* ---- commands ---------------------------------------------------------------------------------*/
-
-static size_t put_option(char *buf, size_t cap, size_t used, const char *name, const char *value) {
-  if (value[0] == '\0' || used >= cap) {
-    return used;
-  }
-  return used + (size_t)snprintf(buf + used, cap - used, " --%s '%s'", name, value);
-}
-
-void cell_command(const cell *c, char *buf, size_t cap) {
-  const bool is_scene = c->formulation[0] != '\0';
-  size_t used =
-      (size_t)snprintf(buf, cap, "lcpbench %s '%s'", is_scene ? "simulate" : "solve", c->problem);
-  used = put_option(buf, cap, used, "formulation", c->formulation);
-  used = put_option(buf, cap, used, "solver", c->solver);
-  used = put_option(buf, cap, used, "tol", c->tol);
-  if (is_scene) {
-    used = put_option(buf, cap, used, "step", c->step);
-    used = put_option(buf, cap, used, "duration", c->duration);
-    used = put_option(buf, cap, used, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
-    (void)put_option(buf, cap, used, "effects",
-                     strcmp(c->effects, "declared") == 0 ? "" : c->effects);
-  }
 }

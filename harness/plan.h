@@ -42,7 +42,7 @@ typedef struct plan_filter {
 } plan_filter;
 
 /* Expands the axes, applies the filters, and orders the units: problems in a random order, and
- * within each problem processes and solvers interleaved at random, by the campaign's seed and the
+ * within each problem processes and solvers interleaved at random, or forth and back in turn (abba), by the campaign's seed and the
  * cells' content alone, so that every shard keeps the order of the whole. A filter that matches
  * nothing is BASE_EINVAL. */
 base_status plan_make(const campaign *c, const plan_filter *f, plan *out, base_error *err);

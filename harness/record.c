@@ -76,6 +76,26 @@ void record_clear(record *r) {
   }
 }
 
+bool record_has_flag(const record *r, const char *word) {
+  const size_t len = strlen(word);
+  const char *at = r->flags;
+  while (*at != '\0') {
+    const size_t n = strcspn(at, " ");
+    if (n == len && strncmp(at, word, len) == 0) {
+      return true;
+    }
+    at += n + strspn(at + n, " ");
+  }
+  return false;
+}
+
+void record_flag(record *r, const char *word) {
+  const size_t used = strlen(r->flags);
+  if (!record_has_flag(r, word)) {
+    (void)snprintf(r->flags + used, sizeof r->flags - used, "%s%s", used > 0 ? " " : "", word);
+  }
+}
+
 /* ---- writing ----------------------------------------------------------------------------------*/
 
 typedef struct sink {
@@ -227,18 +247,25 @@ static bool set_value(record *r, const column *c, const char *text) {
   return *end == '\0' && errno == 0;
 }
 
-base_status record_parse(const char *row, record *r, base_error *err) {
+/* Which column stands at each position of a file; -1: one that this version does not know. */
+enum { LAYOUT_MAX = 256 };
+typedef struct layout {
+  int n, column[LAYOUT_MAX];
+} layout;
+
+static base_status parse_row(const layout *l, const char *row, record *r, base_error *err) {
   char cell[2048];
   record_clear(r);
-  for (int i = 0; i < BASE_COUNT(columns); i++) {
+  for (int i = 0; i < l->n; i++) {
     bool good;
     const bool more = take_cell(&row, cell, sizeof cell, &good);
-    if (!good || more != (i + 1 < BASE_COUNT(columns))) {
-      return BASE_FAIL(err, BASE_EINVAL, "column %s: the row ends early or late", columns[i].name);
+    const column *c = (l->column[i] >= 0) ? &columns[l->column[i]] : NULL;
+    if (!good || more != (i + 1 < l->n)) {
+      return BASE_FAIL(err, BASE_EINVAL, "column %s: the row ends early or late",
+                       c != NULL ? c->name : "of another version");
     }
-    if (!set_value(r, &columns[i], cell)) {
-      return BASE_FAIL(err, BASE_EINVAL, "column %s: '%.40s' does not belong here", columns[i].name,
-                       cell);
+    if (c != NULL && !set_value(r, c, cell)) {
+      return BASE_FAIL(err, BASE_EINVAL, "column %s: '%.40s' does not belong here", c->name, cell);
     }
   }
   run_status known;
@@ -246,6 +273,63 @@ base_status record_parse(const char *row, record *r, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL, "column status: '%.40s' is none of its words", r->status);
   }
   return BASE_OK;
+}
+
+static layout own_layout(void) {
+  layout l = {.n = BASE_COUNT(columns)};
+  for (int i = 0; i < l.n; i++) {
+    l.column[i] = i;
+  }
+  return l;
+}
+
+base_status record_parse(const char *row, record *r, base_error *err) {
+  const layout l = own_layout();
+  return parse_row(&l, row, r, err);
+}
+
+static int find_column(const char *name) {
+  for (int i = 0; i < BASE_COUNT(columns); i++) {
+    if (strcmp(columns[i].name, name) == 0) {
+      return i;
+    }
+  }
+  return -1;
+}
+
+static bool holds(const layout *l, const char *name) {
+  for (int i = 0; i < l->n; i++) {
+    if (l->column[i] >= 0 && strcmp(columns[l->column[i]].name, name) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Without these a row says nothing. */
+static bool is_complete(const layout *l) {
+  static const char *const needed[] = {"schema",  "part",        "cell_id", "process", "rep",
+                                       "problem", "formulation", "solver",  "status"};
+  bool all = true;
+  for (int i = 0; i < BASE_COUNT(needed); i++) {
+    all = all && holds(l, needed[i]);
+  }
+  return all;
+}
+
+/* Reads a header line (with its newline). False: not a header of this suite. */
+static bool read_layout(char *header, layout *l) {
+  char name[64];
+  bool good = true;
+  bool more = true;
+  const char *at = header;
+  l->n = 0;
+  header[strcspn(header, "\n")] = '\0';
+  while (good && more && l->n < LAYOUT_MAX) {
+    more = take_cell(&at, name, sizeof name, &good);
+    l->column[l->n++] = find_column(name);
+  }
+  return good && !more && is_complete(l);
 }
 
 /* ---- tables -----------------------------------------------------------------------------------*/
@@ -290,32 +374,51 @@ static void drop_torn(record_table *t, const char *torn) {
   }
 }
 
-static base_status read_lines(FILE *from, const char *path, record_table *out, base_error *err) {
-  char header[4096];
+static base_status read_header(FILE *from, const char *path, layout *l, record_table *out,
+                               base_error *err) {
   char line[RECORD_ROW];
-  (void)record_header(header, sizeof header);
-  int number = 0;
-  while (fgets(line, sizeof line, from) != NULL) {
-    number++;
+  char own[RECORD_ROW];
+  if (fgets(line, sizeof line, from) == NULL) {
+    return BASE_OK;
+  }
+  (void)record_header(own, sizeof own);
+  out->foreign = strcmp(line, own) != 0;
+  if (strchr(line, '\n') == NULL) {
+    out->torn = true; /* killed while writing the header */
+    return BASE_OK;
+  }
+  return read_layout(line, l)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "%s:1: not a header of rows (columns missing)", path);
+}
+
+static base_status read_line(const layout *l, const char *line, const char *path, int number,
+                             record_table *out, base_error *err) {
+  record r;
+  base_error why = {0};
+  if (parse_row(l, line, &r, &why) != BASE_OK) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s:%d: %.300s", path, number, why.text);
+  }
+  if (r.schema != RECORD_SCHEMA) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s:%d: schema %lld; this version reads %d", path, number,
+                     (long long)r.schema, RECORD_SCHEMA);
+  }
+  return record_table_append(out, &r, err);
+}
+
+static base_status read_lines(FILE *from, const char *path, record_table *out, base_error *err) {
+  char line[RECORD_ROW];
+  layout l = own_layout();
+  BASE_TRY(read_header(from, path, &l, out, err));
+  for (int number = 2; fgets(line, sizeof line, from) != NULL; number++) {
     const size_t len = strlen(line);
     if (len == 0 || line[len - 1] != '\n') {
       out->torn = true; /* only the last line can lack its end: rows are shorter than the buffer */
       drop_torn(out, line);
       return BASE_OK;
     }
-    if (number == 1) {
-      if (strcmp(line, header) != 0) {
-        return BASE_FAIL(err, BASE_EINVAL, "%s:1: header of another format version", path);
-      }
-      continue;
-    }
     line[len - 1] = '\0';
-    record r;
-    base_error why = {0};
-    if (record_parse(line, &r, &why) != BASE_OK) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s:%d: %.300s", path, number, why.text);
-    }
-    BASE_TRY(record_table_append(out, &r, err));
+    BASE_TRY(read_line(&l, line, path, number, out, err));
   }
   return ferror(from) ? BASE_FAIL(err, BASE_EIO, "%s: could not be read", path) : BASE_OK;
 }

@@ -18,21 +18,25 @@
   T(formulation, 32) T(formulation_options, 320) T(formulation_config, 480) T(model, 160)          \
   T(solver, 32) T(solver_options, 320) T(solver_config, 480) T(solver_variant, 32)                 \
   T(solver_version, 24)                                                                            \
-  R(step_s) R(duration_s) T(start, 16) T(effects, 200) T(effects_auto, 240) R(tol) I(threads) B(quick)                  \
+  R(step_s) R(duration_s) T(start, 16) T(effects, 200) T(effects_auto, 240) R(tol) I(threads)      \
+  B(quick) T(cache, 8)                                                                             \
   I(n_bodies) I(n_dof) I(n_contacts) I(n_active) I(lcp_dim) I(nnz) R(density) T(storage, 16)       \
   R(t_contacts_s) R(t_assemble_s) R(t_setup_s) R(t_factor_s) R(t_solve_s) R(t_advance_s)           \
-  R(t_total_s) R(t_step_s) R(t_step_max_s) R(t_cpu_s) I(n_inner) R(t_limit_s)                      \
+  R(t_total_s) R(t_step_s) R(t_step_max_s) R(t_step_p50_s) R(t_step_p95_s) R(t_step_p99_s)         \
+  R(share_1ms) R(share_4ms) R(share_16ms) R(t_cpu_s) I(n_inner) R(t_limit_s)                       \
   I(n_steps) I(n_solves) I(n_unsolved) I(n_iter) I(n_pivot) I(n_matvec) I(n_factor)                \
   I(n_linesearch) I(n_modes) I(n_fallback) R(workspace_B) R(rss_peak_B)                            \
-  T(status, 16) T(status_claimed, 16) B(verified) I(exit_signal) T(note, 240) T(flags, 64)         \
+  T(status, 16) T(status_claimed, 16) B(verified) I(exit_signal) T(note, 240) T(flags, 120)        \
   I(metric_version)                                                                                \
   R(rho) R(res_natural) R(res_natural_rel) R(res_feas_z) R(res_feas_w) R(res_comp)                 \
   R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(energy_defect_J)   \
   R(energy_drift_rel)                                                                              \
   R(err_ref) T(err_quantity, 80) R(err_predicted) R(err_tol) T(err_source, 160) R(err_worst)       \
-  I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200) T(solution_hash, 24)               \
+  I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200)                     \
+  T(solution_hash, 24)                                                                             \
   T(host, 64) T(host_class, 96) T(cpu_set, 16) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
-  R(canary_s) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty) T(build_hash, 24)              \
+  B(throttled) R(canary_s) T(trace, 48) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty)      \
+  T(build_hash, 24)                                                                                \
   T(command, 1200)
 /* clang-format on */
 
@@ -62,12 +66,18 @@ const char *record_column(int i);
 double record_real(const record *r, const char *name);
 bool record_has_real(const char *name);
 
-/* All rows of a results.csv. Rows of another schema are refused; a last line without its newline
- * (a run killed while writing) is left out with the rows of its process, and reported in torn. */
+/* Adds a word to the row's flags, once. */
+void record_flag(record *r, const char *word);
+bool record_has_flag(const record *r, const char *word);
+
+/* All rows of a results.csv, by the names in its header: columns this version does not know are left
+ * out, columns the file lacks are not measured, and `foreign` tells of either; rows of another schema
+ * number are refused. A last line without its newline (a run killed while writing) is left out with
+ * the rows of its process, and reported in torn. */
 typedef struct record_table {
   record *row; /* owned */
   int n, cap;
-  bool torn;
+  bool torn, foreign;
 } record_table;
 base_status record_table_read(const char *path, record_table *out, base_error *err);
 base_status record_table_append(record_table *t, const record *r, base_error *err);

@@ -17,8 +17,9 @@ typedef struct runner_options {
   const char *out; /* directory */
   rerun_what rerun;
   const char *rerun_solver;
-  bool pin, quiet, solutions;
-  double canary_every; /* [s] */
+  bool pin, quiet;
+  bool solutions, trace; /* answers are stored; histories are recorded by untimed twins */
+  double canary_every;   /* [s] */
 } runner_options;
 
 typedef struct runner_summary {

@@ -165,6 +165,7 @@ base_status series_record(series *s, world *w, const contact_set *set, const dou
   s->column[SERIES_TIME][row] = world_time(w);
   s->column[SERIES_ENERGY][row] = world_energy(w) + stored;
   s->column[SERIES_PENETRATION][row] = 0.0;
+  s->column[SERIES_STEP][row] = 0.0;
   s->column[SERIES_SPEED][row] = world_max_speed(w);
   s->column[SERIES_ANGULAR][row] = norm3(L);
   s->column[SERIES_MOMENTUM_X][row] = p[0];

@@ -13,6 +13,7 @@ enum series_fixed_column {
   SERIES_ANGULAR,     /* |L| about the origin [kg m^2/s] */
   SERIES_MOMENTUM_X,  /* [kg m/s] */
   SERIES_ANY_FORCE,   /* sum of all normal forces over the step that ends here [N] */
+  SERIES_STEP,        /* what the step that ends here took, all phases [s]; 0 in row 0 */
   SERIES_FIXED
 };
 

@@ -89,17 +89,12 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
   BASE_TRY(lcp_judge(p, s->z, &v, err));
   const run_status word =
       verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &v, &verified);
-  const lcp_times t = lcp_instance_times(s->instance);
-  r->time.setup += t.setup;
-  r->time.factor += t.factor;
-  r->time.solve += t.solve;
   r->n_solves++;
   r->verified = r->verified && verified;
   r->lcp_dim_max = (p->M.n > r->lcp_dim_max) ? p->M.n : r->lcp_dim_max;
   const long nnz = lcp_matrix_entries(&p->M);
   r->nnz_max = (nnz > r->nnz_max) ? nnz : r->nnz_max;
   r->storage = p->M.storage;
-  r->workspace = lcp_instance_bytes(s->instance);
   r->variant = claim->variant;
   r->hash = sim_hash(r->hash, s->z, p->M.n);
   add_work(&r->work, &claim->work);
@@ -119,11 +114,39 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
   return BASE_OK;
 }
 
+static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
+  trace_file *t = s->q->trace;
+  BASE_TRY(open_instance(s, p, err));
+  BASE_TRY(lcp_instance_solve(s->instance, t != NULL ? trace_begin(t) : NULL, s->z, claim, err));
+  const lcp_times spent = lcp_instance_times(s->instance);
+  s->out->time.setup += spent.setup;
+  s->out->time.factor += spent.factor;
+  s->out->time.solve += spent.solve;
+  s->out->workspace = lcp_instance_bytes(s->instance);
+  return (t != NULL) ? trace_end(t, err) : BASE_OK;
+}
+
+/* The solver's answer in s->z, from the solver or from the file of an earlier run. */
+static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
+  if (s->q->replay != NULL) {
+    return answers_take(s->q->replay, p->M.n, s->z, claim, err);
+  }
+  const base_status done = solve_now(s, p, claim, err);
+  answers *store = s->q->store;
+  if (store == NULL) {
+    return done;
+  }
+  if (done == BASE_OK) {
+    return answers_put(store, p->M.n, s->z, claim, err);
+  }
+  BASE_TRY(answers_put_failure(store, p->M.n, done, err));
+  return done;
+}
+
 static base_status solve_problem(sim *s, const lcp_problem *p, lcp_outcome *claimed,
                                  base_error *err) {
   lcp_result claim = {.outcome = LCP_NUMERICAL};
-  BASE_TRY(open_instance(s, p, err));
-  BASE_TRY(lcp_instance_solve(s->instance, NULL, s->z, &claim, err));
+  BASE_TRY(answer(s, p, &claim, err));
   BASE_TRY(judge(s, p, &claim, err));
   *claimed = claim.outcome;
   return BASE_OK;
@@ -271,7 +294,9 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
       return done;
     }
     r->steps++;
-    r->step_longest = fmax(r->step_longest, sim_total_seconds(r) - from);
+    const double spent = sim_total_seconds(r) - from;
+    r->step_longest = fmax(r->step_longest, spent);
+    record->column[SERIES_STEP][record->n_row - 1] = spent;
     if (!world_finite(s->w)) {
       r->finite = false;
       trouble(s, RUN_NUMERICAL, "the state is not finite");

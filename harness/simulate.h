@@ -6,8 +6,10 @@
  * are outside every bracket. */
 #pragma once
 
+#include "harness/answers.h"
 #include "harness/registry.h"
 #include "harness/series.h"
+#include "harness/trace.h"
 #include "harness/verdict.h"
 #include "lcp/lcp_instance.h"
 
@@ -23,7 +25,10 @@ typedef struct sim_request {
   double h;        /* [s] */
   double duration; /* [s] */
   formulation_start start;
-  FILE *trajectory; /* NULL: none; otherwise CSV, one row per body and step */
+  FILE *trajectory;  /* NULL: none; otherwise CSV, one row per body and step */
+  trace_file *trace; /* NULL: none; a traced run is not to be timed */
+  answers *store;    /* NULL: none; every answer is written here */
+  answers *replay;   /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;
 
 typedef struct sim_times {

@@ -44,34 +44,41 @@ long lcp_matrix_entries(const lcp_matrix *m) {
   return f->jac_start[f->n_group] + ((f->shift != NULL) ? f->shift->colptr[m->n] : 0);
 }
 
-static base_status unsupported(const base_error *why, solve_record *out) {
+void solve_unsupported(const base_error *why, solve_record *out) {
   out->status = RUN_UNSUPPORTED;
   (void)snprintf(out->note, sizeof out->note, "%.230s", why->text);
-  return BASE_OK;
 }
 
-static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choice *s, double *z,
-                       solve_record *out, base_error *err) {
-  base_error why = {0};
-  const base_status ready = lcp_instance_prepare(k, p, &why);
-  if (ready == BASE_EUNSUPPORTED) {
-    return unsupported(&why, out);
-  }
-  if (ready != BASE_OK) {
-    *err = why;
-    return ready;
-  }
-  BASE_TRY(lcp_instance_solve(k, NULL, z, &out->claim, err));
+base_status solve_judge(const lcp_problem *p, const solver_choice *s, const lcp_instance *k,
+                        const double *z, solve_record *out, base_error *err) {
   out->has_claim = true;
-  out->time = lcp_instance_times(k);
-  out->storage = lcp_instance_storage(k);
-  out->bytes = lcp_instance_bytes(k);
+  if (k != NULL) {
+    out->time = lcp_instance_times(k);
+    out->storage = lcp_instance_storage(k);
+    out->bytes = lcp_instance_bytes(k);
+  }
   BASE_TRY(lcp_judge(p, z, &out->verdict, err));
   out->status = verdict_of(s->solver, s->opt, p, &out->claim, &out->verdict, &out->verified);
   out->hash = sim_hash(SIM_HASH_START, z, p->M.n);
   out->certificate_holds = out->claim.certificate.kind == LCP_CERT_FARKAS &&
                            verdict_farkas_holds(p, out->claim.certificate.vector);
   return BASE_OK;
+}
+
+static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choice *s,
+                       lcp_trace *trace, double *z, solve_record *out, base_error *err) {
+  base_error why = {0};
+  const base_status ready = lcp_instance_prepare(k, p, &why);
+  if (ready == BASE_EUNSUPPORTED) {
+    solve_unsupported(&why, out);
+    return BASE_OK;
+  }
+  if (ready != BASE_OK) {
+    *err = why;
+    return ready;
+  }
+  BASE_TRY(lcp_instance_solve(k, trace, z, &out->claim, err));
+  return solve_judge(p, s, k, z, out, err);
 }
 
 static base_status write_certificate(const lcp_problem *p, const solver_choice *s, const double *z,
@@ -85,20 +92,22 @@ static base_status write_certificate(const lcp_problem *p, const solver_choice *
 
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
                        base_error *err) {
-  return solve_certified(p, s, z, NULL, out, err);
+  return solve_certified(p, s, z, NULL, NULL, out, err);
 }
 
 base_status solve_certified(const lcp_problem *p, const solver_choice *s, double *z,
-                            const char *certificate, solve_record *out, base_error *err) {
+                            const char *certificate, lcp_trace *trace, solve_record *out,
+                            base_error *err) {
   *out = (solve_record){.status = RUN_ERROR, .verdict.rho = HUGE_VAL};
   base_error why = {0};
   if (lcp_solver_admits(s->solver, p, &why) != BASE_OK) {
-    return unsupported(&why, out);
+    solve_unsupported(&why, out);
+    return BASE_OK;
   }
   const lcp_capacity cap = lcp_problem_capacity(p);
   lcp_instance *k;
   BASE_TRY(lcp_instance_open(&k, s->solver, &cap, s->opt, err));
-  base_status done = run(k, p, s, z, out, err);
+  base_status done = run(k, p, s, trace, z, out, err);
   if (done == BASE_OK && certificate != NULL) {
     done = write_certificate(p, s, z, certificate, out, err);
   }

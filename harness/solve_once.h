@@ -24,10 +24,17 @@ typedef struct solve_record {
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
                        base_error *err);
 
-/* The same, and what the solver can prove is written to `certificate` (NULL: nowhere). A solver
- * without a proof to write is BASE_EUNSUPPORTED. */
+/* The same, and what the solver can prove is written to `certificate` (NULL: nowhere); a solver
+ * without a proof to write is BASE_EUNSUPPORTED. trace: its history (NULL: none). */
 base_status solve_certified(const lcp_problem *p, const solver_choice *s, double *z,
-                            const char *certificate, solve_record *out, base_error *err);
+                            const char *certificate, lcp_trace *trace, solve_record *out,
+                            base_error *err);
+
+/* Judges the answer z[n] that goes with out->claim: verdict, status, hash. k: the instance that
+ * solved, for what it used; NULL: none (a stored answer). */
+base_status solve_judge(const lcp_problem *p, const solver_choice *s, const lcp_instance *k,
+                        const double *z, solve_record *out, base_error *err);
+void solve_unsupported(const base_error *why, solve_record *out);
 
 const char *storage_name(lcp_storage s);
 const char *certificate_name(lcp_certificate_kind k);

@@ -15,15 +15,9 @@ typedef struct compare_options {
 
 static const char *const words[] = {"no difference", "faster", "slower"};
 
-/* The folder's doctor.json, or `found` unchanged. */
-static double doctor_floor(const char *dir, double found) {
-  char path[1100];
-  runner_path(dir, "doctor.json", path, sizeof path);
-  json_t *o = json_load_file(path, 0, NULL);
-  const json_t *floor = json_object_get(o, "noise_floor");
-  const double value = json_is_number(floor) ? json_number_value(floor) : -1.0;
-  json_decref(o);
-  return fmax(found, value);
+/* One floor for every size. */
+static doctor_floor flat(double floor) {
+  return (doctor_floor){1, {HUGE_VAL}, {floor}};
 }
 
 static base_status read_rows(const char *dir, record_table *t, base_error *err) {
@@ -32,7 +26,8 @@ static base_status read_rows(const char *dir, record_table *t, base_error *err) 
   return record_table_read(path, t, err);
 }
 
-static int print_pairs(const compare_pair *pair, int n, double floor, const char *origin) {
+static int print_pairs(const compare_pair *pair, int n, const doctor_floor *noise,
+                       const char *origin) {
   int count[3] = {0, 0, 0};
   double sum = 0.0;
   for (int i = 0; i < n; i++) {
@@ -46,22 +41,28 @@ static int print_pairs(const compare_pair *pair, int n, double floor, const char
   if (n > 0) {
     (void)printf("geometric mean of the ratios %.4f over %d pairs\n", exp(sum / n), n);
   }
-  (void)printf("noise floor %.2f %% (%s): %d no difference, %d faster, %d slower\n", 100.0 * floor,
-               origin, count[COMPARE_SAME], count[COMPARE_FASTER], count[COMPARE_SLOWER]);
+  (void)printf("noise floor");
+  for (int i = 0; i < noise->n; i++) {
+    (void)printf("%s %.2f %%", i > 0 ? "," : "", 100.0 * noise->floor[i]);
+  }
+  (void)printf(" (%s): %d no difference, %d faster, %d slower\n", origin, count[COMPARE_SAME],
+               count[COMPARE_FASTER], count[COMPARE_SLOWER]);
   return CLI_OK;
 }
 
 static base_status compare(const char *const dir[2], const compare_options *o, int *code,
                            base_error *err) {
   record_table t[2] = {{0}, {0}};
-  double floor = o->noise;
+  doctor_floor noise = flat(o->noise);
   const char *origin = "as given";
-  if (floor < 0.0) {
-    floor = doctor_floor(dir[1], doctor_floor(dir[0], -1.0));
-    origin = "doctor.json";
+  if (o->noise < 0.0) {
+    noise = DOCTOR_UNKNOWN;
+    doctor_read(dir[0], &noise);
+    doctor_read(dir[1], &noise);
+    origin = "doctor.json, by size";
   }
-  if (floor < 0.0) {
-    floor = 0.03;
+  if (doctor_floor_of(&noise, (double)NAN) < 0.0) {
+    noise = flat(0.03);
     origin = "assumed; run lcpbench doctor --out DIR to measure it";
   }
   base_status done = read_rows(dir[0], &t[0], err);
@@ -73,10 +74,10 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
   if (done == BASE_OK) {
     const compare_side a = {&t[0], o->solver_a};
     const compare_side b = {&t[1], o->solver_b};
-    done = compare_sides(&a, &b, o->column, floor, &pair, &n, err);
+    done = compare_sides(&a, &b, o->column, &noise, &pair, &n, err);
   }
   if (done == BASE_OK) {
-    *code = print_pairs(pair, n, floor, origin);
+    *code = print_pairs(pair, n, &noise, origin);
   }
   free(pair);
   record_table_free(&t[0]);

@@ -13,12 +13,12 @@
 #include <string.h>
 
 typedef struct run_options {
-  const char *out, *shard, *rerun;
+  const char *out, *shard, *rerun, *cache, *solutions;
   plan_filter filter;
   int reps;
   int seed;
   double time_limit, memory_limit;
-  bool dry_run, quick, quiet, strict, no_pin;
+  bool dry_run, quick, quiet, strict, no_pin, trace;
 } run_options;
 
 static base_status parse_shard(const char *text, plan_filter *f, base_error *err) {
@@ -54,6 +54,16 @@ static base_status parse_rerun(const char *text, runner_options *o, base_error *
                          text);
 }
 
+/* One of two words, where the option is given. */
+static base_status choice(const char *name, const char *text, const char *no, const char *yes,
+                          bool *out, base_error *err) {
+  if (text != NULL && strcmp(text, no) != 0 && strcmp(text, yes) != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s %s: need %s or %s", name, text, no, yes);
+  }
+  *out = (text != NULL) ? strcmp(text, yes) == 0 : *out;
+  return BASE_OK;
+}
+
 static base_status override(const run_options *o, campaign *c, base_error *err) {
   if (o->reps > 0) {
     c->sampling.samples = o->reps;
@@ -61,6 +71,9 @@ static base_status override(const run_options *o, campaign *c, base_error *err) 
   } else if (o->reps < 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
   }
+  BASE_TRY(choice("--cache", o->cache, "warm", "cold", &c->sampling.cold, err));
+  BASE_TRY(choice("--solutions", o->solutions, "off", "on", &c->solutions, err));
+  c->trace = c->trace || o->trace;
   c->seed = (o->seed >= 0) ? (uint64_t)o->seed : c->seed;
   c->limits.time = (o->time_limit > 0) ? o->time_limit : c->limits.time;
   c->limits.memory = (o->memory_limit > 0) ? o->memory_limit : c->limits.memory;
@@ -164,8 +177,7 @@ static base_status measure(const plan *p, const run_options *o, const runner_opt
 static base_status run_campaign(const char *text, const run_options *o, int *code,
                                 base_error *err) {
   char out[600];
-  runner_options ro = {
-      .pin = !o->no_pin, .quiet = o->quiet, .solutions = true, .canary_every = 120.0};
+  runner_options ro = {.pin = !o->no_pin, .quiet = o->quiet, .canary_every = 120.0};
   BASE_TRY(parse_rerun(o->rerun, &ro, err));
   campaign c;
   BASE_TRY(campaign_read(text, o->quick, &c, err));
@@ -173,6 +185,8 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
   ro.out = (o->out != NULL) ? o->out : out;
   plan p;
   base_status done = override(o, &c, err);
+  ro.solutions = c.solutions;
+  ro.trace = c.trace;
   if (done == BASE_OK) {
     done = plan_make(&c, &o->filter, &p, err);
     if (done == BASE_OK) {
@@ -200,7 +214,10 @@ static int run(int argc, char **argv) {
                                 {"--quick", ARG_FLAG, &o.quick},
                                 {"--quiet", ARG_FLAG, &o.quiet},
                                 {"--strict", ARG_FLAG, &o.strict},
-                                {"--no-pin", ARG_FLAG, &o.no_pin}};
+                                {"--no-pin", ARG_FLAG, &o.no_pin},
+                                {"--cache", ARG_TEXT, &o.cache},
+                                {"--solutions", ARG_TEXT, &o.solutions},
+                                {"--trace", ARG_FLAG, &o.trace}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
   const char *text;
   int n_positional;
@@ -224,7 +241,8 @@ const cli_verb verb_run = {
     .name = "run",
     .usage = "run CAMPAIGN [--out DIR] [--filter axis=glob]... [--reps N] [--time-limit T]"
              " [--memory-limit B] [--seed N] [--shard k/n] [--dry-run] [--quick]"
-             " [--rerun failed|timeouts|all|SOLVER] [--strict] [--no-pin] [--quiet]",
+             " [--rerun failed|timeouts|all|SOLVER] [--strict] [--no-pin] [--quiet]"
+             " [--trace] [--solutions on|off] [--cache warm|cold]",
     .help = "measures a campaign (a shipped name or a .yaml file), or goes on with it",
     .run = run,
 };

@@ -1,63 +1,12 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/args.h"
 #include "harness/cli.h"
-#include "harness/effects_auto.h"
 #include "harness/json_out.h"
 #include "harness/predictions.h"
-#include "harness/simulate.h"
-#include "problems/scene.h"
+#include "harness/simulation.h"
+#include "harness/trace.h"
 
 #include <string.h>
-
-typedef struct simulate_options {
-  const char *formulation, *solver, *step, *duration, *tol, *effects, *start, *trajectory;
-} simulate_options;
-
-/* What the options choose; owns everything. */
-typedef struct simulation {
-  scene_spec spec;
-  formulation_choice form;
-  solver_choice solver;
-  sim_request request;
-  effects_choice effects;
-  const char *text; /* the scene as given */
-} simulation;
-
-static base_status positive(const char *name, const char *text, double dflt, double *out,
-                            base_error *err) {
-  *out = dflt;
-  if (text != NULL && (!base_parse_real(text, out) || !(*out > 0.0))) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s %s: need a number above 0", name, text);
-  }
-  return BASE_OK;
-}
-
-static base_status choose(const simulate_options *o, const char *scene_text, simulation *s,
-                          base_error *err) {
-  s->text = scene_text;
-  if (o->formulation == NULL || o->solver == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s is missing; see lcpbench list %s",
-                     o->formulation == NULL ? "--formulation" : "--solver",
-                     o->formulation == NULL ? "formulations" : "solvers");
-  }
-  BASE_TRY(formulation_choose(o->formulation, &s->form, err));
-  BASE_TRY(solver_choose(o->solver, &s->solver, err));
-  if (o->tol != NULL) {
-    BASE_TRY(solver_choice_set(&s->solver, "tol", o->tol, err));
-  }
-  BASE_TRY(scene_load(scene_text, &s->spec, err));
-  sim_request *q = &s->request;
-  *q = (sim_request){.spec = &s->spec, .form = &s->form, .solver = &s->solver};
-  BASE_TRY(positive("--step", o->step, s->spec.n_h > 0 ? s->spec.h[0] : 0.01, &q->h, err));
-  BASE_TRY(positive("--duration", o->duration, s->spec.duration, &q->duration, err));
-  q->start = FORM_COLD;
-  if (o->start != NULL && strcmp(o->start, "previous") == 0) {
-    q->start = FORM_PREVIOUS;
-  } else if (o->start != NULL && strcmp(o->start, "cold") != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--start %s: need cold or previous", o->start);
-  }
-  return effects_choose(q, o->effects != NULL ? o->effects : "declared", &s->effects, err);
-}
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
@@ -182,12 +131,12 @@ static void put_times(json_t *o, const sim_result *r) {
   json_out_real(o, "t_total_s", sim_total_seconds(r));
 }
 
-static json_t *to_json(const simulation *s, const series *record, const sim_result *r,
-                       bool *all_ok) {
+static json_t *to_json(const simulation *s, const char *scene, const series *record,
+                       const sim_result *r, bool *all_ok) {
   json_t *o = json_object();
   char hash[24];
   (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
-  const char *colon = strchr(s->text, ':');
+  const char *colon = strchr(scene, ':');
   json_out_text(o, "scene", s->spec.id);
   json_out_text(o, "parameters", colon != NULL ? colon + 1 : "");
   json_out_text(o, "formulation", s->form.form->name);
@@ -223,13 +172,14 @@ static base_status open_trajectory(const char *path, FILE **out, base_error *err
   return BASE_OK;
 }
 
-static base_status simulate_and_print(simulation *s, int *code, base_error *err) {
+static base_status simulate_and_print(const simulation *s, const char *scene, int *code,
+                                      base_error *err) {
   series record;
   sim_result r;
   const base_status done = simulate(&s->request, &record, &r, err);
   if (done == BASE_OK) {
     bool all_ok;
-    json_t *o = to_json(s, &record, &r, &all_ok);
+    json_t *o = to_json(s, scene, &record, &r, &all_ok);
     const bool printed = json_out_print(o, stdout);
     *code = !printed                                       ? CLI_INTERNAL
             : (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK
@@ -239,39 +189,56 @@ static base_status simulate_and_print(simulation *s, int *code, base_error *err)
   return done;
 }
 
+/* With the files that the run is to leave behind. */
+static base_status with_files(simulation *s, const char *scene, const char *trajectory,
+                              const char *trace, int *code, base_error *err) {
+  trace_file history;
+  BASE_TRY(open_trajectory(trajectory, &s->request.trajectory, err));
+  base_status done = BASE_OK;
+  if (trace != NULL) {
+    done = trace_open(&history, trace, err);
+    s->request.trace = (done == BASE_OK) ? &history : NULL;
+  }
+  if (done == BASE_OK) {
+    done = simulate_and_print(s, scene, code, err);
+  }
+  if (s->request.trajectory != NULL && fclose(s->request.trajectory) != 0 && done == BASE_OK) {
+    done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
+  }
+  if (s->request.trace != NULL) {
+    const base_status closed = trace_close(&history, done == BASE_OK, err);
+    done = (done != BASE_OK) ? done : closed;
+    s->request.trace = NULL;
+  }
+  return done;
+}
+
 static int run(int argc, char **argv) {
-  simulate_options o = {0};
-  const arg_option options[] = {{"--formulation", ARG_TEXT, &o.formulation},
-                                {"--solver", ARG_TEXT, &o.solver},
-                                {"--step", ARG_TEXT, &o.step},
-                                {"--duration", ARG_TEXT, &o.duration},
-                                {"--tol", ARG_TEXT, &o.tol},
-                                {"--effects", ARG_TEXT, &o.effects},
-                                {"--start", ARG_TEXT, &o.start},
-                                {"--trajectory", ARG_TEXT, &o.trajectory}};
+  simulation_texts t = {0};
+  const char *trajectory = NULL;
+  const char *trace = NULL;
+  const arg_option options[] = {{"--formulation", ARG_TEXT, &t.formulation},
+                                {"--solver", ARG_TEXT, &t.solver},
+                                {"--step", ARG_TEXT, &t.step},
+                                {"--duration", ARG_TEXT, &t.duration},
+                                {"--tol", ARG_TEXT, &t.tol},
+                                {"--effects", ARG_TEXT, &t.effects},
+                                {"--start", ARG_TEXT, &t.start},
+                                {"--trajectory", ARG_TEXT, &trajectory},
+                                {"--trace", ARG_TEXT, &trace}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
-  const char *scene_text;
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &scene_text, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&table, argc, argv, &t.scene, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  simulation s = {0};
-  spec_init(&s.spec);
+  simulation s;
   int code = CLI_INTERNAL;
-  base_status done = choose(&o, scene_text, &s, &err);
+  base_status done = simulation_open(&t, &s, &err);
   if (done == BASE_OK) {
-    done = open_trajectory(o.trajectory, &s.request.trajectory, &err);
+    done = with_files(&s, t.scene, trajectory, trace, &code, &err);
   }
-  if (done == BASE_OK) {
-    done = simulate_and_print(&s, &code, &err);
-  }
-  if (s.request.trajectory != NULL && fclose(s.request.trajectory) != 0 && done == BASE_OK) {
-    done = BASE_FAIL(&err, BASE_EIO, "%s: could not be written", o.trajectory);
-  }
-  spec_free(&s.spec);
-  formulation_choice_free(&s.form);
-  solver_choice_free(&s.solver);
+  simulation_close(&s);
   return (done == BASE_OK) ? code : cli_report(&err);
 }
 
@@ -280,7 +247,7 @@ const cli_verb verb_simulate = {
     .name = "simulate",
     .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
              " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
-             " [--trajectory FILE.csv]",
+             " [--trajectory FILE.csv] [--trace FILE.csv]",
     .help = "runs one scene and prints one JSON object with its predictions judged",
     .run = run,
 };

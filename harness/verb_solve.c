@@ -4,13 +4,14 @@
 #include "harness/json_out.h"
 #include "harness/problem_source.h"
 #include "harness/solve_once.h"
+#include "harness/trace.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct solve_options {
-  const char *solver, *q, *tol, *max_iter, *z, *certificate, *formulation;
+  const char *solver, *q, *tol, *max_iter, *z, *certificate, *formulation, *trace;
   int facets;
 } solve_options;
 
@@ -86,6 +87,23 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
   return o;
 }
 
+/* Solves, with the history written where one is asked for. */
+static base_status solve_traced(const problem_source *src, const solver_choice *s,
+                                const solve_options *o, double *z, solve_record *r,
+                                base_error *err) {
+  if (o->trace == NULL) {
+    return solve_certified(src->p, s, z, o->certificate, NULL, r, err);
+  }
+  trace_file t;
+  BASE_TRY(trace_open(&t, o->trace, err));
+  base_status done = solve_certified(src->p, s, z, o->certificate, trace_begin(&t), r, err);
+  if (done == BASE_OK) {
+    done = trace_end(&t, err);
+  }
+  const base_status closed = trace_close(&t, done == BASE_OK, err);
+  return (done != BASE_OK) ? done : closed;
+}
+
 static base_status solve_and_print(const problem_source *src, const solver_choice *s,
                                    const solve_options *o, int *code, base_error *err) {
   const int n = src->p->M.n;
@@ -94,7 +112,7 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for the answer", src->name);
   }
   solve_record r;
-  base_status done = solve_certified(src->p, s, z, o->certificate, &r, err);
+  base_status done = solve_traced(src, s, o, z, &r, err);
   if (done == BASE_OK && o->z != NULL && r.has_claim) {
     done = lcp_write_mtx_vector(o->z, n, z, err);
   }
@@ -115,7 +133,8 @@ static int run(int argc, char **argv) {
                                 {"--formulation", ARG_TEXT, &o.formulation},
                                 {"--facets", ARG_INT, &o.facets},
                                 {"--z", ARG_TEXT, &o.z},
-                                {"--certificate", ARG_TEXT, &o.certificate}};
+                                {"--certificate", ARG_TEXT, &o.certificate},
+                                {"--trace", ARG_TEXT, &o.trace}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n_positional;
@@ -146,7 +165,7 @@ const cli_verb verb_solve = {
     .name = "solve",
     .usage = "solve PROBLEM --solver S[:opt=val,...] [--q FILE] [--tol T] [--max-iter N]"
              " [--formulation coulomb|velocity] [--facets N] [--z FILE]"
-             " [--certificate FILE]",
+             " [--certificate FILE] [--trace FILE.csv]",
     .help = "solves one problem (file or family) and prints one JSON object",
     .run = run,
 };

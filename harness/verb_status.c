@@ -13,8 +13,12 @@ static int by_cell(const void *a, const void *b) {
   return strcmp(((const record *)a)->cell_id, ((const record *)b)->cell_id);
 }
 
+static const char *const flag_words[] = {
+    "zero_iterations", "fallback",     "allocates", "same_bits",  "not_repeatable",
+    "twin_differs",    "canary_drift", "outlier",   "remeasured", "first_run"};
+
 typedef struct status_counts {
-  int cells, missed, by_status[RUN_STATUS_COUNT];
+  int cells, missed, by_status[RUN_STATUS_COUNT], by_flag[BASE_COUNT(flag_words)];
   double slow, fast; /* canary [s] */
 } status_counts;
 
@@ -27,25 +31,12 @@ static void count_row(const record *r, bool first_of_cell, status_counts *c) {
       c->by_status[s]++;
     }
   }
+  for (int i = 0; i < BASE_COUNT(flag_words); i++) {
+    c->by_flag[i] += record_has_flag(r, flag_words[i]) ? 1 : 0;
+  }
   if (r->canary_s > 0.0) {
     c->slow = (r->canary_s > c->slow) ? r->canary_s : c->slow;
     c->fast = (c->fast == 0.0 || r->canary_s < c->fast) ? r->canary_s : c->fast;
-  }
-}
-
-/* Two iterative methods that agree in every bit after some work are one method under two names, or
- * both fell back to a third. Sorted rows, one look at each pair of cells. */
-static void print_twins(const record_table *t) {
-  for (int i = 0; i < t->n; i++) {
-    const record *a = &t->row[i];
-    for (int k = i + 1; k < t->n && a->n_iter > 1 && a->n_pivot <= 0 && a->rho > 0.0; k++) {
-      const record *b = &t->row[k];
-      if (a->rep == 0 && b->rep == 0 && a->process == 0 && b->process == 0 && b->n_iter > 1 &&
-          strcmp(a->solution_hash, b->solution_hash) == 0 && strcmp(a->solver, b->solver) != 0 &&
-          strcmp(a->problem, b->problem) == 0) {
-        (void)printf("  identical bits: %s and %s on %s\n", a->solver, b->solver, a->problem);
-      }
-    }
   }
 }
 
@@ -65,7 +56,11 @@ static void print_status(record_table *t, const char *dir) {
     }
   }
   (void)printf("  %d cells miss a prediction\n", c.missed);
-  print_twins(t);
+  for (int i = 0; i < BASE_COUNT(flag_words); i++) {
+    if (c.by_flag[i] > 0) {
+      (void)printf("  %d rows flagged %s\n", c.by_flag[i], flag_words[i]);
+    }
+  }
   if (c.fast > 0.0 && c.slow > 1.03 * c.fast) {
     (void)printf("  the canary drifted by %.1f %%: times are not comparable throughout\n",
                  100.0 * (c.slow / c.fast - 1.0));

@@ -1,14 +1,15 @@
-/* lcpbench verify: recomputes the verdicts of a campaign folder. Answers that are stored are judged
- * again from the problem; every other cell is run again by its own command, and must give the same
- * verdict, counters and bits. With --certificate: checks that file against a problem. */
+/* lcpbench verify: recomputes the verdicts of a campaign folder. The answers stored with it are put
+ * back in the place of the solver, and the whole run is judged again from the problem. --rerun starts
+ * the command of every row instead, which must give the same verdict, counters and bits; cells
+ * without stored answers are rerun in any case. With --certificate: checks that file against
+ * a problem. */
 #include "harness/args.h"
+#include "harness/cell_command.h"
+#include "harness/cell_run.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
-#include "harness/problem_source.h"
 #include "harness/runner.h"
-#include "harness/sim_watch.h"
 #include "harness/verify_certificate.h"
-#include "lcp/lcp_judge.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,72 +18,66 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { VERIFY_WORDS = 32 };
-
 /* ---- stored answers ---------------------------------------------------------------------------*/
 
-static bool judge_answer(const record *r, const lcp_problem *p, const double *z, char *why,
-                         size_t cap) {
-  lcp_verdict v;
-  char hash[24];
-  base_error err = {0};
-  if (lcp_judge(p, z, &v, &err) != BASE_OK) {
-    (void)snprintf(why, cap, "%.200s", err.text);
-    return false;
-  }
-  (void)snprintf(hash, sizeof hash, "%016llx",
-                 (unsigned long long)sim_hash(SIM_HASH_START, z, p->M.n));
-  const bool same = v.rho == r->rho || (!isfinite(v.rho) && isnan(r->rho));
-  if (!same || strcmp(hash, r->solution_hash) != 0) {
-    (void)snprintf(why, cap, "stored answer: rho %.17g and hash %s, the row says %.17g and %s",
-                   v.rho, hash, r->rho, r->solution_hash);
-    return false;
-  }
-  return true;
+static bool same_real(double a, double b) {
+  return a == b ||
+         (!isfinite(a) && !isfinite(b)); /* not measured is written for what is not finite */
 }
 
-static bool verify_answer(const char *path, const record *r, char *why, size_t cap) {
-  problem_source src;
+/* Every verdict of the row, and the bits they were made of. */
+static bool same_verdicts(const record *row, const record *again, char *why, size_t cap) {
+  const struct {
+    const char *name, *was, *is;
+  } words[] = {{"status", row->status, again->status},
+               {"status_claimed", row->status_claimed, again->status_claimed},
+               {"solution_hash", row->solution_hash, again->solution_hash},
+               {"effects_seen", row->effects_seen, again->effects_seen}};
+  static const char *const reals[] = {
+      "rho",           "res_natural",     "res_natural_rel",  "res_feas_z", "res_feas_w",
+      "res_comp",      "res_ncp",         "res_ncp_rel",      "res_cone",   "dissipation_gap_J",
+      "penetration_m", "energy_defect_J", "energy_drift_rel", "err_ref",    "err_worst"};
+  for (int i = 0; i < BASE_COUNT(words); i++) {
+    if (strcmp(words[i].was, words[i].is) != 0) {
+      (void)snprintf(why, cap, "%s is %s, the row says %s", words[i].name, words[i].is,
+                     words[i].was);
+      return false;
+    }
+  }
+  for (int i = 0; i < BASE_COUNT(reals); i++) {
+    const double was = record_real(row, reals[i]);
+    const double is = record_real(again, reals[i]);
+    if (!same_real(was, is)) {
+      (void)snprintf(why, cap, "%s is %.17g, the row says %.17g", reals[i], is, was);
+      return false;
+    }
+  }
+  if (row->verified != again->verified) {
+    (void)snprintf(why, cap, "verified is not what the row says");
+  }
+  return row->verified == again->verified;
+}
+
+static bool verify_stored(const char *path, const record *row, char *why, size_t cap) {
+  char text[sizeof row->command];
+  record again;
+  cell c;
   base_error err = {0};
-  if (problem_source_open(r->problem, NULL, 0, &src, &err) != BASE_OK) {
+  const campaign limits = {.limits.time = row->t_limit_s};
+  (void)snprintf(text, sizeof text, "%s", row->command);
+  base_status done = cell_of_command(text, &c, &err);
+  if (done == BASE_OK) {
+    const cell_job job = {.campaign = &limits, .cell = &c};
+    done = cell_replay(&job, path, &again, &err);
+  }
+  if (done != BASE_OK) {
     (void)snprintf(why, cap, "%.200s", err.text);
     return false;
   }
-  const lcp_problem *p = src.p;
-  double *z = calloc((size_t)p->M.n + 1, sizeof *z);
-  bool good = false;
-  if (z == NULL || lcp_read_mtx_vector(path, p->M.n, z, &err) != BASE_OK) {
-    (void)snprintf(why, cap, "%.200s", z == NULL ? "no memory" : err.text);
-  } else {
-    good = judge_answer(r, p, z, why, cap);
-  }
-  free(z);
-  problem_source_close(&src);
-  return good;
+  return same_verdicts(row, &again, why, cap);
 }
 
 /* ---- running the command again ----------------------------------------------------------------*/
-
-/* Splits "lcpbench solve 'x y' --solver 'z'" in place; returns the number of words. */
-static int split_command(char *text, char **word) {
-  int n = 0;
-  char *at = text;
-  while (*at != '\0' && n + 1 < VERIFY_WORDS) {
-    at += strspn(at, " ");
-    const bool quoted = *at == '\'';
-    at += quoted ? 1 : 0;
-    if (*at == '\0') {
-      break;
-    }
-    word[n++] = at;
-    at += strcspn(at, quoted ? "'" : " ");
-    if (*at != '\0') {
-      *at++ = '\0';
-    }
-  }
-  word[n] = NULL;
-  return n;
-}
 
 static json_t *read_json(int fd) {
   FILE *from = fdopen(fd, "r");
@@ -97,10 +92,10 @@ static json_t *read_json(int fd) {
 
 static json_t *run_again(const char *command) {
   char text[1300];
-  char *word[VERIFY_WORDS];
+  char *word[CELL_WORDS];
   int fd[2];
   (void)snprintf(text, sizeof text, "%s", command);
-  if (split_command(text, word) < 3 || pipe2(fd, O_CLOEXEC) != 0) {
+  if (cell_command_split(text, word, CELL_WORDS) < 3 || pipe2(fd, O_CLOEXEC) != 0) {
     return NULL;
   }
   const pid_t pid = fork();
@@ -147,7 +142,9 @@ static bool verify_again(const record *r, char *why, size_t cap) {
   const bool good = same_text(o, "status", r->status, why, cap) &&
                     same_text(o, "solution_hash", r->solution_hash, why, cap) &&
                     same_count(o, "n_iter", r->n_iter, why, cap) &&
-                    same_count(o, "n_pivot", r->n_pivot, why, cap);
+                    same_count(o, "n_pivot", r->n_pivot, why, cap) &&
+                    same_count(o, "n_factor", r->n_factor, why, cap) &&
+                    same_count(o, "n_matvec", r->n_matvec, why, cap);
   json_decref(o);
   return good;
 }
@@ -168,40 +165,49 @@ static bool seen_before(const record_table *t, int i) {
   return false;
 }
 
-static int verify_rows(const char *dir, const record_table *t) {
-  int good = 0;
-  int bad = 0;
-  int none = 0;
+typedef struct verify_counts {
+  int stored, rerun, bad, none;
+} verify_counts;
+
+static void verify_row(const char *dir, const record *r, bool rerun, verify_counts *n) {
+  char path[1100];
+  char why[300] = "";
+  if (!has_answer(r)) {
+    n->none++;
+    return;
+  }
+  (void)snprintf(path, sizeof path, "%s/solutions/%s.ans", dir, r->cell_id);
+  const bool stored = !rerun && access(path, R_OK) == 0;
+  const bool held =
+      stored ? verify_stored(path, r, why, sizeof why) : verify_again(r, why, sizeof why);
+  n->stored += (held && stored) ? 1 : 0;
+  n->rerun += (held && !stored) ? 1 : 0;
+  n->bad += held ? 0 : 1;
+  if (!held) {
+    (void)printf("DIFFERS %s %s: %s\n", r->cell_id, r->problem, why);
+  }
+}
+
+static int verify_rows(const char *dir, const record_table *t, bool rerun) {
+  verify_counts n = {0};
   for (int i = 0; i < t->n; i++) {
-    const record *r = &t->row[i];
-    char path[1100];
-    char why[300] = "";
-    if (seen_before(t, i)) {
-      continue;
-    }
-    if (!has_answer(r)) {
-      none++;
-      continue;
-    }
-    (void)snprintf(path, sizeof path, "%s/solutions/%s.mtx", dir, r->cell_id);
-    const bool stored = r->formulation[0] == '\0' && access(path, R_OK) == 0;
-    const bool held =
-        stored ? verify_answer(path, r, why, sizeof why) : verify_again(r, why, sizeof why);
-    good += held ? 1 : 0;
-    bad += held ? 0 : 1;
-    if (!held) {
-      (void)printf("DIFFERS %s %s: %s\n", r->cell_id, r->problem, why);
+    if (!seen_before(t, i)) {
+      verify_row(dir, &t->row[i], rerun, &n);
     }
   }
-  (void)printf("%d cells verified, %d differ, %d without an answer\n", good, bad, none);
-  return (bad == 0) ? CLI_OK : CLI_HONEST;
+  (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without an "
+               "answer\n",
+               n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none);
+  return (n.bad == 0) ? CLI_OK : CLI_HONEST;
 }
 
 static int run(int argc, char **argv) {
+  bool rerun = false;
   const char *certificate = NULL;
   const char *q = NULL;
   int facets = 0;
-  const arg_option options[] = {{"--certificate", ARG_TEXT, &certificate},
+  const arg_option options[] = {{"--rerun", ARG_FLAG, &rerun},
+                                {"--certificate", ARG_TEXT, &certificate},
                                 {"--q", ARG_TEXT, &q},
                                 {"--facets", ARG_INT, &facets}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "DIR or PROBLEM"};
@@ -224,7 +230,7 @@ static int run(int argc, char **argv) {
   if (done != BASE_OK) {
     return cli_report(&err);
   }
-  const int code = verify_rows(dir, &t);
+  const int code = verify_rows(dir, &t, rerun);
   record_table_free(&t);
   return code;
 }
@@ -232,9 +238,9 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_verify;
 const cli_verb verb_verify = {
     .name = "verify",
-    .usage = "verify DIR | PROBLEM --certificate FILE [--q FILE] [--facets N]",
+    .usage = "verify DIR [--rerun] | PROBLEM --certificate FILE [--q FILE] [--facets N]",
     .help =
-        "recomputes every verdict of a campaign: stored answers are judged again, scenes run again;"
-        " or checks a certificate without any solver",
+        "recomputes every verdict of a campaign from its stored answers (--rerun: by running the"
+        " solvers again); or checks a certificate without any solver",
     .run = run,
 };

@@ -48,6 +48,19 @@ def rows(folder):
         return list(csv.DictReader(f))
 
 
+# what may differ between two measurements of the same cell: times, and what the machine was doing
+TIMES = set("""t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_step_p50_s
+t_step_p95_s t_step_p99_s share_1ms share_4ms share_16ms t_cpu_s n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults
+load1 throttled canary_s started_utc order""".split())
+TIME_FLAGS = {"outlier", "remeasured", "canary_drift", "first_run"}
+
+
+def untimed(row):
+    """A row without its times, as a set member."""
+    flags = " ".join(sorted(set(row["flags"].split()) - TIME_FLAGS))
+    return tuple((k, flags if k == "flags" else v) for k, v in row.items() if k not in TIMES)
+
+
 def diagonal(folder, n, name="diag"):
     """M = diag(2, 3, ...), q = -1: a problem that the faulty solvers with a known cost do solve."""
     path = pathlib.Path(folder) / f"{name}{n}.M.mtx"

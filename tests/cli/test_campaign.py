@@ -7,7 +7,7 @@ import signal
 import subprocess
 import time
 
-from support import FAULTY, LCPBENCH, campaign, one_line_error, rows, run, tap
+from support import FAULTY, LCPBENCH, campaign, one_line_error, rows, run, tap, untimed
 
 SMALL = """
 name: small
@@ -30,12 +30,6 @@ parts:
     problems: ["%s/*.M.mtx", "murty:n={4,6}"]
     solvers: [lemke, pgs]
 """
-TIMES = [c for c in ("t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_cpu_s "
-                     "n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults load1 canary_s started_utc order").split()]
-
-
-def untimed(row):
-    return tuple((k, v) for k, v in row.items() if k not in TIMES)
 
 
 def cells(folder):
@@ -153,28 +147,111 @@ def one_bit_invalidates_its_cells_only(d):
     assert "4 measured now" in done.stdout, done.stdout
 
 
-def commands_rerun_their_cells(d):
+def kinds_of_cells(d):
+    """A campaign with a cell of every kind: scenes, with other effects, started warm, of other steps; files and families."""
     matrix(d / "a.x", "2")
-    text = SMALL + (FILES % d).split("parts:")[1]
-    run("run", campaign(d, text), "--out", d / "o", "--quiet")
+    more = """
+  - name: variants
+    problems: ["stack:n=2,duration=0.03"]
+    formulations: [velocity, boxed, coulomb]
+    solvers: [nsgs]
+    effects: [declared, all, "-friction"]
+    starts: [cold, previous]
+    steps: [0.01, 0.005]
+  - name: integrators
+    problems: ["drop:duration=0.05"]
+    formulations: [penalty, event]
+    solvers: [lemke]
+  - name: tolerances
+    problems: ["random_spd:n=12,seed=2"]
+    solvers: [pgs, projected_gradient]
+    tolerances: [1e-4, 1e-8]
+  - name: hopeless
+    problems: ["random_spd:n=20,seed=3"]
+    solvers: ["pgs:max_iter=3", enumerate]
+"""
+    return campaign(d, SMALL + (FILES % d).split("parts:")[1] + more)
+
+
+def verdicts_come_from_stored_answers(d):
+    run("run", kinds_of_cells(d), "--out", d / "o", "--quiet")
+    n = len({r["cell_id"] for r in rows(d / "o")})
+    empty = len({r["cell_id"] for r in rows(d / "o") if not r["solution_hash"]})
     done = run("verify", d / "o")
-    assert "24 cells verified, 0 differ" in done.stdout, done.stdout
-    for r in {r["cell_id"]: r for r in rows(d / "o")}.values():
+    assert f"{n - empty} cells verified ({n - empty} from stored answers, 0 run again), 0 differ, {empty} without" in done.stdout, done.stdout
+    text = (d / "o/results.csv").read_text()
+
+    def falsified(old, new):
+        assert old in text
+        (d / "o/results.csv").write_text(text.replace(old, new))
+        out = run("verify", d / "o", code=3).stdout
+        (d / "o/results.csv").write_text(text)
+        return out
+
+    assert "solution_hash is" in falsified(rows(d / "o")[0]["solution_hash"], "0123456789abcdef")
+    liar = next(r for r in rows(d / "o") if r["status"] == "max_iter")
+    assert "status is max_iter, the row says ok" in falsified(",max_iter,max_iter,", ",ok,max_iter,"), liar["cell_id"]
+    worst = next(r["rho"] for r in rows(d / "o") if r["solver"] == "pgs" and float(r["rho"] or 0) > 1e-15)
+    assert "rho is" in falsified(f",{worst},", ",1e-17,")
+    # one bit of one stored answer, a file cut short, one from another cell
+    one = d / "o/solutions" / (next(r for r in rows(d / "o") if r["problem"].startswith("stack") and r["solver"] == "lemke")["cell_id"] + ".ans")
+    whole = one.read_bytes()
+    for broken in (whole[:-1] + bytes([whole[-1] ^ 4]), whole[:-3], whole + b"more", b"something else"):
+        one.write_bytes(broken)
+        assert "1 differ" in run("verify", d / "o", code=3).stdout
+    one.write_bytes(whole)
+    # where nothing is stored, the command is run again
+    run("run", campaign(d, SMALL), "--out", d / "p", "--quiet", "--solutions", "off")
+    assert "18 cells verified (0 from stored answers, 18 run again)" in run("verify", d / "p").stdout
+
+
+def commands_rerun_their_cells(d):
+    """The command of a row of each kind gives its verdict, counters and solution hash."""
+    run("run", kinds_of_cells(d), "--out", d / "o", "--quiet", "--shard", "1/2")
+    run("run", kinds_of_cells(d), "--out", d / "p", "--quiet", "--shard", "2/2")
+    run("merge", d / "o", d / "p", "--out", d / "m")
+    done = run("verify", d / "m", "--rerun")
+    assert ", 0 differ" in done.stdout and "(0 from stored" in done.stdout, done.stdout
+    seen = set()
+    for r in {r["cell_id"]: r for r in rows(d / "m")}.values():
+        kind = (r["part"], r["formulation"], r["solver"], r["start"], r["effects"])
+        if kind in seen:
+            continue
+        seen.add(kind)
         words = shlex.split(r["command"])
         assert words[0] == "lcpbench"
         o = json.loads(subprocess.run([LCPBENCH, *words[1:]], capture_output=True, text=True).stdout)
-        assert (o["status"], o["solution_hash"], str(o["n_iter"])) == (r["status"], r["solution_hash"], r["n_iter"]), r["command"]
-    # a falsified verdict and a falsified answer are found
-    text = (d / "o/results.csv").read_text()
-    victim = rows(d / "o")[0]["solution_hash"]
-    (d / "o/results.csv").write_text(text.replace(victim, "0123456789abcdef"))
-    assert "DIFFERS" in run("verify", d / "o", code=3).stdout
-    (d / "o/results.csv").write_text(text)
-    z = next((d / "o/solutions").iterdir())
-    lines = z.read_text().splitlines()
-    lines[-1] = "0.123"
-    z.write_text("\n".join(lines) + "\n")
-    assert "DIFFERS" in run("verify", d / "o", code=3).stdout
+        got = [o["status"], o["solution_hash"] or "", str(o["n_iter"]), str(o["n_pivot"]), str(o["n_factor"]), str(o["n_matvec"])]
+        want = [r[k] for k in ("status", "solution_hash", "n_iter", "n_pivot", "n_factor", "n_matvec")]
+        assert got == want or not r["solution_hash"] and got[0] == want[0], (r["command"], got, want)
+    assert len(seen) > 25, seen
+
+
+def histories_come_from_twins(d):
+    """--trace writes a history per cell from a run that is not timed, and the timed rows name it."""
+    c = campaign(d, SMALL + (FILES % d).split("parts:")[1].replace('"%s/*.M.mtx", ' % d, ""))
+    run("run", c, "--out", d / "plain", "--quiet")
+    assert not (d / "plain/traces").exists() and {r["trace"] for r in rows(d / "plain")} == {""}
+    run("run", c, "--out", d / "o", "--quiet", "--trace")
+    index = list(csv.DictReader((d / "o/traces/index.csv").open(newline="")))
+    ids = {r["cell_id"]: r for r in rows(d / "o")}
+    assert len(index) == len(ids) == len({i["cell_id"] for i in index})
+    for i in index:  # recording disturbs nothing: the twin's answers have the timed run's bits
+        r = ids[i["cell_id"]]
+        assert i["solution_hash"] == r["solution_hash"] and "twin_differs" not in r["flags"]
+    lengths = {}
+    for r in ids.values():
+        points = list(csv.DictReader((d / "o" / r["trace"]).open(newline="")))
+        lengths[r["solver"]] = lengths.get(r["solver"], 0) + len(points)
+        last = {p["solve"]: float(p["residual"]) for p in points}
+        if r["solver"] == "pgs" and r["status"] == "ok":
+            assert max(last.values()) <= float(r["tol"]) and len(points) > 1, (r["trace"], last)
+    assert lengths["pgs"] >= 4 and lengths["projected_gradient"] > 20, lengths
+    assert {untimed(r) for r in rows(d / "plain")} == {untimed(dict(r, trace="")) for r in rows(d / "o")}
+    # a history that is missing is made afterwards; nothing is measured again
+    (d / "o" / next(iter(ids.values()))["trace"]).unlink()
+    assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet", "--trace").stdout
+    assert all((d / "o" / r["trace"]).exists() for r in rows(d / "o"))
 
 
 def interrupted_runs_flush_and_go_on(d):
@@ -215,5 +292,6 @@ def status_counts(d):
 
 
 tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_whole_and_resumed, manifest_is_complete,
-     shards_merge_to_the_whole, one_bit_invalidates_its_cells_only, commands_rerun_their_cells, interrupted_runs_flush_and_go_on,
+     shards_merge_to_the_whole, one_bit_invalidates_its_cells_only, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
+     interrupted_runs_flush_and_go_on,
      same_bytes_under_any_locale, status_counts])

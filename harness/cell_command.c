@@ -1,0 +1,86 @@
+/* The command that reruns a cell, and the cell that a command names. */
+#include "harness/cell_command.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static size_t put_option(char *buf, size_t cap, size_t used, const char *name, const char *value) {
+  if (value[0] == '\0' || used >= cap) {
+    return used;
+  }
+  return used + (size_t)snprintf(buf + used, cap - used, " --%s '%s'", name, value);
+}
+
+void cell_command(const cell *c, char *buf, size_t cap) {
+  const bool is_scene = c->formulation[0] != '\0';
+  size_t used =
+      (size_t)snprintf(buf, cap, "lcpbench %s '%s'", is_scene ? "simulate" : "solve", c->problem);
+  used = put_option(buf, cap, used, "formulation", c->formulation);
+  used = put_option(buf, cap, used, "solver", c->solver);
+  used = put_option(buf, cap, used, "tol", c->tol);
+  if (is_scene) {
+    used = put_option(buf, cap, used, "step", c->step);
+    used = put_option(buf, cap, used, "duration", c->duration);
+    used = put_option(buf, cap, used, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
+    (void)put_option(buf, cap, used, "effects",
+                     strcmp(c->effects, "declared") == 0 ? "" : c->effects);
+  }
+}
+
+int cell_command_split(char *text, char **word, int cap) {
+  int n = 0;
+  char *at = text;
+  while (*at != '\0' && n + 1 < cap) {
+    at += strspn(at, " ");
+    const bool quoted = *at == '\'';
+    at += quoted ? 1 : 0;
+    if (*at == '\0') {
+      break;
+    }
+    word[n++] = at;
+    at += strcspn(at, quoted ? "'" : " ");
+    if (*at != '\0') {
+      *at++ = '\0';
+    }
+  }
+  word[n] = NULL;
+  return n;
+}
+
+base_status cell_of_command(char *text, cell *c, base_error *err) {
+  char *word[CELL_WORDS];
+  const int n = cell_command_split(text, word, CELL_WORDS);
+  *c = (cell){.part = "",
+              .formulation = "",
+              .solver = "",
+              .step = "",
+              .duration = "",
+              .tol = "",
+              .start = "cold",
+              .effects = "declared",
+              .skip = ""};
+  const struct {
+    const char *name, **to;
+  } options[] = {{"--formulation", &c->formulation},
+                 {"--solver", &c->solver},
+                 {"--tol", &c->tol},
+                 {"--step", &c->step},
+                 {"--duration", &c->duration},
+                 {"--start", &c->start},
+                 {"--effects", &c->effects}};
+  if (n < 3 || n % 2 == 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "not a command of a cell: %.100s", text);
+  }
+  c->problem = word[2];
+  for (int i = 3; i < n; i += 2) {
+    int k = 0;
+    while (k < BASE_COUNT(options) && strcmp(options[k].name, word[i]) != 0) {
+      k++;
+    }
+    if (k == BASE_COUNT(options)) {
+      return BASE_FAIL(err, BASE_EINVAL, "command of a cell: unknown option %.60s", word[i]);
+    }
+    *options[k].to = word[i + 1];
+  }
+  return BASE_OK;
+}

@@ -1,0 +1,123 @@
+#include "harness/doctor.h"
+
+#include "harness/machine.h"
+#include "harness/runner.h"
+#include "harness/versions.h"
+
+#include <errno.h>
+#include <math.h>
+#include <sched.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static json_t *advice(const machine *m, const noise_report *n, double load) {
+  json_t *a = json_array();
+  if (m->governor[0] != '\0' && strcmp(m->governor, "performance") != 0) {
+    (void)json_array_append_new(a, json_string("the governor is not 'performance'"));
+  }
+  if (load > 0.5) {
+    (void)json_array_append_new(a, json_string("other work is running (load above 0.5)"));
+  }
+  if (n->floor > 0.05) {
+    (void)json_array_append_new(a, json_string("differences below 5 % cannot be seen here"));
+  }
+  if (strcmp(build_options(), "") != 0 && strstr(build_options(), "buildtype=release") == NULL) {
+    (void)json_array_append_new(a, json_string("this is not a release build"));
+  }
+  return a;
+}
+
+json_t *doctor_json(const noise_report *n) {
+  machine m;
+  char when[24];
+  machine_read(&m);
+  machine_utc(when, sizeof when);
+  const double load = machine_load();
+  json_t *o = json_object();
+  json_out_text(o, "written_utc", when);
+  json_out_text(o, "host", m.host);
+  json_out_text(o, "cpu", m.cpu_model);
+  json_out_int(o, "n_cpu", m.n_cpu);
+  json_out_text(o, "governor", m.governor[0] != '\0' ? m.governor : NULL);
+  json_out_real(o, "freq_MHz", machine_frequency(machine_last_cpu()));
+  json_out_int(o, "pinned_to", machine_last_cpu());
+  json_out_real(o, "load1", load);
+  json_out_real(o, "canary_s", machine_canary());
+  json_out_real(o, "clock_cost_s", n->clock_cost);
+  json_out_real(o, "clock_step_s", n->clock_step);
+  json_out_real(o, "bandwidth_B_s", n->bandwidth);
+  json_t *classes = json_array();
+  for (int i = 0; i < NOISE_CLASSES; i++) {
+    json_t *c = json_object();
+    json_out_text(c, "size", n->size[i].name);
+    json_out_real(c, "up_to_B", n->size[i].up_to);
+    json_out_real(c, "sample_s", n->size[i].seconds);
+    json_out_real(c, "noise_floor", n->size[i].floor);
+    json_out_real(c, "spread", n->size[i].spread);
+    (void)json_array_append_new(classes, c);
+  }
+  (void)json_object_set_new(o, "classes", classes);
+  json_out_real(o, "noise_floor", n->floor);
+  (void)json_object_set_new(o, "advice", advice(&m, n, load));
+  return o;
+}
+
+base_status doctor_store(json_t *o, const char *dir, base_error *err) {
+  char path[1100];
+  if (mkdir(dir, 0777) != 0 && errno != EEXIST) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", dir, strerror(errno));
+  }
+  runner_path(dir, "doctor.json", path, sizeof path);
+  return (json_dump_file(o, path, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+}
+
+base_status doctor_visit(const char *dir, double seconds, base_error *err) {
+  char path[1100];
+  runner_path(dir, "doctor.json", path, sizeof path);
+  if (access(path, F_OK) == 0) {
+    return BASE_OK;
+  }
+  noise_report report;
+  cpu_set_t before;
+  const bool known = sched_getaffinity(0, sizeof before, &before) == 0;
+  machine_pin(machine_last_cpu());
+  noise_measure(seconds, 1, &report);
+  if (known) {
+    (void)sched_setaffinity(0, sizeof before, &before);
+  }
+  json_t *o = doctor_json(&report);
+  const base_status done = doctor_store(o, dir, err);
+  json_decref(o);
+  return done;
+}
+
+/* ---- reading ----------------------------------------------------------------------------------*/
+
+void doctor_read(const char *dir, doctor_floor *f) {
+  char path[1100];
+  runner_path(dir, "doctor.json", path, sizeof path);
+  json_t *o = json_load_file(path, 0, NULL);
+  const json_t *classes = json_object_get(o, "classes");
+  for (size_t i = 0; i < json_array_size(classes) && i < NOISE_CLASSES; i++) {
+    const json_t *c = json_array_get(classes, i);
+    const json_t *up_to = json_object_get(c, "up_to_B");
+    const json_t *floor = json_object_get(c, "noise_floor");
+    f->up_to[i] = json_is_number(up_to) ? json_number_value(up_to) : HUGE_VAL;
+    f->floor[i] = fmax(f->floor[i], json_is_number(floor) ? json_number_value(floor) : -1.0);
+    f->n = (int)i + 1;
+  }
+  json_decref(o);
+}
+
+double doctor_floor_of(const doctor_floor *f, double bytes) {
+  double floor = -1.0;
+  for (int i = f->n; i-- > 0;) {
+    if (!(bytes > f->up_to[i])) { /* unknown sizes: the largest floor of all */
+      floor = (bytes == bytes) ? f->floor[i] : fmax(floor, f->floor[i]);
+    }
+  }
+  return floor;
+}
