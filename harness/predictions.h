@@ -5,7 +5,8 @@
 #include "harness/simulate.h"
 
 /* The trajectory yardstick of one run. The reference quantity is the scene's first kinematic check
- * that applies (a state, a window, a drift), so that it is the same for every solver. */
+ * (a state, a window, a drift) that holds for the exact cone, or its first where none does; it is
+ * the same for every formulation and solver, also for those that are not expected to meet it. */
 typedef struct prediction_summary {
   int n, n_missed;
   double worst;     /* largest error over its tolerance; <= 1: all hold */

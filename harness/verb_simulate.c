@@ -71,6 +71,20 @@ static json_t *predictions(const simulation *s, const series *record, const sim_
   return all;
 }
 
+/* The trajectory yardstick: the same quantity for every formulation. */
+static json_t *yardstick(const simulation *s, const series *record, const sim_result *r) {
+  prediction_summary p;
+  predictions_summarise(&s->request, record, r, &p);
+  json_t *o = json_object();
+  if (p.has_ref) {
+    json_out_text(o, "quantity", p.quantity);
+    json_out_real(o, "error", p.error);
+    json_out_real(o, "predicted", p.predicted);
+    json_out_text(o, "source", p.source);
+  }
+  return o;
+}
+
 static void put_effects(json_t *o, const char *key, unsigned mask) {
   char text[256];
   effects_print(mask, text, sizeof text);
@@ -151,6 +165,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   json_out_text(o, "note", r->note);
   (void)json_object_set_new(o, "observables", observables(record));
   (void)json_object_set_new(o, "predictions", predictions(s, record, r, all_ok));
+  (void)json_object_set_new(o, "trajectory_error", yardstick(s, record, r));
   put_counts(o, r);
   put_errors(o, r);
   put_effects(o, "effects_declared", s->spec.effects);

@@ -1,4 +1,6 @@
 """What accuracy costs in time: error against time per scene, the Pareto front, the cheapest combination per error."""
+import math
+
 import numpy as np
 
 from bench import stats
@@ -7,15 +9,30 @@ from bench.paper import FLOOR, variants
 from bench.section import Cell, Section, Table, error, si
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-ROUNDING = 1e-12  # a scene whose every error is below has nothing to trade
+ROUNDING = 1e-12  # references are closed forms or integrations to about this: below it nothing can be read
+NOISE = 1.05  # costs closer than this are ties
 YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
               "algebraic": ("rho", "residual of the complementarity problem")}
 
 # What a reader comes with, and the scenes of the catalogue that stand for it
 SITUATIONS = {"stack": ("stack", "wall", "pyramid", "card_house", "arch", "sphere_pile", "pile3", "row", "granular_column"),
               "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
-              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin"),
+              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin", "oscillator"),
               "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip")}
+
+
+def own(cells):
+    """Rows of the accuracy campaign; of all campaigns where there is none."""
+    mine = cells[cells["campaign"].str.startswith("accuracy")]
+    return confirmed(mine if len(mine) else cells)
+
+
+def confirmed(cells):
+    """A cell counts when the judge confirmed the solver's claim at the tolerance it was asked for: what that is worth, the error says.
+    Experiments with effects are not answers to the scene as declared."""
+    some = cells[~cells["command"].str.contains("--effects")]
+    good = some["status"] == "ok"
+    return some.assign(good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf))
 
 
 def usable(cells, column="err_ref"):
@@ -29,15 +46,15 @@ def cheapest(cells, level, column="err_ref"):
     return None if fit.empty else fit.loc[fit["cost"].idxmin()]
 
 
+def ties(cells, best, level, column="err_ref"):
+    """Other combinations that get there in the same time, to the noise."""
+    fit = usable(cells, column)
+    fit = fit[(fit[column] <= level) & (fit["cost"] <= NOISE * best["cost"])]
+    return sorted(set(fit["combination"]) - {best["combination"]})
+
+
 def situation_of(family):
     return next((s for s, names in SITUATIONS.items() if family in names), "")
-
-
-def own(cells):
-    """Rows of the accuracy campaign; of all campaigns where there is none."""
-    mine = cells[cells["campaign"].str.startswith("accuracy")]
-    some = mine if len(mine) else cells
-    return some[~some["command"].str.contains("--effects")]
 
 
 def scenes(cells):
@@ -52,87 +69,152 @@ def panel(problem, cells, index):
     y = fit["cost"].to_numpy(float) * 1e3
     front = stats.pareto_front(x, y)
     lines = [Line("Pareto front", x[front].tolist(), y[front].tolist(), kind="front")] if front else []
+    if x.min() <= ROUNDING:
+        lines.append(Line("uncertainty of the reference", [FLOOR, ROUNDING], [y.max(), y.max()], [y.min()] * 2, [y.max()] * 2, kind="band"))
     for label, group in fit.groupby("label"):
         gx = np.maximum(group["err_ref"].to_numpy(float), FLOOR)
         gy = group["cost"].to_numpy(float) * 1e3
-        own = stats.pareto_front(gx, gy)
-        names = [f"{c}, h = {h:g} s" for c, h in zip(group["combination"], group["step_s"])]
-        low, high = (group["t_total_s" + e].to_numpy(float)[own] * 1e3 for e in ("_low", "_high"))
+        best = stats.pareto_front(gx, gy)
+        names = [f"{c}, h = {h:g} s, tol {t:.0e}" for c, h, t in zip(group["combination"], group["step_s"], group["tol"])]
+        low, high = (group["t_total_s" + e].to_numpy(float)[best] * 1e3 for e in ("_low", "_high"))
         bad = cells[(cells["label"] == label) & ~cells["good"] & cells["t_total_s"].notna() & cells["err_ref"].notna()]
         crosses = [(max(float(a), FLOOR), float(b) * 1e3) for a, b in zip(bad["err_ref"], bad["t_total_s"])]
-        lines.append(Line(label, gx[own].tolist(), gy[own].tolist(), low.tolist(), high.tolist(), crosses,
-                          hover=[names[i] for i in own], variant=index.get(label, 0)))
-    return Panel(lines, title=problem.split(":")[0].replace("_", " "), xlabel="error of the trajectory", ylabel="time [ms]")
+        lines.append(Line(label, gx[best].tolist(), gy[best].tolist(), low.tolist(), high.tolist(), crosses,
+                          hover=[names[i] for i in best], variant=index.get(label, 0)))
+    return Panel(lines, title=problem.replace("_", " ").replace("angle deg", "angle").replace("theta deg", "theta"), xlabel="error of the trajectory", ylabel="time [ms]")
 
 
-def chosen(cells, most):
-    """One problem per family, the one with most cells."""
-    best = {}
-    for problem, group in scenes(cells):
-        family = group["problem_family"].iloc[0]
-        if family not in best or len(group) > len(best[family][1]):
-            best[family] = (problem, group)
-    return [best[f] for f in sorted(best)][:most]
+def trades(found):
+    """Scenes where accuracy is bought: more than one point on the front, and errors above rounding."""
+    return [(p, g) for p, g in found if usable(g)["err_ref"].max() > ROUNDING and len(stats.pareto_front(usable(g)["err_ref"], usable(g)["cost"])) >= 2]
 
 
-def chart(cells, most=9):
-    picked = [(p, g) for p, g in chosen(cells, 99) if usable(g)["err_ref"].max() > ROUNDING and len(stats.pareto_front(g["err_ref"], g["cost"])) >= 2][:most]
+SHORT_FORMS = ("velocity, 4 facets", "velocity, 8 facets", "velocity, 32 facets", "position, 4 facets", "coulomb", "boxed", "penalty (stiffness=1e7)")
+
+
+def kept(cells):
+    """For a legible figure: one or two variants per formulation. The table and the page's rows have all of them."""
+    label = cells["label"].where(~cells["formulation"].eq("regularized"), "regularized")
+    label = label.where(~(cells["formulation"].eq("regularized") & cells["formulation_options"].str.contains("viscous")), "regularized (viscous)")
+    some = cells.assign(label=label)
+    return some[some["label"].isin(SHORT_FORMS) | some["formulation"].eq("regularized")]
+
+
+FIRST = ["stack", "gripper", "slide", "incline", "bounce", "drop", "spin", "rocking", "oscillator", "push", "euler_disc", "impact"]
+
+
+def chart(cells, most=12):
+    found = trades(scenes(kept(cells)))
+    rank = {f: i for i, f in enumerate(FIRST)}
+    found.sort(key=lambda pg: (rank.get(pg[0].split(":")[0], 99), pg[0]))
+    picked = sorted(found[:most], key=lambda pg: pg[0])
     if not picked:
         return None
-    index = variants(cells)
+    index = variants(kept(cells))
     return Chart("accuracy_against_time", "What accuracy costs: total time against the error of the trajectory, one panel a scene, per "
-                 "formulation the combinations that none of its own beats in both; grey: the front over all. A cross is a claim that was "
-                 f"not verified. Errors below {FLOOR:g} are drawn there.",
-                 [panel(p, g, index) for p, g in picked], columns=3, height=1.95)
+                 "formulation the settings that none of its own beats in both; grey: the front over all. A cross is a run that was not solved, was cut short, or "
+                 f"whose claim was not confirmed. Errors below {FLOOR:g} are drawn there; in the hatched band the reference itself is uncertain.",
+                 [panel(p, g, index) for p, g in picked], columns=3, height=1.75)
 
 
 def level_cell(cells, level, column="err_ref"):
     best = cheapest(cells, level, column)
     if best is None:
-        return Cell("not reached", "bad")
-    return Cell(f"{best['combination']}\nh = {best['step_s']:g} s, {si(best['cost'], 's')}", title=str(best.get("command", "")), sort=best["cost"])
+        return Cell("not reached", "bad", f"the smallest is {error(usable(cells, column)[column].min())}")
+    same = ties(cells, best, level, column)
+    more = f"\n= {len(same)} more" if same else ""
+    return Cell(f"{best['combination']}\nh = {best['step_s']:g} s, {si(best['cost'], 's')}{more}",
+                title=str(best.get("command", "")) + (f"\nin the same time: {', '.join(same)}" if same else ""), sort=best["cost"])
 
 
 def table(cells):
     rows = []
     for problem, group in scenes(cells):
-        rows.append([problem] + [level_cell(group, level) for level in LEVELS])
-    return Table("cheapest", "Cheapest verified combination that reaches an error of the trajectory, per scene (error in the unit of the scene's first prediction; total time of the run; the "
-                 "command that reruns it is the tooltip, and scripts/recommend prints it).",
-                 ["scene"] + [f"error ≤ {v:g}" for v in LEVELS], rows)
+        rows.append([problem, group["err_quantity"].mode().iloc[0] if "err_quantity" in group and len(group) else ""] + [level_cell(group, level) for level in LEVELS])
+    return Table("cheapest", "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). \"= n more\": "
+                 f"so many others take the same time to {NOISE - 1:.0%}. The command that reruns it is the tooltip, and scripts/recommend prints it.",
+                 ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS], rows)
+
+
+def yardsticks_table(cells, level=1e-3):
+    rows = []
+    for problem, group in scenes(cells):
+        rows.append([problem] + [level_cell(group, level, column) for column, _ in YARDSTICKS.values()])
+    return Table("yardsticks", f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory, by the residual of the exact Coulomb model, and by the residual "
+                 "of its own problem. Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
+                 ["scene"] + [name for _, name in YARDSTICKS.values()], rows)
+
+
+# ---- the first screen ---------------------------------------------------------------------------------------------------------------------
+
+
+def plain(combination):
+    """'regularized:ratio=100 + lemke' -> 'regularized + lemke': what is recommended; the options are in the example."""
+    return " + ".join(part.split(":")[0] for part in combination.split(" + "))
+
+
+def candidates(here, level):
+    """combination -> {scene: its cheapest cell that reaches the level}"""
+    out = {}
+    for problem, group in here:
+        fit = usable(group)
+        fit = fit[fit["err_ref"] <= level]
+        for name, g in fit.groupby([plain(c) for c in fit["combination"]]):
+            out.setdefault(name, {})[problem] = g.loc[g["cost"].idxmin()]
+    return out
+
+
+def choose(here, level):
+    """The combination that reaches the level on most scenes; among those the fastest (geometric mean of its time over the best's)."""
+    found = candidates(here, level)
+    best = {p: min(c[p]["cost"] for c in found.values() if p in c) for p, _ in here if any(p in c for c in found.values())}
+    score = {name: (-len(cells), math.exp(np.mean([math.log(c["cost"] / best[p]) for p, c in cells.items()]))) for name, cells in found.items()}
+    return sorted((s, name, found[name]) for name, s in score.items()) if score else []
+
+
+def advise(cells, level=1e-2):
+    """What the first screen says: one answer a situation, from rows only."""
+    cells = own(cells)
+    out = []
+    for situation in SITUATIONS:
+        here = [(p, g) for p, g in scenes(cells) if situation_of(g["problem_family"].iloc[0]) == situation]
+        ranked = choose(here, level)
+        if not ranked:
+            out.append({"situation": situation, "use": "", "scenes": len(here)})
+            continue
+        (missing, slower), name, won = ranked[0]
+        problem = max(won, key=lambda p: won[p]["n_contacts"] if won[p]["n_contacts"] == won[p]["n_contacts"] else 0)
+        cell = won[problem]
+        other = next(((s, n) for s, n, _ in ranked[1:] if n.split(" + ")[0] != name.split(" + ")[0]), None)
+        out.append({"situation": situation, "use": name, "scenes": len(here), "reached": -missing, "slower": slower, "problem": problem, "step": cell["step_s"],
+                    "per_step": cell["cost"] / cell["n_steps"] if cell["n_steps"] else math.nan, "contacts": cell["n_contacts"], "error": cell["err_ref"],
+                    "physical": cell["res_ncp_rel"], "other": other, "command": str(cell.get("command", "")), "solver": name.split(" + ")[1], "formulation": name.split(" + ")[0]})
+    return out
 
 
 def advice(cells, level=1e-2):
-    """The first screen: one line a situation, from rows only."""
-    cells = own(cells)
+    """The same as a table, for the paper."""
     rows = []
-    for situation in SITUATIONS:
-        here = [(p, g) for p, g in scenes(cells) if situation_of(g["problem_family"].iloc[0]) == situation]
-        if not here:
-            rows.append([situation, Cell("no scene of this kind in the rows", "none"), "", "", "", ""])
+    for a in advise(cells, level):
+        if not a["use"]:
+            rows.append([a["situation"], Cell(f"nothing reaches {level:g}" if a["scenes"] else "no scene of this kind in the rows", "bad"), "", "", "", ""])
             continue
-        best = [(p, cheapest(g, level), g) for p, g in here]
-        reached = [(p, b, g) for p, b, g in best if b is not None]
-        if not reached:
-            rows.append([situation, Cell(f"nothing reaches {level:g}", "bad"), "", "", f"0 of {len(here)} scenes", ""])
-            continue
-        votes = {}
-        for p, b, _ in reached:
-            votes.setdefault(b["combination"], []).append((p, b))
-        name, won = sorted(votes.items(), key=lambda kv: (-len(kv[1]), sum(b["cost"] for _, b in kv[1])))[0]
-        p, b = max(won, key=lambda w: w[1]["cost"])  # the largest of them as the example
-        steps = b["n_steps"] if b.get("n_steps", 0) else np.nan
-        rows.append([situation, Cell(name, "good"), f"{b['step_s']:g} s", si(b["cost"] / steps, "s"),
-                     f"{len(won)} of {len(here)} scenes, e.g. {p} (error {error(b['err_ref'])})", str(b.get("command", ""))])
-    return Table("advice", f"Which formulation and solver to use: the cheapest verified combination with an error of the trajectory of at most {level:g}, "
-                 "as measured in this campaign.", ["situation", "use", "step", "time per step", "won on", "see it yourself"], rows, code=5)
+        other = f"{a['other'][1]}: {-a['other'][0][0]} scenes, {a['other'][0][1]:.2g} times the best" if a["other"] else ""
+        rows.append([a["situation"], Cell(a["use"], "good"), f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g} contacts ({a['problem']})",
+                     f"{a['reached']} of {a['scenes']} scenes, {a['slower']:.2g} times the best", other, a["command"]])
+    return Table("advice", f"Which formulation and solver to use: the combination that reaches an error of the trajectory of at most {level:g} on most scenes of a kind, "
+                 "and among those the fastest (geometric mean of its time over the best time of each scene).", ["situation", "use", "cost", "reached", "next formulation", "see it yourself"],
+                 rows, code=5)
 
 
 def section(cells):
     cells = own(cells)
-    if not scenes(cells):
+    found = scenes(cells)
+    if not found:
         return None
     made = chart(cells)
+    reached = sum(all(cheapest(g, v) is not None for v in LEVELS) for _, g in found)
     return Section("accuracy", "What accuracy costs in time",
-                   "Error against time over steps, facets, stiffness and tolerances. Left and low is better. Only rows whose every solve was verified are joined.",
-                   [made] if made else [], [table(cells)])
+                   "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
+                   f"tolerance it was asked for. {len(found)} scenes; {reached} of them reach all four levels.",
+                   [made] if made else [], [table(cells), yardsticks_table(cells)], {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)})

@@ -21,7 +21,7 @@ class Line:
     bad: list = dataclasses.field(default_factory=list)  # [(x, y)]: rows whose claim was not verified
     hover: list = None
     variant: int = 0
-    kind: str = "line"  # line, steps, points, front
+    kind: str = "line"  # line, steps, points, front, band
     look_as: str = ""  # the name whose colour and marker it takes
     end_label: str = ""
 
@@ -43,13 +43,21 @@ class Panel:
 
 
 @dataclasses.dataclass
+class HeatPanel:
+    title: str
+    rows: list
+    words: list  # rows of (text, share or None)
+
+
+@dataclasses.dataclass
 class Heat:
-    """A map of words: rows of (text, share or None). On the screen it is a table; on paper it is this."""
+    """Maps of words with the same columns. On the screen they are tables; on paper they are this."""
     name: str
     caption: str
-    rows: list
     columns: list
-    words: list
+    panels: list
+    across: int = 1  # panels side by side
+    size: float = 6  # of the words [pt]
     width: float = style.PAGE
 
 
@@ -105,6 +113,9 @@ def _line(ax, line):
     if line.kind == "front":
         ax.plot(line.x, line.y, color="#bbbbbb", linewidth=3.0, zorder=1, label=line.name, solid_capstyle="round")
         return
+    if line.kind == "band":
+        ax.fill_between(line.x, line.low, line.high, facecolor="none", edgecolor="#d0d0d0", hatch="////", linewidth=0, zorder=0, label=line.name)
+        return
     if line.kind == "points":
         look["linestyle"] = "none"
     if line.kind == "steps":
@@ -118,31 +129,45 @@ def _line(ax, line):
         style.mark_unverified(ax, *zip(*line.bad), look["color"])
 
 
-def draw_heat(heat):
-    """Colour and word say the same thing: darker blue stands longer, orange falls early, white is not defined."""
-    many = len(heat.columns) > 6  # narrow columns: words on two lines, names upright
-    figure, ax = plt.subplots(figsize=(heat.width, 0.7 + (0.24 if many else 0.165) * len(heat.rows)))
-    shades = np.full((len(heat.rows), len(heat.columns), 4), 1.0)
-    for i, row in enumerate(heat.words):
+LOW, HIGH, ALL = np.array([0.98, 0.74, 0.55, 1]), np.array([0.80, 0.90, 0.97, 1]), np.array([0.45, 0.70, 0.89, 1])  # lightness falls and rises: legible in grey
+
+
+def _heat_panel(ax, heat, panel, top, tall):
+    shades = np.full((len(panel.rows), len(heat.columns), 4), 1.0)
+    for i, row in enumerate(panel.words):
         for j, (text, share) in enumerate(row):
             if share is not None:
-                low, high = np.array([0.96, 0.72, 0.55, 1]), np.array([0.62, 0.80, 0.92, 1])
-                shades[i, j] = low + (high - low) * share if share < 1 else [0.42, 0.68, 0.87, 1]
-            if many:
-                text = "" if text == "not run" else "\n".join(text.rsplit(" ", 1))
-            ax.text(j, i, text, ha="center", va="center", fontsize=4.7 if many else 6, color="#1c2330" if share is not None else "#8a8a8a")
+                shades[i, j] = ALL if share >= 1 else LOW + (HIGH - LOW) * share
+            ax.text(j, i, text, ha="center", va="center", fontsize=heat.size, color="#1c2330" if share is not None else "#9a9a9a",
+                    fontweight="bold" if share is not None and share < 0.5 else "normal")
     ax.imshow(shades, aspect="auto")
-    ax.set_xticks(range(len(heat.columns)), heat.columns, fontsize=6.5, rotation=90 if many else 0)
-    ax.set_yticks(range(len(heat.rows)), heat.rows, fontsize=6.5)
+    ax.set_xticks(range(len(heat.columns)), heat.columns if top else [""] * len(heat.columns), fontsize=6.5 if heat.across == 1 else 5.5, rotation=90)
+    ax.set_yticks(range(len(panel.rows)), panel.rows, fontsize=6.5)
+    ax.set_ylim(tall - 0.5, -0.5)
     ax.xaxis.tick_top()
-    ax.tick_params(length=0)
+    ax.tick_params(length=0, pad=1.5)
     ax.grid(False)
     ax.set_xticks(np.arange(len(heat.columns) + 1) - 0.5, minor=True)
-    ax.set_yticks(np.arange(len(heat.rows) + 1) - 0.5, minor=True)
-    ax.grid(True, which="minor", color="white", linewidth=1.5)
+    ax.set_yticks(np.arange(len(panel.rows) + 1) - 0.5, minor=True)
+    ax.grid(True, which="minor", color="white", linewidth=1.0)
     ax.tick_params(which="minor", length=0)
+    if panel.title:
+        ax.set_ylabel(panel.title, fontsize=7.5, fontweight="bold", y=1 - len(panel.rows) / tall / 2)
     for spine in ax.spines.values():
         spine.set_visible(False)
+
+
+def draw_heat(heat):
+    """Colour and word say the same thing: dark stands, light blue to orange falls earlier and earlier, white is not defined."""
+    down = -(-len(heat.panels) // heat.across)
+    tall = [max(len(p.rows) for p in heat.panels[r * heat.across:(r + 1) * heat.across]) for r in range(down)]
+    size = (heat.width, 0.078 * max(map(len, heat.columns)) + sum(0.135 * n + 0.08 for n in tall))
+    figure, axes = plt.subplots(down, heat.across, figsize=size, squeeze=False, height_ratios=tall, layout="constrained")
+    for i, ax in enumerate(axes.flat):
+        if i < len(heat.panels):
+            _heat_panel(ax, heat, heat.panels[i], i < heat.across, tall[i // heat.across])
+        else:
+            ax.axis("off")
     return figure
 
 
@@ -211,6 +236,9 @@ def _plotly_line(line, axis, shown):
     common = {"xaxis": f"x{axis}", "yaxis": f"y{axis}", "legendgroup": line.name, "name": line.name}
     out = []
     x, y = [_number(v) for v in line.x], [_number(v) for v in line.y]
+    if line.kind == "band":
+        return [{**common, "type": "scatter", "mode": "lines", "x": x + x[::-1], "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
+                 "fillcolor": "#e6e6e6", "line": {"width": 0}, "hoverinfo": "skip", "showlegend": first}]
     if line.low is not None and len(x) > 1 and line.kind != "points":
         out.append({**common, "type": "scatter", "mode": "lines", "x": x + x[::-1],
                     "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
@@ -276,7 +304,9 @@ def plotly(chart):
 def table(chart):
     """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
     if isinstance(chart, Heat):
-        return "".join("\t".join([row] + [w for w, _ in words]) + "\n" for row, words in zip(["combination"] + chart.rows, [[(c, None) for c in chart.columns]] + chart.words))
+        lines = ["\t".join(["panel", "row", *chart.columns])]
+        lines += ["\t".join([p.title, row] + [w for w, _ in words]) for p in chart.panels for row, words in zip(p.rows, p.words)]
+        return "\n".join(lines) + "\n"
     lines = ["panel line x y low high verified"]
     for p, panel in enumerate(chart.panels):
         for line in panel.lines:

@@ -44,6 +44,8 @@ if (cells) {
     shown.textContent = `${count} of ${rows.length} cells`;
   };
   [...menus, text].forEach(m => m.addEventListener("input", apply));
+  /* a link can carry the filter: #cells:pgs;slide sets the words "pgs slide" */
+  if (location.hash.startsWith("#cells:")) text.value = decodeURIComponent(location.hash.slice(7)).replaceAll(";", " ");
   apply();
 }
 
@@ -66,6 +68,6 @@ async function charts() {
   const seen = new IntersectionObserver(found => found.forEach(f => {
     if (f.isIntersecting) { seen.unobserve(f.target); draw(f.target); }
   }), {rootMargin: "600px"});
-  document.querySelectorAll(".chart").forEach(d => seen.observe(d));
+  document.querySelectorAll(".chart[data-chart]").forEach(d => seen.observe(d));
 }
 charts();

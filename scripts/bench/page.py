@@ -7,6 +7,7 @@ import pathlib
 import jinja2
 import plotly
 from markupsafe import Markup
+from PIL import Image
 
 from bench import chart as chart_, style
 from bench.section import Cell, Table, error, si, table_html
@@ -17,10 +18,27 @@ SCOPE = ("Times hold for this machine and this build; errors and counters hold e
 
 
 def svg(figure):
+    """Text stays text: smaller, and it can be searched."""
     out = io.BytesIO()
-    figure.savefig(out, format="svg", metadata={"Date": None, "Creator": "lcpbench"})
+    with style.plt.rc_context({"svg.fonttype": "none", "font.family": ["DejaVu Sans", "Verdana", "sans-serif"]}):
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": "lcpbench"})
     style.plt.close(figure)
     return base64.b64encode(out.getvalue()).decode()
+
+
+def png(figure):
+    out, small = io.BytesIO(), io.BytesIO()
+    figure.savefig(out, format="png", dpi=160, metadata={"Software": "lcpbench"})
+    style.plt.close(figure)
+    Image.open(out).convert("RGB").quantize(48).save(small, format="png", optimize=True)
+    return base64.b64encode(small.getvalue()).decode()
+
+
+def picture(chart):
+    """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their tables follow."""
+    if isinstance(chart, chart_.Heat):
+        return {"name": chart.name, "caption": chart.caption, "format": "png", "data": png(chart_.draw(chart)), "json": ""}
+    return {"name": chart.name, "caption": chart.caption, "format": "svg+xml", "data": svg(chart_.draw(chart)), "json": Markup(chart_.plotly(chart).replace("</", "<\\/"))}
 
 
 def library():
@@ -33,6 +51,10 @@ FILTERS = [("problem family", 1), ("formulation", 3), ("solver", 4), ("status", 
 
 
 def cells_table(cells):
+    """Every cell, but of the stability campaign only as ladders (its own table): a page of all of its rungs would not load."""
+    ladders = cells["campaign"].str.startswith("stability")
+    left = int(ladders.sum())
+    cells = cells[~ladders]
     rows = []
     for c in cells.to_dict("records"):
         mark = "" if c["good"] else "none" if c["status"] in ("unsupported", "skipped") else "bad"
@@ -42,7 +64,8 @@ def cells_table(cells):
                      f"{c['lcp_dim']:g}" if c["lcp_dim"] == c["lcp_dim"] else "", Cell(si(c.get("t_total_s"), "s"), sort=num(c.get("t_total_s"))),
                      Cell(error(c["err_ref"]), sort=num(c["err_ref"])), Cell(error(c.get("res_ncp_rel")), sort=num(c.get("res_ncp_rel"))),
                      Cell(error(c["rho"]), sort=num(c["rho"])), c.get("command", "")])
-    return Table("cells", f"All {len(rows)} cells; the last column is the command that reruns the cell.",
+    return Table("cells", f"All {len(rows)} cells" + (f" but the {left} rungs of the stability ladders, which are summed up in their own table" if left else "") +
+                 "; the last column is the command that reruns the cell.",
                  ["campaign", "family", "problem", "formulation", "solver", "step [s]", "status", "contacts", "LCP", "time", "error", "Coulomb residual", "rho",
                   "command"], rows, code=13, paper=False)
 
@@ -89,18 +112,45 @@ def method_tables(manifests):
                   [[k, v] for k, v in flatten(m)], paper=False) for name, m in manifests.items() if m]
 
 
-def render(title, counts, footer, advice, sections):
+# For a reader who meets the names for the first time
+PLAIN = {"regularized": "normal impulses only, friction as a stiff bristle", "velocity": "polyhedral friction cone, velocity level",
+         "position": "polyhedral friction cone, position level", "coulomb": "exact friction cone", "boxed": "friction bounded by the last normal impulse",
+         "normal": "no friction", "acceleration": "contact forces and accelerations", "event": "stops at every impact", "penalty": "compliant contact, a stiff differential equation",
+         "lemke": "pivoting, exact", "ppm": "pivoting, exact", "murty": "pivoting, exact", "block_pivoting": "pivoting in blocks, exact", "enumerate": "tries every case",
+         "pgs": "sweeps over the contacts", "jacobi": "sweeps", "nsgs": "sweeps over the contacts", "prox": "fixed point", "projected_gradient": "gradient steps",
+         "apgd": "accelerated gradient steps", "nncg": "sweeps with conjugate directions", "pgs_sm": "sweeps, then a linear solve", "newton": "semismooth Newton",
+         "interior_point": "interior point", "sqp": "general optimiser"}
+
+
+def card(a):
+    """One situation of the first screen, in words."""
+    if not a["use"]:
+        return {"situation": a["situation"], "use": "", "why": "Nothing in these rows reaches it." if a["scenes"] else "No scene of this kind in these rows."}
+    other = ""
+    if a["other"]:
+        (missing, slower), name = a["other"]
+        fewer = f", on {-missing} of {a['scenes']} scenes" if -missing < a["reached"] else ""
+        ratio = slower / a["slower"]
+        other = f"As fast, to a fifth: {name}{fewer}." if ratio < 1.2 else f"Next: {name} takes {ratio:.2g} times as long{fewer}."
+    breaks = ""
+    if a["falls"]:
+        stands, of, fell = a["falls"]
+        breaks = f"Stands on {stands} of {of} stressors" + (": " + "; ".join(f"{word} at {', '.join(parts)}" for word, parts in sorted(fell.items())) if fell else "") + "."
+    return {"situation": a["situation"], "use": a["use"], "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN), "cost": f"{si(a['per_step'], 's', 2)} a step", "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
+            "why": f"Gets there on {a['reached']} of {a['scenes']} scenes.", "other": other, "breaks": breaks, "command": a["command"]}
+
+
+def render(title, counts, footer, cards, advice, sections):
     env = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
     body = []
     for s in sections:
         tables = [Markup(filters() if t.name == "cells" else "") + Markup(table_html(t)) for t in s.tables]
         body.append({"id": s.id, "title": s.title, "lead": s.lead, "first": tables[:1] if s.id == "claims" else [],
                      "tables": tables[1:] if s.id == "claims" else tables,
-                     "charts": [{"name": c.name, "caption": c.caption, "svg": svg(chart_.draw(c)), "json": Markup(chart_.plotly(c).replace("</", "<\\/"))}
-                                for c in s.charts if isinstance(c, chart_.Chart)]})
+                     "charts": [picture(c) for c in s.charts]})
     links = [{"id": "advice", "short": "Which one to use"}] + [{"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections]
     return env.get_template("page.html.j2").render(
-        title=title, counts=counts, footer=footer, scope=SCOPE, advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
+        title=title, counts=counts, footer=footer, scope=SCOPE, cards=[card(a) for a in cards], advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
         css=Markup((HERE / "page.css").read_text()), js=Markup((HERE / "page.js").read_text()), plotly=library() if any(s.charts for s in sections) else "")
 
 

@@ -18,7 +18,7 @@ def main():
     args = parser.parse_args()
     column = accuracy.YARDSTICKS[args.yardstick][0]
     try:
-        cells = rows.cells(rows.load_all(args.folder)[0])
+        cells = accuracy.confirmed(rows.cells(rows.load_all(args.folder)[0]))
     except rows.BadRows as problem:
         print(problem, file=sys.stderr)
         return 2
@@ -32,10 +32,13 @@ def main():
         best = accuracy.cheapest(group, args.error, column)
         if best is None:
             fit = accuracy.usable(group, column)
-            print(f"{problem}: nothing verified reaches {args.error:g}; the smallest is {error(fit[column].min()) or 'not measured'}")
+            print(f"{problem}: nothing confirmed reaches {args.error:g}; the smallest is {error(fit[column].min()) or 'not measured'}")
             continue
         status = 0
         print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {error(best[column])}, {si(best['cost'], 's')}")
+        same = accuracy.ties(group, best, args.error, column)
+        if same:
+            print(f"  in the same time, to the noise: {'; '.join(same)}")
         print(f"  {best['command']}")
     return status
 

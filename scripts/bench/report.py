@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, claims, effects, latex, library, page, paper, rows, scaling, stability  # noqa: E402
+from bench import accuracy, claims, effects, latex, library, limits, page, paper, rows, scaling, stability  # noqa: E402
 from bench.section import Section  # noqa: E402
 
 LIMIT = 5_000_000  # bytes of the page
@@ -21,9 +21,16 @@ def paper_section(cells):
                    [t for t in (paper.summary(own),) if t])
 
 
-def gather(cells, manifests):
+def stability_section(cells, bounds):
+    made = stability.section(cells)
+    if made and bounds:
+        made.tables.insert(0, limits.table(bounds))
+    return made
+
+
+def gather(cells, manifests, bounds):
     """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
-    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", accuracy.section), ("stability", stability.section),
+    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", accuracy.section), ("stability", lambda c: stability_section(c, bounds)),
               ("effects", effects.section), ("scaling", scaling.section), ("library", library.section)]
     sections, absent = [], []
     asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
@@ -67,14 +74,20 @@ def main():
     cells = rows.cells(all_rows)
     names = sorted(set(cells["campaign"]))
     title = "lcpbench: " + ", ".join(names)
-    sections = gather(cells, manifests)
+    bounds = [r for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv")) for r in limits.load(path)]
+    sections = gather(cells, manifests, bounds)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
     counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
               f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
-    advice = accuracy.advice(cells) if accuracy.scenes(accuracy.own(cells)) else None
+    advised = accuracy.scenes(accuracy.own(cells))
+    advice = accuracy.advice(cells) if advised else None
+    cards = accuracy.advise(cells) if advised else []
+    falls = stability.falls(cells)
+    for card in cards:
+        card["falls"] = falls.get((card.get("formulation"), card.get("solver")))
     out.mkdir(parents=True, exist_ok=True)
-    text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", advice, sections)
+    text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", cards, advice, sections)
     (out / "index.html").write_text(text)
     latex.write(out / "latex", facts(all_rows, cells, sections, title), ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections)
     print(out / "index.html")

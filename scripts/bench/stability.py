@@ -1,82 +1,194 @@
-"""What breaks first: every stressor against every combination, with the reason."""
+"""What breaks first: every stressor against every formulation and every solver, with the reason."""
+import collections
+import math
 import re
 
 import numpy as np
 
 from bench import rows as rows_
-from bench.chart import Heat
+from bench.chart import Heat, HeatPanel
 from bench.section import Cell, Section, Table
+from bench.style import FORMULATIONS, SOLVERS
 
-# In the order of the questions asked of a cell; thresholds are part of the answer and printed beside the map.
-DRIFT = 1e-2  # energy gained relative to the energy of the scene
-DEEP = 1e-2  # penetration [m]
-MARK = {"stable": "good", "misses": "fair", "penetrates": "fair", "gains energy": "bad", "false claim": "bad", "not defined": "none"}
+# Words of a run, the worst first; one letter each for the maps
+LETTERS = {"false claim": "x", "time-out": "t", "fails honestly": "f", "gains energy": "e", "penetrates": "p", "creeps": "c", "misses": "m", "not defined": "–"}
+MARK = {"stands": "good", "not defined": "none", "gains energy": "bad", "false claim": "bad", "time-out": "bad", "fails honestly": "bad"}
+DEEP = 1e-2  # penetration [m] that counts where the scene begins without any
+# What is turned up along a ladder whose problems differ in more than one number, and where it is mild: part -> (name, key)
+MILD = {"near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
+        "vanishing inertia": ("inertia", lambda v: -v), "short step": ("h", lambda v: -v), "long step": ("h", lambda v: v),
+        "stiffness": ("", None), "gyroscopic": ("", None)}
+NO_SOLUTION = {"vise"}  # stressors without a solution for rigid bodies: only a refusal is right
+
+
+def missed_word(missed):
+    """The worst kind among the missed predictions, from their names (column `missed`)."""
+    kinds = [m.strip() for m in str(missed).split(",")]
+    if any(m.startswith(("energy", "angular_momentum", "max_speed")) for m in kinds):
+        return "gains energy"
+    if any(m.startswith("max_penetration") for m in kinds):
+        return "penetrates"
+    if any(m.startswith("max_drift") or " = 0 " in m for m in kinds):
+        return "creeps"
+    return "misses"
+
+
+def unsolvable(cell):
+    return cell["part"] in NO_SOLUTION and cell["formulation"] != "penalty"
 
 
 def word(cell):
     """One word for how a run ended, and the longer reason."""
-    if cell["status"] in ("unsupported", "skipped"):
+    status = cell["status"]
+    if status in ("unsupported", "skipped"):
         return "not defined", cell.get("note", "")
-    if cell["status"] == "unverified":
+    if status == "unverified":
         return "false claim", "claimed solved, the judge disagrees"
-    if cell["status"] != "ok" or not cell["verified"]:
-        return cell["status"], cell.get("note", "") or "fails, and says so"
-    if np.isfinite(cell.get("energy_drift_rel", np.nan)) and cell["energy_drift_rel"] > DRIFT:
-        return "gains energy", f"energy drift {cell['energy_drift_rel']:.2g}"
-    if np.isfinite(cell.get("penetration_m", np.nan)) and cell["penetration_m"] > DEEP:
+    if status in ("timeout", "time_limit"):
+        return "time-out", f"not finished within {cell.get('t_limit_s', math.nan):g} s"
+    if status != "ok" or not cell["verified"]:
+        if unsolvable(cell):
+            return "stands", f"refuses, as it must: {status}"
+        return "fails honestly", f"{status}: {cell.get('note', '')}"
+    if unsolvable(cell):
+        return "misses", "gives an answer where none exists"
+    if cell.get("n_predictions_missed", 0) > 0:
+        return missed_word(cell.get("missed", "")), f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}"
+    if cell["part"] not in ("initial overlap",) and cell.get("penetration_m", 0) > DEEP:
         return "penetrates", f"{cell['penetration_m']:.2g} m"
-    if np.isfinite(cell.get("n_predictions_missed", np.nan)) and cell["n_predictions_missed"] > 0:
-        return "misses", f"misses {cell['n_predictions_missed']:.0f} of {cell['n_predictions']:.0f} predictions ({cell.get('err_quantity', '')})"
-    return "stable", ""
+    return "stands", ""
 
 
-def severities(group):
-    """What is turned up along a ladder, and how far: the numeric parameter that varies, else 1/h. (name, values)"""
-    options = [rows_.options(str(p).partition(":")[2]) for p in group["problem"]]
+def severity(part, cells):
+    """What is turned up along a ladder, and how far each of its cells is: (name, values, printed)."""
+    options = [{**rows_.options(str(p).partition(":")[2]), **rows_.options(f)} for p, f in zip(cells["problem"], cells["formulation_options"])]
+    if part in MILD and MILD[part][0] == "h":
+        return "h", [MILD[part][1](h) for h in cells["step_s"]], [f"{h:g} s" for h in cells["step_s"]]
+    if part in MILD and MILD[part][1]:
+        values = [float(o[MILD[part][0]]) for o in options]
+        return MILD[part][0], [MILD[part][1](v) for v in values], [f"{v:g}" for v in values]
     for name in dict.fromkeys(k for o in options for k in o):
         values = [o.get(name, "") for o in options]
         if len(set(values)) > 1 and all(re.fullmatch(r"[-+0-9.eE]+", v) for v in values):
-            return name, [float(v) for v in values]
-    return "1/h", [1 / h if h > 0 else 0.0 for h in group["step_s"]]
+            return name, [float(v) for v in values], [f"{float(v):g}" for v in values]
+    return "problem", list(range(len(cells))), list(cells["problem"])
 
 
-def summary(group):
-    """Cell of the map: how many rungs stand, and what brings the first one down."""
-    name, values = severities(group)
-    rungs = [(value, name, *word(cell)) for value, (_, cell) in zip(values, group.iterrows())]
-    rungs.sort(key=lambda r: r[0], reverse=name == "1/h")
-    defined = [r for r in rungs if r[2] != "not defined"]
-    if not defined:
-        return Cell("–", "none", rungs[0][3] or "not defined for this combination")
-    stands = [r for r in defined if r[2] == "stable"]
-    if len(stands) == len(defined):
-        return Cell(f"stable {len(stands)}/{len(defined)}", "good", "stands on every rung", sort=1.0)
-    first = next(r for r in defined if r[2] != "stable")
-    at = "" if not first[0] else f"h = {1 / first[0]:g} s" if first[1] == "1/h" else f"{first[1]} = {first[0]:g}"
-    share = len(stands) / len(defined)
-    return Cell(f"{first[2]} {len(stands)}/{len(defined)}", "fair" if share >= 0.5 else "bad", f"first at {at}: {first[3] or first[2]}", sort=share)
+class Ladder:
+    """All rungs of one stressor for one formulation and one solver."""
+
+    def __init__(self, part, cells):
+        name, values, printed = severity(part, cells)
+        order = np.argsort(values, kind="stable")
+        self.rungs = [(*word(cells.iloc[i]), name, printed[i], cells.iloc[i].get("command", "")) for i in order]
+        self.defined = [r for r in self.rungs if r[0] != "not defined"]
+        self.stands = sum(r[0] == "stands" for r in self.defined)
+        self.first = next((r for r in self.defined if r[0] != "stands"), None)
+
+    def cell(self):
+        if not self.defined:
+            return Cell("not defined: " + (self.rungs[0][1] or "for this combination"), "none")
+        n = len(self.defined)
+        if self.first is None:
+            return Cell(f"stands {n}/{n}", "good", "on every rung", sort=1.0)
+        what, why, name, at, command = self.first
+        return Cell(f"{what} {self.stands}/{n}", MARK.get(what, "fair"), f"first at {name} = {at}: {why}\n{command}", sort=self.stands / n)
+
+
+def order(names, known):
+    return [n for n in known if n in names] + sorted(set(names) - set(known))
+
+
+def ladders(cells):
+    """(formulation, solver) -> part -> Ladder; formulations without solver have the solver ''."""
+    out = {}
+    for (form, solver, part), g in cells.groupby(["formulation", "solver", "part"]):
+        out.setdefault((form, "" if form == "penalty" else solver), {})[part] = Ladder(part, g)
+    return out
+
+
+def summed(found, part):
+    """A field of the overview: how many of the combinations that are defined stand on every rung; what brings most others down."""
+    found = [l[part] for l in found if part in l and l[part].defined]
+    if not found:
+        return "–", None
+    whole = sum(l.first is None for l in found)
+    fell = collections.Counter(l.first[0] for l in found if l.first is not None)
+    letter = LETTERS[min(fell, key=lambda w: (-fell[w], list(LETTERS).index(w)))] if fell else ""
+    return f"{whole}/{len(found)} {letter}".strip(), whole / len(found)
+
+
+LEGEND = ", ".join(f"{letter} {name}" for name, letter in LETTERS.items())
+
+
+def overview(by, parts):
+    forms, solvers = order({f for f, _ in by}, FORMULATIONS), order({s for _, s in by if s}, SOLVERS)
+    panels = [HeatPanel("formulations", [f if f != "penalty" else "penalty (no solver)" for f in forms], [[summed([l for (f, _), l in by.items() if f == form], p) for p in parts] for form in forms]),
+              HeatPanel("solvers", solvers, [[summed([l for (_, s), l in by.items() if s == solver], p) for p in parts] for solver in solvers])]
+    return Heat("stability", "What breaks first: combinations that stand on every rung of a stressor's ladder, of those that are defined, by formulation (top) and by "
+                f"solver (bottom); the letter is what brings most of the others down ({LEGEND}). Dark: all stand. Stressors from the mildest to the hardest.", parts, panels)
+
+
+def map_of_all(by, parts):
+    panels = []
+    for form in order({f for f, _ in by}, FORMULATIONS):
+        solvers = order({s for f, s in by if f == form}, SOLVERS)
+        words = []
+        for solver in solvers:
+            line = []
+            for part in parts:
+                ladder = by[form, solver].get(part)
+                if ladder is None or not ladder.defined:
+                    line.append((LETTERS["not defined"], None))
+                else:
+                    line.append(("" if ladder.first is None else LETTERS[ladder.first[0]], ladder.stands / len(ladder.defined)))
+            words.append(line)
+        panels.append(HeatPanel(form, [s or "no solver" for s in solvers], words))
+    return Heat("stability_all", f"The whole map: every formulation with every solver. Dark: stands on every rung; otherwise what the first failing rung does: {LEGEND}.",
+                parts, panels, across=3, size=5.5)
+
+
+def falls(cells):
+    """(formulation, solver) -> (stressors it stands, stressors that are defined, {word: [stressors]})."""
+    some = cells[cells["campaign"].str.startswith("stability")]
+    out = {}
+    for key, by_part in (ladders(some) if len(some) else {}).items():
+        defined = {p: l for p, l in by_part.items() if l.defined}
+        fell = {}
+        for part, ladder in sorted(defined.items()):
+            if ladder.first is not None:
+                fell.setdefault(ladder.first[0], []).append(part)
+        out[key] = (sum(l.first is None for l in defined.values()), len(defined), fell)
+    return out
+
+
+def why_missing(form, solver, part):
+    """The reason of a field that no cell was planned for."""
+    if part == "stiffness":
+        return f"not defined: {form} has no stiffness to turn up"
+    return f"not run: {form} with {solver or 'no solver'} is not in this campaign's part"
 
 
 def section(cells):
     some = cells[cells["campaign"].str.startswith("stability")]
     if some.empty:
         return None
-    some = some.assign(stressor=[f"{f}: {p}" if p else f for f, p in zip(some["problem_family"], some["part"])])
-    families = sorted(some["stressor"].unique())
-    combos = sorted(some["combination"].unique())
-    table = []
-    for combo in combos:
-        here = some[some["combination"] == combo]
-        table.append([combo] + [summary(g) if len(g := here[here["stressor"] == family]) else Cell("not run", "none", "no such cell in this campaign")
-                                for family in families])
-    defined = [r for r in table if any(c.sort is not None for c in r[1:])]
-    heat = Heat("stability", "Stability map: how many rungs of each ladder stand and, if not all, what brings the first one down. Combinations that are "
-                "not defined for any stressor are left out here and named in the table of the page.",
-                [r[0] for r in defined], [f.replace(": ", "\n") for f in families], [[(c.text, c.sort) for c in r[1:]] for r in defined])
-    total = sum(len(r) - 1 for r in table)
-    blank = sum(c.text == "not run" for r in table for c in r[1:])
+    by = ladders(some)
+    parts = sorted(set(some["part"]), key=lambda p: (-np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]), p))
+    table, reasons = [], collections.Counter()
+    for form, solver in sorted(by, key=lambda k: (order({f for f, _ in by}, FORMULATIONS).index(k[0]), order({s for _, s in by}, SOLVERS).index(k[1]))):
+        line = [form, solver or "none (integrator)"]
+        for part in parts:
+            ladder = by[form, solver].get(part)
+            cell = ladder.cell() if ladder else Cell(why_missing(form, solver, part), "none")
+            reasons[cell.text.partition(":")[0].rstrip("0123456789/ ")] += 1
+            line.append(cell)
+        table.append(line)
+    fields = sum(reasons.values())
+    counts = ", ".join(f"{n} {name}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
     return Section("stability", "What breaks first",
-                   "Each stressor is a ladder. A cell says how many rungs stand and, if not all, in one word what the first failing rung does: "
-                   f"misses (a prediction), penetrates (more than {DEEP:g} m), gains energy (more than {DRIFT:g} of it), false claim, or the status of an honest failure. "
-                   "Tooltips name the rung.", [heat] if defined else [],
-                   [Table("stability", f"Stability map: combinations against stressors ({total - blank} of {total} fields run).", ["combination"] + families, table)])
+                   f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. "
+                   f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
+                   f"({', '.join(NO_SOLUTION)}), only a refusal stands.", [overview(by, parts), map_of_all(by, parts)],
+                   [Table("stability", f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.", ["formulation", "solver"] + parts, table, paper=False)],
+                   {"StabilityFields": str(fields), "StabilityStands": str(reasons["stands"])})

@@ -8,14 +8,16 @@ import sys
 import tempfile
 import unittest
 
+import pandas as pd
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, claims, library, paper, rows, stability  # noqa: E402
+from bench import accuracy, claims, library, limits, paper, rows, stability  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
           "status_claimed verified note rho res_ncp_rel penetration_m energy_drift_rel err_ref err_worst n_predictions "
-          "n_predictions_missed workspace_B command").split()
+          "n_predictions_missed workspace_B command missed err_quantity").split()
 
 
 def cell(campaign, problem, form, opts, solver, step, p, dim, seconds, error, **more):
@@ -107,8 +109,49 @@ class Judged(unittest.TestCase):
 
     def test_the_stability_map_names_the_first_failing_rung(self):
         table = stability.section(self.cells).tables[0]
-        self.assertEqual(table.rows[0][1].text, "ray 2/3")
-        self.assertIn("mass_ratio = 100", table.rows[0][1].title)
+        self.assertEqual(table.rows[0][:2], ["velocity", "lemke"])
+        self.assertEqual(table.rows[0][2].text, "fails honestly 2/3")
+        self.assertIn("mass_ratio = 100: ray", table.rows[0][2].title)
+
+    def test_every_end_of_a_run_has_its_word(self):
+        ok = {"status": "ok", "verified": True, "part": "height", "formulation": "velocity", "n_predictions_missed": 0, "missed": "", "penetration_m": 0.0}
+        ends = {"stands": {}, "gains energy": {"n_predictions_missed": 2, "missed": "max_drift b.x 3x, energy_nonincrease 2x"}, "creeps": {"n_predictions_missed": 1, "missed": "max_drift b.x 3x"},
+                "penetrates": {"penetration_m": 0.02}, "misses": {"n_predictions_missed": 1, "missed": "state b.x 3x"}, "false claim": {"status": "unverified", "verified": False},
+                "time-out": {"status": "timeout", "verified": False}, "fails honestly": {"status": "max_iter", "verified": False},
+                "not defined": {"status": "unsupported", "verified": False}}
+        self.assertEqual({w: stability.word({**ok, **change})[0] for w, change in ends.items()}, {w: w for w in ends})
+        self.assertEqual(stability.missed_word("state b.vx = 0 3x"), "creeps")
+        vise = {**ok, "part": "vise"}
+        self.assertEqual([stability.word({**vise, **c})[0] for c in ({}, ends["fails honestly"])], ["misses", "stands"])
+
+    def test_a_field_without_rows_gives_its_reason(self):
+        some = self.cells[self.cells["campaign"] == "stability"]
+        more = some.assign(part="stiffness", formulation="regularized", problem="stack")
+        table = stability.section(pd.concat([some, more])).tables[0]
+        self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
+        self.assertIn("no stiffness", next(r for r in table.rows if r[0] == "velocity")[3].text + next(r for r in table.rows if r[0] == "velocity")[2].text)
+
+    def test_bisection_brackets_the_edge(self):
+        stressor = limits.Stressor("edge", "x={}", 1, 1e9)
+
+        class Probe:
+            count = 0
+
+            def __init__(self):
+                self.stressor = stressor
+
+            def __call__(self, value):
+                return ("stands" if value <= 4321 else "creeps", "", "")
+        found = limits.bisect(Probe())
+        self.assertLessEqual(found["stands"], 4321)
+        self.assertGreater(found["fails"], 4321)
+        self.assertLess(found["fails"] / found["stands"], limits.CLOSE)
+        self.assertEqual(found["word"], "creeps")
+
+    def test_the_first_screen_chooses_what_reaches_most(self):
+        cards = {a["situation"]: a for a in accuracy.advise(self.cells)}
+        self.assertEqual(cards["stack"]["use"], "regularized + lemke")
+        self.assertEqual(cards["grasp"]["use"], "")
 
     def test_missing_rows_are_an_error(self):
         with self.assertRaises(rows.BadRows):
@@ -130,6 +173,12 @@ class Page(unittest.TestCase):
     def tearDownClass(cls):
         cls.tmp.cleanup()
 
+    def browse(self, where=""):
+        """Headless, without a network; the DOM after the scripts ran, and what they complained about."""
+        return subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=60000", "--window-size=1200,9000", "--proxy-server=127.0.0.1:9",
+                               f"--user-data-dir={self.folder / 'profile'}", "--enable-logging=stderr", "--dump-dom", (self.folder / "one/index.html").as_uri() + where],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+
     def test_the_same_bytes_twice(self):
         files = sorted(p.relative_to(self.folder / "one") for p in (self.folder / "one").rglob("*") if p.is_file())
         self.assertGreater(len(files), 10)
@@ -144,13 +193,20 @@ class Page(unittest.TestCase):
     def test_failures_and_commands_are_in_the_page_without_a_script(self):
         self.assertIn("false claims", self.page)
         self.assertIn("lcpbench simulate &#x27;slide:speed=5&#x27;", self.page)
-        self.assertIn("ray 2/3", self.page)
+        self.assertIn("fails honestly 2/3", self.page)
+
+    @unittest.skipUnless(shutil.which("chromium"), "no chromium")
+    def test_filters_filter(self):
+        done = self.browse("#cells:slide;velocity")
+        shown = re.search(r"(\d+) of (\d+) cells", done.stdout)
+        self.assertEqual(shown.group(1), "3")
+        table = re.search(r'<table id="table-cells".*?</table>', done.stdout, re.S).group(0)
+        self.assertEqual(len(re.findall(r"<tr>", table)) - 1, 3)
+        self.assertEqual(len(re.findall(r'<tr hidden="">', table)), int(shown.group(2)) - 3)
 
     @unittest.skipUnless(shutil.which("chromium"), "no chromium")
     def test_it_lives_in_a_browser(self):
-        done = subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=60000", "--window-size=1200,9000",
-                               f"--user-data-dir={self.folder / 'profile'}", "--enable-logging=stderr", "--dump-dom", (self.folder / "one/index.html").as_uri()],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        done = self.browse()
         self.assertNotIn("CONSOLE", done.stderr)
         charts = self.page.count('class="chart" data-chart=')
         self.assertGreater(charts, 3)
