@@ -1,6 +1,7 @@
 #include "harness/trajectory.h"
 
 #include "lcp/base/fields.h"
+#include "problems/model.h"
 
 static const double nothing[3] = {0.0, 0.0, 0.0};
 static const double upright[4] = {1.0, 0.0, 0.0, 0.0};
@@ -65,6 +66,16 @@ static void put_shape(FILE *to, const char *body, const spec_shape *s, const dou
   }
 }
 
+/* Parts of a mechanism in generalised coordinates. */
+static void put_parts(FILE *to, const scene_spec *spec) {
+  const mech_model *m = spec->model;
+  for (int b = 0; m != NULL && b < m->n_body; b++) {
+    double size[3] = {0.0};
+    m->half(spec->model_param, b, size);
+    put_line(to, &(line){.kind = "shape", .name = m->body_name[b], .word = "box", .size = size});
+  }
+}
+
 base_status trajectory_header(FILE *to, const scene_spec *spec, base_error *err) {
   if (to == NULL) {
     return BASE_OK;
@@ -84,6 +95,7 @@ base_status trajectory_header(FILE *to, const scene_spec *spec, base_error *err)
                          .vel = s->surface_velocity,
                          .size = s->normal});
   }
+  put_parts(to, spec);
   for (int b = 0; b < spec->n_body; b++) {
     put_shape(to, spec->body[b].name, &spec->body[b].shape, NULL, NULL);
   }

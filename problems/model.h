@@ -33,8 +33,12 @@ typedef struct mech_model {
   /* Gap [m], its gradient jn (n_dof), tangent rows jt ((dim-1) x n_dof, row-major). */
   void (*gap)(const void *param, const double *q, int i, double *gap, double *jn, double *jt);
 
-  /* For pictures; NULL: none. Poses of n_body named parts. */
+  /* For pictures; 0 and NULL: none. Poses of n_body named parts, planar rectangles of half sizes
+   * `half` [m], and where contact i touches: point, normal and tangent in the plane. */
   int n_body;
   const char *const *body_name;
+  void (*half)(const void *param, int body, double half[2]);
   void (*pose)(const void *param, const double *q, int body, double pos[3], double quat[4]);
+  void (*place)(const void *param, const double *q, int i, double point[3], double normal[3],
+                double tangent[3]);
 } mech_model;

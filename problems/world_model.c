@@ -125,6 +125,17 @@ static double reach(const world *w, const double *jn, double h) {
   return 1.5 * h * fmax(fabs(before), fabs(after));
 }
 
+/* Where the contact is drawn: the numbers of a model do not need it. */
+static void set_place(const world *w, int i, double *point, double *frame) {
+  static const double upright[9] = {0, 1, 0, 1, 0, 0, 0, 0, 0};
+  static const double upright3[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
+  memcpy(frame, (w->dim == 2) ? upright : upright3, sizeof upright);
+  memset(point, 0, 3 * sizeof *point);
+  if (w->model->place != NULL) {
+    w->model->place(w->spec.model_param, w->q, i, point, frame, frame + 3);
+  }
+}
+
 static void add_contact(world *w, int i, double gap, const double *jac, const mech_contact *m) {
   set_store *s = &w->store;
   const int n = w->n_dof, c = w->set.n_contact;
@@ -137,11 +148,8 @@ static void add_contact(world *w, int i, double gap, const double *jac, const me
   s->mu_kinetic[c] = s->mu_static[c];
   s->mu_torsion[c] = s->mu_rolling[c] = 0.0;
   s->restitution[c] = m->restitution;
-  static const double frame2[9] = {0, 1, 0, 1, 0, 0, 0, 0, 0};
-  static const double frame3[9] = {0, 0, 1, 1, 0, 0, 0, 1, 0};
-  memcpy(s->frame + 9 * (ptrdiff_t)c, (w->dim == 2) ? frame2 : frame3, sizeof frame2);
   memset(s->spin + 3 * (ptrdiff_t)c, 0, 3 * sizeof(double));
-  memset(s->point + 3 * (ptrdiff_t)c, 0, 3 * sizeof(double));
+  set_place(w, i, s->point + 3 * (ptrdiff_t)c, s->frame + 9 * (ptrdiff_t)c);
   int *side = s->group_body + (ptrdiff_t)2 * c;
   side[0] = 0;
   side[1] = -1;

@@ -1,6 +1,7 @@
 #include "problems/scenes/kit.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 void kit_world(scene_spec *s, int dim, double gravity, double duration, double step) {
@@ -177,6 +178,29 @@ base_status kit_penetration(scene_spec *s, double abs, double h_coef, base_error
   c->tol.abs = abs;
   c->tol.h = h_coef;
   return BASE_OK;
+}
+
+base_status kit_model(scene_spec *s, const struct mech_model *m, const void *param, size_t size,
+                      double duration, double step, base_error *err) {
+  s->model_param = malloc(size);
+  if (s->model_param == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the model");
+  }
+  memcpy(s->model_param, param, size);
+  s->model = m;
+  s->model_param_size = size;
+  s->duration = duration;
+  s->h[0] = step;
+  return BASE_OK;
+}
+
+void kit_pose(double x, double y, double angle, double pos[3], double quat[4]) {
+  pos[0] = x;
+  pos[1] = y;
+  pos[2] = 0.0;
+  quat[0] = cos(angle / 2.0);
+  quat[1] = quat[2] = 0.0;
+  quat[3] = sin(angle / 2.0);
 }
 
 void kit_integrate(double (*f)(double y, double rate, const void *ctx), const void *ctx, double t,

@@ -63,6 +63,12 @@ base_status kit_finite(scene_spec *s, base_error *err);
 /* No bodies leave through others: penetration <= abs + h_coef h. */
 base_status kit_penetration(scene_spec *s, double abs, double h_coef, base_error *err);
 
+/* The scene is a mechanism in generalised coordinates: model, and a copy of its parameters. */
+base_status kit_model(scene_spec *s, const struct mech_model *m, const void *param, size_t size,
+                      double duration, double step, base_error *err);
+/* Pose of a planar part: centre (x, y), angle. */
+void kit_pose(double x, double y, double angle, double pos[3], double quat[4]);
+
 /* The check added last. */
 static inline spec_check *kit_last(scene_spec *s) {
   return &s->check[s->n_check - 1];

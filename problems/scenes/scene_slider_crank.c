@@ -2,8 +2,6 @@
 #include "problems/model.h"
 #include "problems/scenes/kit.h"
 
-#include <stdlib.h>
-
 typedef struct slider_crank {
   double clearance, restitution, mu, duration, step;
 } slider_crank;
@@ -82,6 +80,41 @@ static void gap(const void *param, const double *q, int i, double *value, double
   jt[2] = -x * s3 - y * c3;
 }
 
+/* ---- pictures */
+
+static const char *const parts[] = {"crank", "rod", "slider", "upper", "lower"};
+
+static void half(const void *param, int part, double size[2]) {
+  static const double sizes[][2] = {
+      {0.5 * 0.153, 0.006}, {0.5 * 0.306, 0.006}, {0.05, 0.025}, {0.35, 0.004}, {0.35, 0.004}};
+  (void)param;
+  size[0] = sizes[part][0];
+  size[1] = sizes[part][1];
+}
+
+static void pose(const void *param, const double *q, int part, double pos[3], double quat[4]) {
+  const slider_crank *p = param;
+  const double x1 = l1 * cos(q[0]), y1 = l1 * sin(q[0]);
+  const double x2 = l2 * cos(q[1]), y2 = l2 * sin(q[1]), wall = b + p->clearance + 0.004;
+  const double at[5][3] = {{x1 / 2.0, y1 / 2.0, q[0]},
+                           {x1 + x2 / 2.0, y1 + y2 / 2.0, q[1]},
+                           {x1 + x2, y1 + y2, q[2]},
+                           {0.35, wall, 0.0},
+                           {0.35, -wall, 0.0}};
+  kit_pose(at[part][0], at[part][1], at[part][2], pos, quat);
+}
+
+static void place(const void *param, const double *q, int i, double point[3], double normal[3],
+                  double tangent[3]) {
+  const double x = (i % 2 == 0) ? -a : a, level = (i < 2) ? 1.0 : -1.0, y = level * b;
+  (void)param;
+  point[0] = l1 * cos(q[0]) + l2 * cos(q[1]) + x * cos(q[2]) - y * sin(q[2]);
+  point[1] = l1 * sin(q[0]) + l2 * sin(q[1]) + x * sin(q[2]) + y * cos(q[2]);
+  normal[0] = tangent[1] = 0.0;
+  normal[1] = -level;
+  tangent[0] = 1.0;
+}
+
 static const char *const dofs[] = {"theta1", "theta2", "theta3"};
 static const mech_model model = {.name = "slider_crank",
                                  .dim = 2,
@@ -93,20 +126,16 @@ static const mech_model model = {.name = "slider_crank",
                                  .force = force,
                                  .potential = potential,
                                  .contact = contact,
-                                 .gap = gap};
+                                 .gap = gap,
+                                 .n_body = BASE_COUNT(parts),
+                                 .body_name = parts,
+                                 .half = half,
+                                 .pose = pose,
+                                 .place = place};
 
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const slider_crank *p = param;
-  slider_crank *copy = malloc(sizeof *copy);
-  if (copy == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the model");
-  }
-  *copy = *p;
-  s->model = &model;
-  s->model_param = copy;
-  s->model_param_size = sizeof *copy;
-  s->duration = p->duration;
-  s->h[0] = p->step;
+  BASE_TRY(kit_model(s, &model, p, sizeof *p, p->duration, p->step, err));
   s->effects = EFFECT_GRAVITY | EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_RESTITUTION;
   BASE_TRY(spec_add_observe(s, "theta1", err));
   BASE_TRY(spec_add_observe(s, "theta3", err));

@@ -2,8 +2,6 @@
 #include "problems/model.h"
 #include "problems/scenes/kit.h"
 
-#include <stdlib.h>
-
 typedef struct woodpecker {
   double mu, restitution, duration, step;
 } woodpecker;
@@ -76,6 +74,40 @@ static void gap(const void *param, const double *q, int i, double *value, double
   }
 }
 
+/* ---- pictures: the pole, the sleeve around it, the bird on its spring */
+
+static const char *const parts[] = {"pole", "sleeve", "spring", "bird", "beak"};
+
+static void half(const void *param, int part, double size[2]) {
+  static const double sizes[][2] = {
+      {2.5e-3, 50e-3}, {3.1e-3, 5.8e-3}, {0.5 * 25e-3, 0.4e-3}, {4e-3, 22e-3}, {10e-3, 1.2e-3}};
+  (void)param;
+  size[0] = sizes[part][0];
+  size[1] = sizes[part][1];
+}
+
+static void pose(const void *param, const double *q, int part, double pos[3], double quat[4]) {
+  const double bird = lM + lG; /* of the bird's centre from the pole */
+  const double y = q[0] + lM * q[1];
+  const double at[5][3] = {{0.0, -20e-3, 0.0},
+                           {0.0, q[0], q[1]},
+                           {bird / 2.0, y + lG / 2.0 * q[2], q[2]},
+                           {bird, y + lG * q[2], q[2]},
+                           {bird - lS + 10e-3 - hS * q[2], y + lG * q[2] + hS, q[2]}};
+  (void)param;
+  kit_pose(at[part][0], at[part][1], at[part][2], pos, quat);
+}
+
+static void place(const void *param, const double *q, int i, double point[3], double normal[3],
+                  double tangent[3]) {
+  const double heights[3] = {q[0] + lM * q[1] + lG * q[2] + hS, q[0] - hM, q[0] + hM};
+  (void)param;
+  point[0] = rO;
+  point[1] = heights[i];
+  normal[0] = tangent[1] = 1.0;
+  normal[1] = tangent[0] = 0.0;
+}
+
 static const char *const dofs[] = {"y", "phi_M", "phi_S"};
 static const mech_model model = {.name = "woodpecker",
                                  .dim = 2,
@@ -87,20 +119,16 @@ static const mech_model model = {.name = "woodpecker",
                                  .force = force,
                                  .potential = potential,
                                  .contact = contact,
-                                 .gap = gap};
+                                 .gap = gap,
+                                 .n_body = BASE_COUNT(parts),
+                                 .body_name = parts,
+                                 .half = half,
+                                 .pose = pose,
+                                 .place = place};
 
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const woodpecker *p = param;
-  woodpecker *copy = malloc(sizeof *copy);
-  if (copy == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the model");
-  }
-  *copy = *p;
-  s->model = &model;
-  s->model_param = copy;
-  s->model_param_size = sizeof *copy;
-  s->duration = p->duration;
-  s->h[0] = p->step;
+  BASE_TRY(kit_model(s, &model, p, sizeof *p, p->duration, p->step, err));
   s->effects =
       EFFECT_GRAVITY | EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_LOADS;
   BASE_TRY(spec_add_observe(s, "y", err));

@@ -6,6 +6,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
+from matplotlib.collections import PolyCollection  # noqa: E402
 from PIL import Image  # noqa: E402
 
 from bench import style  # noqa: E402
@@ -31,16 +32,37 @@ def rotation(q):
 POS, QUAT, SIZE = ["x_m", "y_m", "z_m"], ["qw", "qx", "qy", "qz"], ["sx", "sy", "sz"]
 
 
+COLUMNS = ["t_s", "kind", "name", "word", *POS, *QUAT, "vx_m_s", "vy_m_s", "vz_m_s", "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", *SIZE]
+SHAPES = {"point", "sphere", "box", "rod", "disc", "polygon"}
+
+
+def read(path):
+    """The rows of a trajectory file, or BadTrajectory with the reason."""
+    try:
+        data = pd.read_csv(path, dtype={"kind": str, "name": str, "word": str}, keep_default_na=False)
+    except (OSError, ValueError) as error:
+        raise BadTrajectory(f"{path}: {str(error).splitlines()[0]}") from None
+    if list(data.columns) != COLUMNS:
+        raise BadTrajectory(f"{path}: not a trajectory: its columns must be {', '.join(COLUMNS)}")
+    numbers = data[["t_s", *COLUMNS[4:]]]
+    if not all(t.kind in "fi" for t in numbers.dtypes) or not np.isfinite(numbers.to_numpy(float)).all():
+        raise BadTrajectory(f"{path}: a number is none, or is not finite")
+    count = data["kind"].value_counts()
+    if count.get("scene", 0) != 1 or count.get("body", 0) == 0:
+        raise BadTrajectory(f"{path}: not a trajectory: needs one `scene` row and rows of bodies")
+    if data[data["kind"] == "scene"]["word"].iloc[0] not in ("2", "3"):
+        raise BadTrajectory(f"{path}: dimension must be 2 or 3")
+    unknown = set(data[data["kind"] == "shape"]["word"]) - SHAPES
+    if unknown:
+        raise BadTrajectory(f"{path}: no shape {sorted(unknown)[0]}")
+    return data
+
+
 class Run:
     """A trajectory file in memory: what there is, and the poses and forces at each time."""
 
     def __init__(self, path):
-        try:
-            data = pd.read_csv(path, dtype={"kind": str, "name": str, "word": str}, keep_default_na=False)
-        except (OSError, ValueError) as error:
-            raise BadTrajectory(f"{path}: {error}") from None
-        if "kind" not in data or not (data["kind"] == "scene").any():
-            raise BadTrajectory(f"{path}: not a trajectory (no `scene` row)")
+        data = read(path)
         scene = data[data["kind"] == "scene"].iloc[0]
         self.title, self.dim = scene["name"], int(scene["word"])
         self.planes = [(p[POS].to_numpy(float), p[SIZE].to_numpy(float)) for _, p in data[data["kind"] == "plane"].iterrows()]
@@ -56,15 +78,39 @@ class Run:
         self.names = list(dict.fromkeys(bodies["name"]))
         force = np.linalg.norm(data[data["kind"] == "contact"][SIZE].to_numpy(float), axis=1)
         self.force = float(np.quantile(force[force > 0], 0.98)) if (force > 0).any() else 1.0
-        reach = [max(self.radius(n), 1e-6) for n in self.names]
-        at = bodies[POS].to_numpy(float)
-        self.size = max(reach) if reach else 1.0
-        self.low = at.min(axis=0) - self.size * 1.3
-        self.high = at.max(axis=0) + self.size * 1.3
+        self.size = max((self.radius(n) for n in self.names), default=1.0)
+        self.look()
 
     def radius(self, name):
-        return max((np.linalg.norm(p) + (np.abs(v).max() if v is not None else np.linalg.norm(s) if w == "box" else s.max())
-                    for w, s, p, _, v in self.shapes.get(name, [])), default=0.05)
+        return max((np.linalg.norm(p) + np.abs(corners(w, s, v)).max() for w, s, p, _, v in self.shapes.get(name, [])), default=0.05)
+
+    def look(self):
+        """What the bodies sweep over the run: in space (low, high) and on the picture (view: low and high corner)."""
+        flat = (lambda p: p[:, :2]) if self.dim == 2 else projection()[0]
+        space, seen = [], []
+        for t in self.times[np.unique(np.linspace(0, len(self.times) - 1, 25).astype(int))]:
+            for _, body in self.bodies[t].iterrows():
+                r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
+                for word, size, pos, turn, vertices in self.shapes.get(body["name"], []):
+                    ball = word == "sphere"
+                    points = (at + pos @ r.T)[None, :] if ball else at + (pos + corners(word, size, vertices) @ turn.T) @ r.T
+                    reach = size[0] if ball else 0.0
+                    space += [points.min(axis=0) - reach, points.max(axis=0) + reach]
+                    on = flat(points)
+                    seen += [on.min(axis=0) - reach, on.max(axis=0) + reach]
+        self.low, self.high = np.min(space, axis=0), np.max(space, axis=0)
+        low, high = np.min(seen, axis=0), np.max(seen, axis=0)
+        margin = 0.06 * np.max(high - low) + 0.25 * min(self.size, 0.3 * np.max(high - low))
+        self.view = low - margin, high + margin
+
+    def mark(self):
+        """Size of arrow heads and contact points: smaller where bodies are small on the picture."""
+        return float(np.clip(5.0 * self.size / np.max(self.view[1] - self.view[0]), 0.4, 1.0))
+
+    def ratio(self):
+        """Height over width of the picture."""
+        low, high = self.view
+        return min(1.5, max(0.3, (high - low)[1] / (high - low)[0]))
 
     def nearest(self, t):
         return self.times[np.argmin(np.abs(self.times - t))]
@@ -82,14 +128,16 @@ def outline(word, size, vertices):
     if word == "rod":
         return np.array([[-size[0], 0], [size[0], 0]])
     a = np.linspace(0, 2 * np.pi, 49)
+    if word == "point":
+        return np.zeros((1, 2))
     return size[0] * np.column_stack([np.cos(a), np.sin(a)])
 
 
 def draw_plane(ax, run, t):
-    span = np.max(run.high[:2] - run.low[:2])
+    low, high = run.view
+    span, middle = np.max(high - low), (low + high) / 2
     for foot, normal in run.planes:
         along = np.array([-normal[1], normal[0]])
-        middle = (run.low[:2] + run.high[:2]) / 2
         base = foot[:2] + along * np.dot(middle - foot[:2], along)
         ends = [base - along * span * 2, base + along * span * 2]
         ax.fill(*np.array([*ends, ends[1] - normal[:2] * span * 3, ends[0] - normal[:2] * span * 3]).T, color="#efeae2", zorder=0)
@@ -99,20 +147,30 @@ def draw_plane(ax, run, t):
         for word, size, pos, turn, vertices in run.shapes.get(body["name"], []):
             local = outline(word, size, vertices)
             points = (at + (pos + np.column_stack([local, np.zeros(len(local))]) @ turn.T) @ r.T)[:, :2]
-            if word == "point":
-                ax.plot(*at[:2], "o", color=EDGE, markersize=6, zorder=3)
+            if np.max(np.ptp(points, axis=0)) < 0.02 * span:
+                ax.plot(*points.mean(axis=0), "o", color=EDGE, markersize=8, zorder=3)
                 continue
             ax.fill(*points.T, facecolor=FILL, edgecolor=EDGE, linewidth=1.0, zorder=2)
             if word in ("sphere", "disc"):  # a spoke shows the turning
                 ax.plot(*np.array([at[:2], points[0]]).T, color=EDGE, linewidth=0.8, zorder=3)
     for point, force, color in arrows(run, t):
-        tip = point[:2] + force[:2]
-        if np.linalg.norm(force[:2]) > 1e-9:
-            ax.annotate("", tip, point[:2], zorder=5, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 1.6, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9})
-        ax.plot(*point[:2], "o", color=color, markersize=3.5, zorder=6)
-    centre, half = (run.low[:2] + run.high[:2]) / 2, np.maximum((run.high - run.low)[:2] / 2, 0.55 * np.max((run.high - run.low)[:2]) / 2)
-    ax.set_xlim(centre[0] - half[0], centre[0] + half[0])
-    ax.set_ylim(centre[1] - half[1], centre[1] + half[1])
+        arrow(ax, point[:2], force[:2], color, run.mark())
+    frame_view(ax, run)
+
+
+def frame_view(ax, run):
+    low, high = run.view
+    half = np.maximum((high - low) / 2, [0.0, 0.3 * (high - low)[0] / 2])
+    half = np.maximum(half, [half[1] / 1.5, 0.0])
+    ax.set_xlim(*((low + high)[0] / 2 + half[0] * np.array([-1, 1])))
+    ax.set_ylim(*((low + high)[1] / 2 + half[1] * np.array([-1, 1])))
+
+
+def arrow(ax, here, force, color, mark, alpha=1.0):
+    if np.linalg.norm(force) > 1e-9:
+        ax.annotate("", here + force, here, zorder=5, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 0.6 + mark, "shrinkA": 0,
+                                                                  "shrinkB": 0, "mutation_scale": 9 * mark, "alpha": alpha})
+    ax.plot(*here, "o", color=color, markersize=1 + 2.5 * mark, zorder=6, alpha=alpha, markeredgewidth=0)
 
 
 def arrows(run, t):
@@ -130,19 +188,74 @@ def camera():
     return right, np.cross(right, away), away
 
 
-def mesh(word, size, vertices):
-    """Faces of a shape in its own frame, each an array of corners."""
+def projection():
+    """Points in space to points on the picture, and the direction away from the eye."""
+    right, up, away = camera()
+    return (lambda p: np.column_stack([p @ right, p @ up])), away
+
+
+def corners(word, size, vertices):
+    """Points whose hull holds the shape, in its own frame; a ball's are those of its bounding box."""
+    if vertices is not None:
+        return np.column_stack([vertices, np.zeros(len(vertices))])
+    if word == "rod":
+        half = np.array([size[0] + size[1], size[1], size[1]])
+    elif word == "disc":
+        half = np.array([size[0], size[0], size[2]])
+    else:
+        half = np.array([0.0, 0.0, 0.0]) if word == "point" else size
+    return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+
+
+def shaded(tint, normal):
+    return tuple(np.clip(tint * (0.62 + 0.38 * max(0.0, float(np.dot(normal, LIGHT)))) * 1.06, 0, 1))
+
+
+def hidden(faces, here, depth, size):
+    """Is the point, `depth` away, behind one of the faces drawn? `front` of a face: how far away it is at a point of the picture."""
+    return any(front(here) < depth - 1e-3 * size and inside(here, points) for _, points, _, _, front in faces if front is not None)
+
+
+def inside(here, points):
+    """Is the point inside a convex outline?"""
+    side = np.roll(points, -1, axis=0) - points
+    cross = side[:, 0] * (here[1] - points[:, 1]) - side[:, 1] * (here[0] - points[:, 0])
+    return bool((cross > 0).all() or (cross < 0).all())
+
+
+def plane_front(points, normal, flat, away):
+    """Depth of the plane of a face over the picture."""
+    on, depth = flat(points), points @ away
+    slope = np.linalg.lstsq(np.column_stack([on, np.ones(len(on))]), depth, rcond=None)[0]
+    return lambda here: float(slope[0] * here[0] + slope[1] * here[1] + slope[2])
+
+
+def ball(centre, radius, turn, flat, away, tint):
+    """A ball as seen from afar: discs of growing brightness towards the light, and a great circle that shows its turning."""
+    a = np.linspace(0, 2 * np.pi, 33)
+    ring = np.column_stack([np.cos(a), np.sin(a)])
+    middle, depth = flat(centre[None, :])[0], float(centre @ away)
+    lit = flat(LIGHT[None, :])[0]
+    out = []
+    for i, share in enumerate((1.0, 0.85, 0.7, 0.5, 0.3)):
+        color = tuple(np.clip(tint * (0.72 + 0.085 * i), 0, 1))
+        front = (lambda here: depth - np.sqrt(max(0.0, radius ** 2 - np.sum((here - middle) ** 2)))) if i == 0 else None
+        out.append((depth - 1e-6 * i * radius, middle + radius * (share * ring + (1 - share) * 0.8 * lit), color, EDGE if i == 0 else color, front))
+    circle = radius * np.column_stack([ring, np.zeros(len(ring))]) @ turn.T
+    for k in range(len(circle) - 1):
+        if circle[k] @ away < 0 and circle[k + 1] @ away < 0:
+            out.append((depth - 1e-5 * radius, flat(centre + circle[k:k + 2]), EDGE, EDGE, None))
+    return out
+
+
+def mesh(word, size):
+    """Faces of a box, rod, disc or cylinder in its own frame, each an array of corners seen counter-clockwise from outside."""
     if word == "box":
         c = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size
         return [c[i] for i in ([0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3])]
     if word == "rod":
         return tube(max(size[1], 0.03 * size[0]), size[0], axis=0)
-    if word == "disc":
-        return tube(size[0], max(size[2], 0.04 * size[0]), axis=2)
-    r = size[0] if size[0] > 0 else 0.05
-    u, v = np.linspace(0, 2 * np.pi, 21), np.linspace(-np.pi / 2, np.pi / 2, 11)
-    p = lambda a, b: r * np.array([np.cos(a) * np.cos(b), np.sin(a) * np.cos(b), np.sin(b)])  # noqa: E731
-    return [np.array([p(u[i], v[j]), p(u[i + 1], v[j]), p(u[i + 1], v[j + 1]), p(u[i], v[j + 1])]) for i in range(20) for j in range(10)]
+    return tube(size[0], max(size[2], 0.04 * size[0]), axis=2)
 
 
 def tube(radius, half, axis):
@@ -154,8 +267,7 @@ def tube(radius, half, axis):
 
 
 def draw_space(ax, run, t):
-    right, up, away = camera()
-    flat = lambda p: np.column_stack([p @ right, p @ up])  # noqa: E731
+    flat, away = projection()
     centre = (run.low + run.high) / 2
     span = np.max(run.high - run.low)
     for foot, normal in run.planes:
@@ -168,35 +280,30 @@ def draw_space(ax, run, t):
         for k in np.linspace(-0.75, 0.75, 7)[1:-1]:
             for p, q in ((a, b), (b, a)):
                 ax.plot(*flat(np.array([base + span * (k * p - 0.75 * q), base + span * (k * p + 0.75 * q)])).T, color="#ded5c6", linewidth=0.5, zorder=0.5)
-    faces = []
+    faces = []  # depth, corners on the picture, colour of the face, colour of its outline, depth over the picture
+    tint = np.array([int(FILL[i:i + 2], 16) / 255 for i in (1, 3, 5)])
     for _, body in run.bodies[t].iterrows():
         r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
         for word, size, pos, turn, vertices in run.shapes.get(body["name"], []):
-            smooth = word not in ("box",)
-            for face in mesh(word, size, vertices):
+            if word in ("sphere", "point"):
+                faces += ball(at + pos @ r.T, size[0] if word == "sphere" else 0.02 * np.max(run.view[1] - run.view[0]), r @ turn, flat, away, tint)
+                continue
+            for face in mesh(word, size):
                 points = at + (pos + face @ turn.T) @ r.T
                 normal = np.cross(points[1] - points[0], points[2] - points[0])
                 length = np.linalg.norm(normal)
-                if length == 0:
-                    normal = np.cross(points[2] - points[0], points[3] - points[0])
-                    length = np.linalg.norm(normal)
                 if length == 0 or np.dot(normal, away) > 0:
                     continue
-                shade = 0.62 + 0.38 * max(0.0, float(np.dot(normal / length, LIGHT)))
-                faces.append((float(np.mean(points @ away)), points, shade, smooth))
-    base = np.array([int(FILL[i:i + 2], 16) / 255 for i in (1, 3, 5)])
-    for _, points, shade, smooth in sorted(faces, key=lambda f: -f[0]):
-        color = tuple(np.clip(base * shade * 1.06, 0, 1))
-        ax.fill(*flat(points).T, facecolor=color, edgecolor=color if smooth else EDGE, linewidth=0.3 if smooth else 0.8, zorder=2)
+                color = shaded(tint, normal / length)
+                faces.append((float(np.mean(points @ away)), flat(points), color, color if word != "box" and len(face) == 4 else EDGE,
+                              plane_front(points, normal, flat, away)))
+    faces.sort(key=lambda f: -f[0])
+    ax.add_collection(PolyCollection([f[1] for f in faces], facecolors=[f[2] for f in faces], edgecolors=[f[3] for f in faces],
+                                     linewidths=0.5, zorder=2))
     for point, force, color in arrows(run, t):
         here, tip = flat(np.array([point, point + force]))
-        if np.linalg.norm(force) > 1e-9:
-            ax.annotate("", tip, here, zorder=5, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 1.5, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 9})
-        ax.plot(*here, "o", color=color, markersize=3, zorder=6)
-    corners = np.array([[x, y, z] for x in (run.low[0], run.high[0]) for y in (run.low[1], run.high[1]) for z in (run.low[2], run.high[2])])
-    seen = flat(corners)
-    ax.set_xlim(seen[:, 0].min(), seen[:, 0].max())
-    ax.set_ylim(seen[:, 1].min(), seen[:, 1].max())
+        arrow(ax, here, tip - here, color, run.mark(), 0.4 if hidden(faces, here, float(point @ away), run.size) else 1.0)
+    frame_view(ax, run)
 
 
 # ---- pictures --------------------------------------------------------------------------------------------------------------
@@ -208,20 +315,41 @@ def picture(ax, run, t):
     ax.set_title(f"t = {t:.3g} s", fontsize=8, fontweight="normal")
 
 
-def key(figure):
+def key(figure, run, times):
+    """Names the colours that the pictures at these times show."""
+    there = {c for t in times for c in (run.contacts[t]["word"] if t in run.contacts else ())}
     handles = [plt.Line2D([], [], color=MODES[m], marker="o", markersize=4, label=n) for m, n in
-               (("stick", "stick"), ("slip", "slip"), ("open", "no force"), ("", "mode not told"))]
-    figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7)
+               (("stick", "stick"), ("slip", "slip"), ("open", "no force"), ("", "mode not told")) if m in there]
+    if handles:
+        figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7)
 
 
 def frame(run, t, width=4.2):
-    box = run.high - run.low
-    ratio = min(1.4, max(0.6, box[1] / box[0])) if run.dim == 2 else 0.85
-    figure, ax = plt.subplots(figsize=(width, width * ratio))
+    figure, ax = plt.subplots(figsize=(width, width * run.ratio() + 0.6))
     picture(ax, run, t)
     figure.suptitle(run.title, fontsize=8)
-    key(figure)
+    key(figure, run, [t])
     return figure
+
+
+def raster(figure):
+    """The figure as an image of few colours."""
+    figure.canvas.draw()
+    image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
+    plt.close(figure)
+    told = [255] * 3 + [int(c[i:i + 2], 16) for c in MODES.values() for i in (1, 3, 5)]  # rare on the picture, but what it is about
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(image.quantize(56).getpalette()[:3 * 56] + told)
+    return image.quantize(palette=palette, dither=Image.Dither.NONE)
+
+
+def strip(run, times):
+    """A small picture of a few moments side by side."""
+    figure, axes = plt.subplots(1, len(times), figsize=(2.2 * len(times), 2.2 * run.ratio() + 0.5), dpi=110, squeeze=False)
+    for ax, t in zip(axes.flat, times):
+        picture(ax, run, t)
+    key(figure, run, times)
+    return raster(figure)
 
 
 def main():
@@ -247,12 +375,12 @@ def main():
         plt.close(figure)
     columns = min(3, len(times))
     lines = -(-len(times) // columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(style.PAGE, 2.2 * lines + 0.3), squeeze=False)
+    figure, axes = plt.subplots(lines, columns, figsize=(style.PAGE, (style.PAGE / columns * run.ratio() + 0.25) * lines + 0.35), squeeze=False)
     for ax in axes.flat[len(times):]:
         ax.axis("off")
     for ax, t in zip(axes.flat, times):
         picture(ax, run, t)
-    key(figure)
+    key(figure, run, times)
     style.save(figure, out, "sheet")
     print(out / "sheet.png")
     if args.frames > 0:
@@ -260,9 +388,7 @@ def main():
         for t in np.linspace(run.times[0], run.times[-1], args.frames):
             figure = frame(run, run.nearest(t), width=3.6)
             figure.set_dpi(100)
-            figure.canvas.draw()
-            images.append(Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB").quantize(64))
-            plt.close(figure)
+            images.append(raster(figure))
         duration = max(40, int(1000 * (run.times[-1] - run.times[0]) / max(1, len(images) - 1)))
         images[0].save(out / "run.gif", save_all=True, append_images=images[1:], duration=duration, loop=0)
         print(out / "run.gif")

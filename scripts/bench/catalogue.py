@@ -1,0 +1,129 @@
+"""catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture of each."""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
+FOLDER = ROOT / "problems" / "scenes"
+
+# Where the defaults make a poor picture: parameters, the way it is solved, times as shares of the run, part of the plane shown.
+CONES = {"formulation": "coulomb", "solver": "nsgs:tol=1e-6"}
+SHOWN = {
+    "billiard": {**CONES, "times": (0, 0.4, 0.8)},
+    "bounce": {"times": (0, 0.18, 0.3)},
+    "sphere_pile": {**CONES, "par": "n=48,duration=0.2"},
+    "silo": CONES,
+    "granular_column": {"par": "duration=0.6", "times": (0, 0.4, 1)},
+    "pile3": {"par": "mu_cylinders=0.25", "times": (0, 0.6, 1)},
+    "card_house": {"par": "mu=0.2"},
+    "vise": {"times": (0,)},
+    "tablecloth": {"look": ((-0.3, -0.1), (0.9, 0.3))},
+}
+
+
+def scenes():
+    out = subprocess.run([LCPBENCH, "list", "scenes", "--format", "json"], check=True, capture_output=True, text=True).stdout
+    return json.loads(out)
+
+
+# ---- text ------------------------------------------------------------------------------------------------------------------
+
+def number(x):
+    return f"{x:.6g}"
+
+
+def bound(p):
+    if p["kind"] == "choice":
+        return " or ".join(p["words"])
+    return f"{number(p['min'])} to {number(p['max'])}"
+
+
+def value(p):
+    return p["default"] if p["kind"] == "choice" else number(p["default"])
+
+
+def predicted(c):
+    """Quantity, where and what: the default tolerance stands in `lcpbench list scenes --format json`."""
+    at = f" at {number(c['time_s'])} s" if c["time_s"] is not None else ""
+    what = f" = {number(c['value'])} {c['unit']}" if c["value"] is not None else ""
+    only = f" ({', '.join(c['formulations'])})" if c["formulations"] else ""
+    return f"`{c['quantity']}`{at}{what}: {c['source']}{only}"
+
+
+def paragraph(s):
+    lines = [f"## {s['name']}", "", f"![{s['title']}](pictures/{s['name']}.png)", "", s["about"], ""]
+    lines += ["| parameter | default | range | unit | |", "|---|---|---|---|---|"]
+    lines += [f"| `{p['name']}` | {value(p)} | {bound(p)} | {p['unit']} | {p['help']} |" for p in s["parameters"]]
+    size = f"{s['bodies']} bodies" if s["bodies"] > 1 else "one body" if s["bodies"] == 1 else "generalised coordinates"
+    lines += ["", f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in steps of {number(s['step_s'])} s. "
+              f"Effects: {', '.join(s['effects'])}. Source: {s['cite'] or 'none'}.", "", "Predicted:", ""]
+    seen = list(dict.fromkeys(predicted(c) for c in s["predictions"]))
+    shown = seen if len(seen) <= 6 else seen[:5] + [f"and {len(seen) - 5} more"]
+    return lines + [f"- {line}" for line in shown] + [""]
+
+
+def markdown(all_scenes):
+    lines = ["# The scenes", "",
+             "Written by `scripts/catalogue` from `lcpbench list scenes --format json`; the pictures, by `scripts/render`, show a run at its start,",
+             "in the middle and at its end: bodies, contact forces as arrows, blue where a contact sticks, orange where it slips.", "",
+             "| scene | |", "|---|---|"]
+    lines += [f"| [{s['name']}](#{s['name']}) | {s['title']} |" for s in all_scenes] + [""]
+    for s in all_scenes:
+        lines += paragraph(s)
+    return "\n".join(lines).rstrip() + "\n"
+
+
+# ---- pictures --------------------------------------------------------------------------------------------------------------
+
+def picture(s):
+    import numpy as np
+    from bench import render
+    extra = SHOWN.get(s["name"], {})
+    par, form = extra.get("par", ""), extra.get("formulation", f"velocity:facets={4 if s['dim'] == 2 else 8}")
+    solver, shares = extra.get("solver", "lemke"), extra.get("times", (0, 0.5, 1))
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "t.csv"
+        done = subprocess.run([LCPBENCH, "simulate", f"{s['name']}:{par}" if par else s["name"], "--formulation", form, "--solver", solver,
+                               "--trajectory", path], capture_output=True, text=True)
+        if done.returncode not in (0, 3):
+            raise SystemExit(f"{s['name']}: {done.stderr}")
+        run = render.Run(path)
+    times = [run.nearest(run.times[0] + share * (run.times[-1] - run.times[0])) for share in shares]
+    times[0] = run.times[min(1, len(run.times) - 1)]  # forces belong to steps
+    if "look" in extra:
+        run.view = tuple(np.array(corner) for corner in extra["look"])
+    return render.strip(run, list(dict.fromkeys(times)))
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/catalogue", description="The catalogue of scenes as Markdown, and a picture of each.")
+    parser.add_argument("--pictures", action="store_true", help="draw the pictures as well")
+    parser.add_argument("--stdout", action="store_true", help="print the catalogue instead of writing it")
+    parser.add_argument("scene", nargs="*", help="scenes to draw (default: all)")
+    args = parser.parse_args()
+    everything = scenes()
+    unknown = set(args.scene) - {s["name"] for s in everything}
+    if unknown:
+        print(f"catalogue: no scene {', '.join(sorted(unknown))}", file=sys.stderr)
+        return 2
+    if args.stdout:
+        print(markdown(everything), end="")
+        return 0
+    (FOLDER / "README.md").write_text(markdown(everything), encoding="utf-8")
+    if args.pictures:
+        sys.path.insert(0, str(ROOT / "scripts"))
+        (FOLDER / "pictures").mkdir(exist_ok=True)
+        for s in everything:
+            if not args.scene or s["name"] in args.scene:
+                picture(s).save(FOLDER / "pictures" / f"{s['name']}.png", optimize=True)
+                print(f"{s['name']}.png: {(FOLDER / 'pictures' / (s['name'] + '.png')).stat().st_size} bytes", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
