@@ -1,7 +1,7 @@
 """Solvers that lie, crash, hang, hog, quit and flood: one typed row each, and the campaign completes."""
 import json
 
-from support import FAULTY, SANITIZED, campaign, one_line_error, rows, run, tap
+from support import FAULTY, SANITIZED, campaign, diagonal, one_line_error, rows, run, tap
 
 TEXT = """
 name: faults
@@ -21,7 +21,7 @@ if SANITIZED:  # no memory limit there, and the sanitizer turns SIGSEGV into its
     del WANT["faulty_hog"]
 
 
-def each_death_has_its_word(d):
+def g3_each_death_has_its_word(d):
     run("run", campaign(d, TEXT), "--out", d / "out", "--quiet", exe=FAULTY)
     got = rows(d / "out")
     for solver, word in WANT.items():
@@ -35,20 +35,70 @@ def each_death_has_its_word(d):
     assert next(r for r in got if r["solver"] == "faulty_crash")["exit_signal"] == ("6" if SANITIZED else "11")
 
 
-def strict_says_so(d):
+def g3_strict_says_so(d):
     c = campaign(d, TEXT.replace("faulty_hang, ", "").replace("faulty_hog, ", ""))
     run("run", c, "--out", d / "out", "--quiet", "--strict", exe=FAULTY, code=3)
 
 
-def liar_in_json(d):
+def g2_liar_in_json(d):
     o = json.loads(run("solve", "random_spd:n=5", "--solver", "faulty_liar", exe=FAULTY, code=3).stdout)
     assert (o["status"], o["claimed"], o["verified"]) == ("unverified", "ok", False), o
     o = json.loads(run("simulate", "stack:n=1", "--formulation", "normal", "--solver", "faulty_liar", exe=FAULTY, code=3).stdout)
     assert (o["status"], o["claimed"], o["verified"]) == ("unverified", "ok", False), o
 
 
+FLAGS = """
+name: flags
+limits: {time: 1s, grace: 0.2s}
+sampling: {processes: 1, samples: %d, max_samples: %d, half_width: 0, inner: 0.0001s, budget: 10s}
+parts:
+  - name: a
+    problems: ["%s"]
+    solvers: %s
+"""
+
+
+def flagged(d, solvers, samples=2):
+    out = d / f"o{len(list(d.iterdir()))}"
+    run("run", campaign(d, FLAGS % (samples, samples, diagonal(d, 6), solvers)), "--out", out, "--quiet", exe=FAULTY)
+    return [(r["solver"], set(r["flags"].split()), r) for r in rows(out)]
+
+
+def suspicious_rows_are_flagged(d):
+    """Twins in disguise, answers without work, a method that asked another, answers that change: none passes in silence."""
+    got = flagged(d, "[lemke, faulty_damped, faulty_copy, faulty_idle, faulty_fallback, faulty_fickle]")
+    word = {"faulty_damped": "same_bits", "faulty_copy": "same_bits", "faulty_idle": "zero_iterations", "faulty_fallback": "fallback",
+            "faulty_fickle": "not_repeatable"}
+    for solver, flags, r in got:
+        assert r["status"] == "ok", r
+        assert (word[solver] in flags) if solver in word else not flags & set(word.values()), (solver, flags)
+    assert {s for s, _, _ in got} == set(word) | {"lemke"}
+    # one of the two alone is nothing special
+    assert all("same_bits" not in flags for _, flags, _ in flagged(d, "[lemke, faulty_damped]"))
+
+
+def outliers_are_kept_and_measured_again(d):
+    if SANITIZED:
+        return
+    got = flagged(d, "['faulty_hiccup:seconds=0.002']", samples=11)
+    late = [r for _, flags, r in got if "outlier" in flags]
+    again = [r for _, flags, r in got if "remeasured" in flags]
+    assert late and again and len(got) == 11 + len(again), (len(got), len(late), len(again))
+    assert max(float(r["t_solve_s"]) for r in late) > 0.012
+
+
+def long_runs_keep_their_first_time(d):
+    """Where no second evaluation fits before the limit, the first is the row; a solver is told the limit before it is killed."""
+    got = {s: (flags, r) for s, flags, r in flagged(d, "['faulty_sleeper:seconds=0.55', faulty_patient]")}
+    flags, r = got["faulty_sleeper"]
+    assert r["status"] == "ok" and "first_run" in flags and 0.55 <= float(r["t_total_s"]) < 1.0, r
+    flags, r = got["faulty_patient"]
+    assert r["status"] == "time_limit" and 0.8 <= float(r["t_solve_s"]) < 1.0, r
+
+
 def faults_are_not_in_the_release(d):
     one_line_error("solve", "random_spd:n=5", "--solver", "faulty_liar", names=["faulty_liar"])
 
 
-tap([each_death_has_its_word, strict_says_so, liar_in_json, faults_are_not_in_the_release])
+tap([g3_each_death_has_its_word, g3_strict_says_so, g2_liar_in_json, suspicious_rows_are_flagged, outliers_are_kept_and_measured_again,
+     long_runs_keep_their_first_time, faults_are_not_in_the_release])

@@ -153,14 +153,81 @@ static base_status solve_plain(void *state, const lcp_problem *p, const void *op
   return solve_diagonal(p, z, res);
 }
 
-#define FAULTY(id, text, solve_, factor_)                                                          \
+/* ---- ones that a flag should find -------------------------------------------------------------*/
+
+/* Damped steps towards the answer of a diagonal matrix: right, but not to the last bit. */
+static base_status solve_damped(void *state, const lcp_problem *p, const void *opt,
+                                lcp_trace *trace, double *z, lcp_result *res) {
+  enum { STEPS = 12 };
+  UNUSED_;
+  const base_status done = solve_diagonal(p, z, res);
+  double left = 1.0;
+  for (int k = 0; k < STEPS; k++) {
+    left *= 0.1;
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] -= left * z[i];
+  }
+  res->work.iterations = STEPS;
+  return done;
+}
+
+static base_status solve_idle(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                              double *z, lcp_result *res) {
+  UNUSED_;
+  const base_status done = solve_diagonal(p, z, res);
+  res->work.iterations = 0;
+  return done;
+}
+
+static base_status solve_fallback(void *state, const lcp_problem *p, const void *opt,
+                                  lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const base_status done = solve_diagonal(p, z, res);
+  res->work.fallbacks = 1;
+  return done;
+}
+
+/* Uses up the time it is given, then says so. */
+static base_status solve_patient(void *state, const lcp_problem *p, const void *opt,
+                                 lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const faulty_options *o = opt;
+  const double until = base_seconds() + o->stop.max_seconds;
+  while (base_seconds() < until) {
+    (void)usleep(1000);
+  }
+  return claim(LCP_TIME_LIMIT, res);
+}
+
+static long solves; /* a solver must not: these two do */
+
+static base_status solve_fickle(void *state, const lcp_problem *p, const void *opt,
+                                lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const base_status done = solve_diagonal(p, z, res);
+  z[0] *= 1.0 + 1e-13 * (double)(++solves % 5);
+  return done;
+}
+
+static base_status solve_hiccup(void *state, const lcp_problem *p, const void *opt,
+                                lcp_trace *trace, double *z, lcp_result *res) {
+  UNUSED_;
+  const faulty_options *o = opt;
+  const bool late = ++solves % 6 == 0;
+  (void)usleep((useconds_t)(1e6 * o->seconds * (late ? 8.0 : 1.0)));
+  return solve_diagonal(p, z, res);
+}
+
+#define FAULTY(id, text, solve_, factor_) FAULTY_KIND(id, text, solve_, factor_, true)
+#define FAULTY_KIND(id, text, solve_, factor_, exact_)                                             \
   static const lcp_solver faulty_##id = {                                                          \
       .name = "faulty_" #id,                                                                       \
       .title = (text),                                                                             \
       .cite = "test",                                                                              \
       .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX | 1u << LCP_FREE | 1u << LCP_CONE,                 \
       .storages = 1u << LCP_DENSE | 1u << LCP_CSC | 1u << LCP_FACTORED,                            \
-      .exact = true,                                                                               \
+      .exact = (exact_),                                                                           \
       .fields = fields,                                                                            \
       .n_fields = BASE_COUNT(fields),                                                              \
       .options_size = sizeof(faulty_options),                                                      \
@@ -181,6 +248,16 @@ FAULTY(twin, "the same fixed work", solve_steady, NULL);
 FAULTY(slower, "five per cent more work", solve_slower, NULL);
 FAULTY(sleeper, "sleeps while factoring", solve_plain, factor_sleep);
 
+FAULTY_KIND(damped, "iterates", solve_damped, NULL, false);
+FAULTY_KIND(copy, "the same iteration under another name", solve_damped, NULL, false);
+FAULTY(idle, "solves without an iteration", solve_idle, NULL);
+FAULTY(fallback, "asks another method", solve_fallback, NULL);
+FAULTY(patient, "works until its time limit", solve_patient, NULL);
+FAULTY(fickle, "never the same answer", solve_fickle, NULL);
+FAULTY(hiccup, "every sixth solve takes eight times as long", solve_hiccup, NULL);
+
 const lcp_solver *const faulty_solvers[] = {
-    &faulty_liar,  &faulty_nan,    &faulty_crash, &faulty_hang,   &faulty_hog,     &faulty_quit,
-    &faulty_flood, &faulty_steady, &faulty_twin,  &faulty_slower, &faulty_sleeper, NULL};
+    &faulty_liar,    &faulty_nan,    &faulty_crash,  &faulty_hang, &faulty_hog,
+    &faulty_quit,    &faulty_flood,  &faulty_steady, &faulty_twin, &faulty_slower,
+    &faulty_sleeper, &faulty_damped, &faulty_copy,   &faulty_idle, &faulty_fallback,
+    &faulty_patient, &faulty_fickle, &faulty_hiccup, NULL};

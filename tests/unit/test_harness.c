@@ -1,15 +1,19 @@
+#define _DEFAULT_SOURCE /* mkstemps */
 /* Parts of the harness whose mistakes would be believed: rows, keys, statistics, verdicts. */
 #include "tests/support/check.h"
 
+#include "harness/answers.h"
 #include "harness/args.h"
 #include "harness/plan.h"
 #include "harness/registry.h"
 #include "harness/sha256.h"
 #include "harness/stats.h"
 #include "harness/verdict.h"
+#include "harness/versions.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
 static void rows_read_back(void **state) {
   (void)state;
@@ -158,6 +162,89 @@ static void asked_tolerance_decides_ok(void **state) {
   solver_choice_free(&s);
 }
 
+/* The linker puts this in the place of version_of_solver: a solver whose source has changed. */
+static const char *changed_solver = "";
+const char *__real_version_of_solver(const char *name);
+const char *__wrap_version_of_solver(const char *name);
+const char *__wrap_version_of_solver(const char *name) {
+  return (strcmp(name, changed_solver) == 0) ? "0123456789abcdef" : __real_version_of_solver(name);
+}
+
+static void read_plan(const char *path, campaign *c, plan *p) {
+  base_error err;
+  const plan_filter all = {.n_shard = 0};
+  check_ok(campaign_read(path, false, c, &err), &err);
+  check_ok(plan_make(c, &all, p, &err), &err);
+}
+
+static void g6_a_changed_solver_invalidates_its_cells(void **state) {
+  (void)state;
+  char path[] = "keys_XXXXXX.yaml";
+  const int fd = mkstemps(path, 5);
+  FILE *to = fdopen(fd, "w");
+  assert_non_null(to);
+  (void)fputs("name: keys\nparts:\n  - name: a\n    problems: [\"murty:n={3,4}\"]\n"
+              "    solvers: [lemke, pgs, \"pgs:omega=1.2\"]\n",
+              to);
+  (void)fclose(to);
+  campaign c[2];
+  plan p[2];
+  read_plan(path, &c[0], &p[0]);
+  changed_solver = "pgs";
+  read_plan(path, &c[1], &p[1]);
+  changed_solver = "";
+  (void)unlink(path);
+  assert_int_equal(p[0].n_cell, 6);
+  assert_int_equal(p[1].n_cell, 6);
+  for (int i = 0; i < 6; i++) {
+    const bool is_pgs = strncmp(p[0].cell[i].solver, "pgs", 3) == 0;
+    assert_string_equal(p[0].cell[i].solver, p[1].cell[i].solver);
+    assert_true((strcmp(p[0].cell[i].id, p[1].cell[i].id) != 0) == is_pgs);
+  }
+  for (int k = 0; k < 2; k++) {
+    plan_free(&p[k]);
+    campaign_free(&c[k]);
+  }
+}
+
+static void answers_read_back(void **state) {
+  (void)state;
+  const double z[] = {0, 1.5, -0.0, (double)NAN, 0, 0, 0, 1e-300, 0, -2};
+  const double proof[10] = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10};
+  const lcp_result solved = {.outcome = LCP_SOLVED};
+  const lcp_result none = {.outcome = LCP_INFEASIBLE,
+                           .certificate = {.kind = LCP_CERT_FARKAS, .vector = proof}};
+  char path[] = "answers_XXXXXX";
+  (void)close(mkstemp(path));
+  base_error err;
+  answers a;
+  double back[10];
+  lcp_result claim;
+  check_ok(answers_create(&a, path, &err), &err);
+  check_ok(answers_put(&a, 10, z, &solved, &err), &err);
+  check_ok(answers_put(&a, 10, z, &none, &err), &err);
+  check_ok(answers_put_failure(&a, 3, BASE_EUNSUPPORTED, &err), &err);
+  check_ok(answers_close(&a, true, &err), &err);
+
+  check_ok(answers_open(&a, path, &err), &err);
+  check_ok(answers_take(&a, 10, back, &claim, &err), &err);
+  assert_int_equal(claim.outcome, LCP_SOLVED);
+  for (int i = 0; i < 10; i++) {
+    assert_true(back[i] == z[i] || (isnan(back[i]) && isnan(z[i])));
+  }
+  check_ok(answers_take(&a, 10, back, &claim, &err), &err);
+  assert_int_equal(claim.outcome, LCP_INFEASIBLE);
+  assert_memory_equal(claim.certificate.vector, proof, sizeof proof);
+  assert_int_equal(answers_finish(&a, &err),
+                   BASE_EINVAL); /* one is left (its first byte is gone) */
+  check_ok(answers_close(&a, false, &err), &err);
+
+  check_ok(answers_open(&a, path, &err), &err);
+  assert_int_equal(answers_take(&a, 9, back, &claim, &err), BASE_EINVAL); /* another size */
+  check_ok(answers_close(&a, false, &err), &err);
+  (void)unlink(path);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_read_back),
@@ -167,6 +254,8 @@ int main(void) {
       cmocka_unit_test(units_of_time_and_memory),
       cmocka_unit_test(claims_are_judged),
       cmocka_unit_test(asked_tolerance_decides_ok),
+      cmocka_unit_test(g6_a_changed_solver_invalidates_its_cells),
+      cmocka_unit_test(answers_read_back),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
