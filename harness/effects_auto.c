@@ -4,6 +4,12 @@
 
 #include <string.h>
 
+/* What may be left out: unknowns and rows. Gravity, contact, joints, loads and motion are the scene
+ * itself, and may act later than any pilot sees. */
+static const unsigned candidates = EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_ROLLING |
+                                   EFFECT_TORSION | EFFECT_ROTATION | EFFECT_GYROSCOPIC |
+                                   EFFECT_DAMPING | EFFECT_SPATIAL;
+
 /* One run of the pilot. */
 typedef struct pilot {
   series record;
@@ -128,7 +134,7 @@ static void report(const sim_request *q, unsigned seen, const double change[EFFE
                    effects_choice *out) {
   for (int i = 0; i < EFFECT_COUNT; i++) {
     const unsigned bit = 1u << i;
-    if ((q->spec->effects & bit) == 0) {
+    if ((q->spec->effects & candidates & bit) == 0) {
       continue;
     }
     const double shown = ((seen & bit) != 0) ? change[i] : -1.0;
@@ -150,7 +156,7 @@ static base_status choose(sim_request *q, effects_choice *out, base_error *err) 
     const unsigned seen = full.result.effects_seen;
     for (int i = 0; i < EFFECT_COUNT; i++) {
       base_error why = {0};
-      const bool asked = (q->spec->effects & seen & 1u << i) != 0;
+      const bool asked = (candidates & q->spec->effects & seen & 1u << i) != 0;
       change[i] = asked ? change_without(q, &full, 1u << i, &why) : HUGE_VAL;
       out->dropped |= (change[i] < out->level) ? 1u << i : 0u;
     }

@@ -1,8 +1,9 @@
 /* harness/effects_auto.h - `--effects auto:E`: leaves out what this run does not need.
  *
- * Every declared effect is dropped in turn on a pilot, the first steps of the run, and stays out
- * when the result changes by less than E [1]; what the pilot did not show at work cannot be judged
- * and stays in. The change is the largest difference over the pilot of the energy, the largest
+ * Every declared effect that adds unknowns or rows (friction restitution rolling torsion rotation
+ * gyroscopic damping spatial) is dropped in turn on a pilot, the first steps of the run, and stays
+ * out when the result changes by less than E [1]; what the pilot did not show at work cannot be
+ * judged and stays in. A pilot knows nothing of what comes after it. The change is the largest difference over the pilot of the energy, the largest
  * speed and every quantity that the scene's checks look at, over the largest value of that unit in
  * the pilot (at least what gravity alone does in its time). Dropped together they must still stay
  * below E; otherwise the one with the largest change comes back, one after the other. */

@@ -80,7 +80,7 @@ def _axis(ax, panel):
             scale("log", base=base)
             axis.set_minor_formatter(NullFormatter())
             if base == 2:
-                axis.set_major_formatter(lambda v, _: f"{v:g}")
+                axis.set_major_formatter(lambda v, _: f"{v:g}" if v >= 1 else f"1/{1 / v:g}")
             else:
                 axis.set_major_locator(LogLocator(numticks=6))
     if panel.xticks:

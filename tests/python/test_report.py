@@ -12,7 +12,7 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, claims, library, limits, paper, rows, stability  # noqa: E402
+from bench import accuracy, claims, effects, library, limits, paper, rows, stability  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
@@ -147,6 +147,17 @@ class Judged(unittest.TestCase):
         self.assertGreater(found["fails"], 4321)
         self.assertLess(found["fails"] / found["stands"], limits.CLOSE)
         self.assertEqual(found["word"], "creeps")
+
+    def test_declared_is_held_against_everything_on_beyond_the_noise_only(self):
+        def pair(problem, declared, everything, more):
+            base = dict(good=True, err_ref=1e-3, err_tol=1e-2, n_dof=3, lcp_dim=4, n_contacts=1, n_pivot=5, n_iter=0)
+            return problem, "velocity + lemke", {"as declared": {**base, "t_total_s": declared}, "everything on": {**base, "t_total_s": everything, **more}}
+        same = [pair(f"s{i}", 1.0, 1.0 + 0.01 * i, {}) for i in range(10)]
+        compared = effects.compare(same + [pair("dear", 2.0, 1.0, {"n_dof": 6}), pair("wrong", 0.5, 1.0, {"n_dof": 6, "err_ref": 1.0})])
+        noise = effects.noise_of(compared)
+        self.assertTrue(0.05 < noise < 0.1)
+        self.assertEqual([p for p, _, r, equal_work, _ in compared if not equal_work and r > 1 + noise], ["dear"])
+        self.assertEqual([p for p, _, _, _, equal in compared if not equal], ["wrong"])
 
     def test_the_first_screen_chooses_what_reaches_most(self):
         cards = {a["situation"]: a for a in accuracy.advise(self.cells)}
