@@ -19,11 +19,15 @@ void lcp_direct_layout(lcp_direct *s, const lcp_capacity *cap, base_arena *arena
   s->pivot = BASE_ARRAY(arena, int, (size_t)cap->nnz + (size_t)cap->n);
   s->colptr = BASE_ARRAY(arena, int, cap->n + 1);
   s->place = BASE_ARRAY(arena, int, cap->n);
+  s->kept_ptr = BASE_ARRAY(arena, int, cap->n + 1);
+  s->kept_row = BASE_ARRAY(arena, int, (size_t)cap->nnz + (size_t)cap->n);
   s->x = BASE_ARRAY(arena, double, cap->n);
 }
 
 void lcp_direct_begin(lcp_direct *s) {
   s->library = NULL;
+  s->kept_n = 0;
+  s->analyses = 0;
 }
 
 static void drop(klu_objects *k) {
@@ -102,6 +106,26 @@ static bool factor_dense(lcp_direct *s) {
   return low > singular * high;
 }
 
+static bool same_pattern(const lcp_direct *s) {
+  const size_t n = (size_t)s->n;
+  return s->kept_n == s->n && memcmp(s->kept_ptr, s->colptr, (n + 1) * sizeof *s->colptr) == 0 &&
+         memcmp(s->kept_row, s->pivot, (size_t)s->colptr[n] * sizeof *s->pivot) == 0;
+}
+
+/* Orders and analyses the pattern afresh, unless it is the last one's. */
+static void analyse(lcp_direct *s, klu_objects *k) {
+  klu_free_numeric(&k->numeric, &k->common);
+  if (same_pattern(s)) {
+    return;
+  }
+  klu_free_symbolic(&k->symbolic, &k->common);
+  k->symbolic = klu_analyze(s->n, s->colptr, s->pivot, &k->common);
+  s->analyses++;
+  s->kept_n = (k->symbolic != NULL) ? s->n : 0;
+  memcpy(s->kept_ptr, s->colptr, ((size_t)s->n + 1) * sizeof *s->colptr);
+  memcpy(s->kept_row, s->pivot, (size_t)s->colptr[s->n] * sizeof *s->pivot);
+}
+
 static bool factor_csc(lcp_direct *s, base_status *status) {
   klu_objects *k = s->library;
   if (k == NULL) {
@@ -113,8 +137,7 @@ static bool factor_csc(lcp_direct *s, base_status *status) {
     s->library = k;
     klu_defaults(&k->common);
   }
-  drop(k);
-  k->symbolic = klu_analyze(s->n, s->colptr, s->pivot, &k->common);
+  analyse(s, k);
   if (k->symbolic != NULL) {
     k->numeric = klu_factor(s->colptr, s->pivot, s->a, k->symbolic, &k->common);
   }

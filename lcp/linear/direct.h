@@ -1,6 +1,9 @@
 /* linear/direct.h - direct solution of  ( diag(a) + diag(r) M diag(c) )_SS x = b  for a set S of rows
  * and columns: dense by LU with partial pivoting (LAPACK), CSC by KLU.
  *
+ * KLU's ordering and symbolic analysis are kept while the pattern stays what it was: one analysis serves all
+ * steps of a Newton or interior-point run (S = all rows), and of pivoting steps with the same S.
+ *
  * The dense form works in the arena only; KLU calls malloc, so a solver that uses this declares
  * `allocates` and calls lcp_direct_release. A matrix that is singular to working precision is
  * reported, never solved. */
@@ -15,6 +18,10 @@ typedef struct lcp_direct {
   int *pivot;    /* dense: n; CSC: row indices */
   int *colptr;   /* CSC: n+1 */
   int *place;    /* cap n: place in S or -1 */
+  int kept_n;    /* CSC: the pattern of KLU's symbolic analysis; 0: none */
+  int *kept_ptr; /* n+1 */
+  int *kept_row;
+  long analyses; /* CSC: symbolic analyses since lcp_direct_begin */
   double *x;     /* cap n */
   void *library; /* KLU objects */
 } lcp_direct;
