@@ -30,7 +30,10 @@ base_status friction_check(const friction_problem *p, base_error *err);
 
 /* ---- readers: refuse sizes that the file cannot hold before allocating -------------------- */
 
+/* A file is tried in a child process first, because libhdf5 itself fails on some (survives.h);
+ * `_here` is the reader without that, for scripts/fuzz. */
 base_status friction_read_fclib(const char *path, friction_problem *out, base_error *err);
+base_status friction_read_fclib_here(const char *path, friction_problem *out, base_error *err);
 base_status friction_read_siconos(const char *path, friction_problem *out, base_error *err);
 
 /* ---- writers: read back to the same bits -------------------------------------------------- */

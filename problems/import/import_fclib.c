@@ -284,7 +284,8 @@ static base_status read_any(const source *s, friction_problem *p) {
   return BAD(s, "%s: no group fclib_local, fclib_global or fclib_global_rolling", s->path);
 }
 
-static base_status read_quietly(const char *path, friction_problem *out, base_error *err) {
+base_status friction_read_fclib_here(const char *path, friction_problem *out, base_error *err) {
+  memset(out, 0, sizeof *out);
   H5E_auto2_t print;
   void *data;
   (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
@@ -302,6 +303,9 @@ static base_status read_quietly(const char *path, friction_problem *out, base_er
     }
   }
   (void)H5Eset_auto2(H5E_DEFAULT, print, data);
+  if (status != BASE_OK) {
+    friction_free(out);
+  }
   return status;
 }
 
@@ -313,7 +317,7 @@ typedef struct trial {
 static void try_reading(void *ctx) {
   trial *t = ctx;
   base_error err = {0};
-  (void)read_quietly(t->path, &t->problem, &err);
+  (void)friction_read_fclib_here(t->path, &t->problem, &err);
 }
 
 base_status friction_read_fclib(const char *path, friction_problem *out, base_error *err) {
@@ -329,9 +333,5 @@ base_status friction_read_fclib(const char *path, friction_problem *out, base_er
   if (!survived) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: damaged: the HDF5 library fails on it", path);
   }
-  const base_status status = read_quietly(path, out, err);
-  if (status != BASE_OK) {
-    friction_free(out);
-  }
-  return status;
+  return friction_read_fclib_here(path, out, err);
 }
