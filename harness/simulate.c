@@ -111,7 +111,9 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
     r->n_unsolved++;
     trouble(s, word, text);
   }
-  return BASE_OK;
+  return (s->q->dump == NULL)
+             ? BASE_OK
+             : dump_problem(s->q->dump, r->steps + 1, p, s->z, run_status_name(word), err);
 }
 
 static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {

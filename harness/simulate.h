@@ -7,6 +7,7 @@
 #pragma once
 
 #include "harness/answers.h"
+#include "harness/dump.h"
 #include "harness/registry.h"
 #include "harness/series.h"
 #include "harness/trace.h"
@@ -27,6 +28,7 @@ typedef struct sim_request {
   formulation_start start;
   FILE *trajectory;  /* NULL: none; otherwise CSV, one row per body and step */
   trace_file *trace; /* NULL: none; a traced run is not to be timed */
+  dump *dump;        /* NULL: none; the problems of chosen steps are written as files */
   answers *store;    /* NULL: none; every answer is written here */
   answers *replay;   /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;

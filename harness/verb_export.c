@@ -1,54 +1,15 @@
 /* lcpbench export: a problem as files of other codes. */
 #include "harness/args.h"
 #include "harness/cli.h"
+#include "harness/export_lcp.h"
 #include "harness/problem_source.h"
 #include "problems/import/import.h"
 
-#include <errno.h>
-#include <stdio.h>
 #include <string.h>
 
 typedef struct export_options {
   const char *format, *out, *q;
 } export_options;
-
-static base_status failed(const char *path, base_error *err) {
-  return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-}
-
-static base_status only_orthant(const problem_source *s, const char *format, base_error *err) {
-  return (lcp_problem_sets(s->p) == 1u << LCP_ORTHANT)
-             ? BASE_OK
-             : BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: %s holds plain LCPs only", s->name, format);
-}
-
-/* OUT.M.mtx and OUT.q.mtx */
-static base_status export_mtx(const problem_source *s, const char *out, base_error *err) {
-  char path[1100];
-  lcp_csc m;
-  BASE_TRY(only_orthant(s, "Matrix Market", err));
-  BASE_TRY(lcp_matrix_to_csc(&s->p->M, &m, err));
-  (void)snprintf(path, sizeof path, "%.1024s.M.mtx", out);
-  FILE *to = fopen(path, "w");
-  bool good = to != NULL;
-  if (good) {
-    (void)fprintf(to, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", m.n_row,
-                  m.n_col, m.colptr[m.n_col]);
-    for (int j = 0; j < m.n_col; j++) {
-      for (int k = m.colptr[j]; k < m.colptr[j + 1]; k++) {
-        (void)fprintf(to, "%d %d %.17g\n", m.rowind[k] + 1, j + 1, m.val[k]);
-      }
-    }
-    good = ferror(to) == 0;
-    good = fclose(to) == 0 && good;
-  }
-  lcp_csc_free(&m);
-  if (!good) {
-    return failed(path, err);
-  }
-  (void)snprintf(path, sizeof path, "%.1024s.q.mtx", out);
-  return lcp_write_mtx_vector(path, s->p->M.n, s->p->q, err);
-}
 
 static base_status export_friction(const char *problem, const char *format, const char *out,
                                    base_error *err) {
@@ -84,7 +45,7 @@ static base_status export_problem(const char *problem, const export_options *o, 
   problem_source s;
   base_status done = problem_source_open(problem, o->q, 0, &s, err);
   if (done == BASE_OK) {
-    done = export_mtx(&s, o->out, err);
+    done = export_lcp_mtx(s.p, o->out, err);
   }
   problem_source_close(&s);
   return done;

@@ -204,9 +204,46 @@ static base_status simulate_and_print(const simulation *s, const char *scene, in
   return done;
 }
 
+typedef struct simulate_files {
+  const char *trajectory, *trace, *dump_step, *dump_steps, *out;
+} simulate_files;
+
+/* With the problems of chosen steps, where asked for. */
+static base_status with_dump(simulation *s, const char *scene, const simulate_files *f, int *code,
+                             base_error *err) {
+  const char *range = (f->dump_steps != NULL) ? f->dump_steps : f->dump_step;
+  if (range == NULL || f->out == NULL) {
+    if (range != NULL || f->out != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "--dump-step N and --out DIR go together");
+    }
+    return simulate_and_print(s, scene, code, err);
+  }
+  if (f->dump_step != NULL && (f->dump_steps != NULL || strchr(f->dump_step, ':') != NULL)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--dump-step %s: need one step, or --dump-steps A:B alone",
+                     f->dump_step);
+  }
+  dump d;
+  long first;
+  long last;
+  BASE_TRY(dump_range(range, &first, &last, err));
+  BASE_TRY(dump_open(&d, f->out, first, last, err));
+  s->request.dump = &d;
+  const base_status done = simulate_and_print(s, scene, code, err);
+  s->request.dump = NULL;
+  base_error why = {0};
+  const base_status closed = dump_close(&d, done == BASE_OK, &why);
+  if (done == BASE_OK && closed != BASE_OK) {
+    *err = why;
+    return closed;
+  }
+  return done;
+}
+
 /* With the files that the run is to leave behind. */
-static base_status with_files(simulation *s, const char *scene, const char *trajectory,
-                              const char *trace, int *code, base_error *err) {
+static base_status with_files(simulation *s, const char *scene, const simulate_files *f, int *code,
+                              base_error *err) {
+  const char *trajectory = f->trajectory;
+  const char *trace = f->trace;
   trace_file history;
   BASE_TRY(open_trajectory(trajectory, &s->request.trajectory, err));
   base_status done = BASE_OK;
@@ -215,7 +252,7 @@ static base_status with_files(simulation *s, const char *scene, const char *traj
     s->request.trace = (done == BASE_OK) ? &history : NULL;
   }
   if (done == BASE_OK) {
-    done = simulate_and_print(s, scene, code, err);
+    done = with_dump(s, scene, f, code, err);
   }
   if (s->request.trajectory != NULL && fclose(s->request.trajectory) != 0 && done == BASE_OK) {
     done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
@@ -230,8 +267,7 @@ static base_status with_files(simulation *s, const char *scene, const char *traj
 
 static int run(int argc, char **argv) {
   simulation_texts t = {0};
-  const char *trajectory = NULL;
-  const char *trace = NULL;
+  simulate_files f = {0};
   const arg_option options[] = {{"--formulation", ARG_TEXT, &t.formulation},
                                 {"--solver", ARG_TEXT, &t.solver},
                                 {"--step", ARG_TEXT, &t.step},
@@ -239,8 +275,11 @@ static int run(int argc, char **argv) {
                                 {"--tol", ARG_TEXT, &t.tol},
                                 {"--effects", ARG_TEXT, &t.effects},
                                 {"--start", ARG_TEXT, &t.start},
-                                {"--trajectory", ARG_TEXT, &trajectory},
-                                {"--trace", ARG_TEXT, &trace}};
+                                {"--trajectory", ARG_TEXT, &f.trajectory},
+                                {"--trace", ARG_TEXT, &f.trace},
+                                {"--dump-step", ARG_TEXT, &f.dump_step},
+                                {"--dump-steps", ARG_TEXT, &f.dump_steps},
+                                {"--out", ARG_TEXT, &f.out}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
   int n_positional;
   base_error err = {0};
@@ -251,7 +290,7 @@ static int run(int argc, char **argv) {
   int code = CLI_INTERNAL;
   base_status done = simulation_open(&t, &s, &err);
   if (done == BASE_OK) {
-    done = with_files(&s, t.scene, trajectory, trace, &code, &err);
+    done = with_files(&s, t.scene, &f, &code, &err);
   }
   simulation_close(&s);
   return (done == BASE_OK) ? code : cli_report(&err);
@@ -262,7 +301,8 @@ const cli_verb verb_simulate = {
     .name = "simulate",
     .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
              " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
-             " [--trajectory FILE.csv] [--trace FILE.csv]",
+             " [--trajectory FILE.csv] [--trace FILE.csv]"
+             " [--dump-step N | --dump-steps A:B, with --out DIR]",
     .help = "runs one scene and prints one JSON object with its predictions judged",
     .run = run,
 };

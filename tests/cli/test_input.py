@@ -1,5 +1,6 @@
 """Bad input gives one line on stderr that names the culprit and the rule, and exit code 2."""
 import json
+import pathlib
 
 from support import LCPBENCH, SHARED, Skip, one_line_error, run, run_json, tap
 
@@ -184,6 +185,18 @@ def export_reads_back(d):
     a = run_json("solve", "random_spd:n=9", "--solver", "lemke")
     b = run_json("solve", d / "p.M.mtx", "--solver", "lemke")
     assert a["n"] == b["n"] == 9 and a["n_pivot"] == b["n_pivot"] and b["status"] == "ok"
+    run("export", d / "p.M.mtx", "--format", "mtx", "--out", d / "again")
+    for part in ("M", "q"):
+        assert (d / f"again.{part}.mtx").read_text() == (d / f"p.{part}.mtx").read_text()
+    seeds = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds"
+    for seed in ("fc2d_dense", "fc2d_blocks", "fc2d_csparse", "global", "rolling", "rolling_global"):
+        run("export", seeds / f"{seed}.dat", "--format", "siconos", "--out", d / "a.dat")
+        if seed != "rolling":  # FCLIB has no local rolling problems
+            run("export", d / "a.dat", "--format", "fclib", "--out", d / "b.hdf5")
+            run("export", d / "b.hdf5", "--format", "siconos", "--out", d / "b.dat")
+            assert (d / "a.dat").read_text() == (d / "b.dat").read_text(), seed
+        hashes = {run_json("solve", path, "--solver", "nsgs")["solution_hash"] for path in (seeds / f"{seed}.dat", d / "a.dat")}
+        assert len(hashes) == 1, seed
     one_line_error("export", "random_spd:n=9", "--format", "papyrus", "--out", d / "p", names=["papyrus"])
     one_line_error("export", "random_spd:n=9", "--format", "mtx", names=["--out"])
     name = SHARED / "data/friction/FrictionContactProblem00031.dat"
@@ -194,6 +207,29 @@ def export_reads_back(d):
             assert o["status"] == "ok" and o["solution_hash"] == run_json("solve", name, "--solver", "nsgs")["solution_hash"], kind
 
 
+def steps_are_dumped(d):
+    """Problems of chosen steps: consecutive, read back with the same answer, bit for bit; cones too."""
+    scene = ("simulate", "stack:n=2", "--formulation", "velocity:facets=4", "--solver", "lemke")
+    run(*scene, "--dump-steps", "2:4", "--out", d / "seq")
+    index = [line.split(",") for line in (d / "seq" / "index.csv").read_text().splitlines()]
+    assert index[0] == "step,solve,n,nnz,status,problem,answer".split(",") and [row[0] for row in index[1:]] == ["2", "3", "4"], index
+    for row in index[1:]:
+        o = run_json("solve", d / "seq" / row[5], "--solver", "lemke", "--z", d / "z.mtx")
+        assert o["status"] == row[4] == "ok" and o["n"] == int(row[2]), o
+        assert (d / "z.mtx").read_text() == (d / "seq" / row[6]).read_text(), row
+    run("simulate", "stack:n=2", "--formulation", "coulomb", "--solver", "nsgs", "--dump-step", "3", "--out", d / "cone")
+    assert sorted(p.name for p in (d / "cone").iterdir()) == ["index.csv", "step_000003_01.dat", "step_000003_01.z.mtx"]
+    o = run_json("solve", d / "cone" / "step_000003_01.dat", "--solver", "nsgs", "--z", d / "z.mtx")
+    assert o["status"] == "ok" and (d / "z.mtx").read_text() == (d / "cone" / "step_000003_01.z.mtx").read_text()
+    one_line_error(*scene, "--dump-step", "0", "--out", d / "x", names=["0", "A:B"])
+    one_line_error(*scene, "--dump-steps", "3:2", "--out", d / "x", names=["3:2"])
+    one_line_error(*scene, "--dump-step", "2", names=["--out"])
+    done = run(*scene, "--dump-step", "5000", "--out", d / "x", code=2)
+    assert "no problem was posed" in done.stderr
+    box = run("simulate", "slide", "--formulation", "boxed", "--solver", "ppm", "--dump-step", "1", "--out", d / "x", code=2)
+    assert "cones of 2, 3 or 5 rows" in box.stderr
+
+
 def environment_gives_options(d):
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
@@ -202,4 +238,4 @@ def environment_gives_options(d):
 tap([usage_errors, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
-     certificates_are_written, export_reads_back])
+     certificates_are_written, export_reads_back, steps_are_dumped])
