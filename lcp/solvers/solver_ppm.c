@@ -8,35 +8,17 @@
  * whose removal makes s positive again: singular matrices need no special pivot. The energy
  * z'Mz/2 + q'z falls strictly from one driving row to the next, so no F returns and ties need no
  * rule. When nothing blocks, d >= 0 with Md = 0 and q'd < 0: no feasible point.
+ * A start point gives the first F, by the rows strictly inside their bounds; descent to w_F = 0 precedes.
  * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
 #include "lcp/base/clock.h"
 #include "lcp/lcp_farkas.h"
-#include "lcp/lcp_solver.h"
-#include "lcp/linear/packed_chol.h"
+#include "lcp/solvers/ppm.h"
 
 #include <float.h>
 
 typedef struct options {
   lcp_stop stop;
 } options;
-
-typedef enum place { AT_LO, AT_HI, BASIC } place;
-
-typedef struct ppm {
-  lcp_stop_state stop;
-  int m;                /* |F| */
-  int *order, *pos;     /* F in the order of L; place of i in F or -1 */
-  unsigned char *where; /* place of z_i */
-  unsigned char *is_free;
-  unsigned char *tries; /* times a violation near round-off was driven */
-  double *L, *cs;
-  double *d, *unit;  /* diagonal; sqrt |M_ii| (1 where zero) */
-  double *lo, *hi;   /* bounds of every row */
-  double *w, *bound; /* M z + q; |q| + |M||z| */
-  double *x, *y;     /* L^-1 M_Fr; direction of z_F, by place */
-  double *ray;       /* by row */
-  long double *sum;  /* n */
-} ppm;
 
 /* Relative sizes, all in the metric of unit: below `rank` a Schur complement is zero, below `faint` a
  * direction is; a violation below `sure` is driven at most twice. */
@@ -113,35 +95,6 @@ static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
   }
 }
 
-/* w = M z + q and |q| + |M||z|. */
-static void evaluate(const ppm *s, const lcp_problem *p, const double *z) {
-  const int n = p->M.n;
-  for (int i = 0; i < n; i++) {
-    s->w[i] = p->q[i];
-    s->bound[i] = fabs(p->q[i]);
-  }
-  for (int j = 0; j < n; j++) {
-    const double zj = z[j];
-    if (zj == 0) {
-      continue;
-    }
-    if (p->M.storage == LCP_DENSE) {
-      const double *col = p->M.val + (ptrdiff_t)j * n;
-      for (int i = 0; i < n; i++) {
-        const double term = col[i] * zj;
-        s->w[i] += term;
-        s->bound[i] += fabs(term);
-      }
-    } else {
-      for (int k = p->M.csc.colptr[j]; k < p->M.csc.colptr[j + 1]; k++) {
-        const double term = p->M.csc.val[k] * zj;
-        s->w[p->M.csc.rowind[k]] += term;
-        s->bound[p->M.csc.rowind[k]] += fabs(term);
-      }
-    }
-  }
-}
-
 static double violation(const ppm *s, int i) {
   if (s->is_free[i]) {
     return fabs(s->w[i]);
@@ -173,26 +126,6 @@ static int choose(ppm *s, int n) {
     s->tries[best]++;
   }
   return best;
-}
-
-/* Corrects the drift of z_F: z_F -= M_FF^-1 w_F where w_F left round-off. */
-static void correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
-  double worst = 0;
-  for (int k = 0; k < s->m; k++) {
-    s->y[k] = -s->w[s->order[k]];
-    worst = fmax(worst, fabs(s->y[k]) / s->bound[s->order[k]]);
-  }
-  if (!(worst > 1e-12)) {
-    return;
-  }
-  lin_chol_forward(s->L, s->m, s->y);
-  lin_chol_backward(s->L, s->m, s->y);
-  for (int k = 0; k < s->m; k++) {
-    z[s->order[k]] += s->y[k];
-  }
-  evaluate(s, p, z);
-  work->refinements++;
-  work->matvecs++;
 }
 
 /* Basic variable k of F stops at the bound `where`. */
@@ -316,57 +249,67 @@ static bool proves_infeasible(ppm *s, const lcp_problem *p, int r) {
   return lcp_farkas_prove(&p->M, p->q, s->is_free, s->ray);
 }
 
-/* sum = M z + q in long double. */
-static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
-  const int n = p->M.n;
-  const bool dense = p->M.storage == LCP_DENSE;
+static double resting_place(const ppm *s, int i) {
+  return s->is_free[i] ? 0 : (s->where[i] == AT_HI) ? s->hi[i] : s->lo[i];
+}
+
+/* F empty; every z at the bound nearest to its start. True when the start names another point. */
+static bool start_at_bounds(ppm *s, int n, const double *z) {
+  bool warm = false;
+  s->m = 0;
   for (int i = 0; i < n; i++) {
-    s->sum[i] = p->q[i];
+    const bool high = z[i] >= s->hi[i] || (s->lo[i] == -HUGE_VAL && s->hi[i] < HUGE_VAL);
+    s->where[i] = high ? AT_HI : AT_LO;
+    s->pos[i] = -1;
+    s->tries[i] = 0;
+    warm = warm || z[i] != 0;
   }
-  for (int j = 0; j < n; j++) {
-    const long double zj = z[j];
-    const int first = dense ? 0 : p->M.csc.colptr[j];
-    const int last = dense ? n : p->M.csc.colptr[j + 1];
-    const double *val = dense ? p->M.val + (ptrdiff_t)j * n : p->M.csc.val;
-    for (int k = first; zj != 0 && k < last; k++) {
-      s->sum[dense ? k : p->M.csc.rowind[k]] += zj * val[k];
+  return warm;
+}
+
+/* Cold (z = 0): at bounds. Otherwise F takes the rows whose start is strictly between its bounds (free
+ * rows: not zero), as far as their columns are independent. True when F has any. */
+static bool start(ppm *s, const lcp_matrix *M, double *z, lcp_work *work) {
+  const bool warm = start_at_bounds(s, M->n, z);
+  for (int i = 0; i < M->n; i++) {
+    const bool inside = s->is_free[i] ? z[i] != 0 : z[i] > s->lo[i] && z[i] < s->hi[i];
+    const double schur = (warm && inside) ? direction(s, M, i, work) : 0;
+    if (schur > rank_share * fabs(s->d[i])) {
+      enter(s, i, sqrt(schur));
+    } else {
+      z[i] = resting_place(s, i);
     }
   }
+  work->pivots = 0; /* that was a factorisation */
+  work->factorizations += s->m > 0;
+  return s->m > 0;
 }
 
-/* z + y; a sum that cancels down to rounding is zero, so that a row whose answer is zero, driven there
- * from a bound of its box, ends at zero and not at noise that a scale-invariant residual sees. */
-static double added(double z, double y) {
-  const double sum = z + y;
-  return (fabs(sum) <= 4 * DBL_EPSILON * fabs(y)) ? 0 : sum;
-}
-
-/* Two steps of iterative refinement of z_F, residuals in long double. */
-static void refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
-  for (int round = 0; round < 2; round++) {
-    extended_w(s, p, z);
+/* From a point of K to one with w_F = 0: along z_F -= M_FF^-1 w_F, dropping from F what meets a bound. The
+ * energy falls with each step, as it does afterwards. */
+static void settle(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
+  for (double step = 0; s->m > 0 && step < 1;) {
+    lcp_ppm_evaluate(s, p, z);
     for (int k = 0; k < s->m; k++) {
-      s->y[k] = (double)-s->sum[s->order[k]];
+      s->y[k] = -s->w[s->order[k]];
     }
     lin_chol_forward(s->L, s->m, s->y);
     lin_chol_backward(s->L, s->m, s->y);
-    for (int k = 0; k < s->m; k++) {
-      const int i = s->order[k];
-      z[i] = fmin(fmax(added(z[i], s->y[k]), s->lo[i]), s->hi[i]); /* on K; the residual decides */
+    work->matvecs++;
+    work->backsolves += 2;
+    step = 1;
+    double t = HUGE_VAL;
+    const int k = first_block(s, z, s->order[0], 1, &t);
+    if (k >= 0 && t < 1) {
+      step = t;
     }
-    work->refinements++;
-  }
-}
-
-/* Nonbasic start: every z at its bound nearest to zero, F empty. */
-static void start(ppm *s, int n, double *z) {
-  s->m = 0;
-  for (int i = 0; i < n; i++) {
-    const bool high = s->hi[i] < 0 || (s->lo[i] == -HUGE_VAL && s->hi[i] < HUGE_VAL);
-    s->where[i] = high ? AT_HI : AT_LO;
-    z[i] = s->is_free[i] ? 0 : (high ? s->hi[i] : s->lo[i]);
-    s->pos[i] = -1;
-    s->tries[i] = 0;
+    for (int j = 0; j < s->m; j++) {
+      z[s->order[j]] += step * s->y[j];
+    }
+    if (step < 1) {
+      leave(s, z, k, s->y[k] < 0 ? AT_LO : AT_HI);
+      work->pivots++;
+    }
   }
 }
 
@@ -388,9 +331,9 @@ static void note(const ppm *s, int n, long pivots, lcp_trace *trace) {
 static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
                          lcp_trace *trace, lcp_result *res) {
   for (;;) {
-    evaluate(s, p, z);
+    lcp_ppm_evaluate(s, p, z);
     res->work.matvecs++;
-    correct(s, p, z, &res->work);
+    lcp_ppm_correct(s, p, z, &res->work);
     note(s, p->M.n, res->work.pivots, trace);
     const int r = choose(s, p->M.n);
     if (r < 0) {
@@ -418,11 +361,14 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   ppm *s = state;
   const lcp_stop *stop = &((const options *)opt)->stop;
   lcp_stop_begin(&s->stop, p);
-  start(s, p->M.n, z);
+  if (start(s, &p->M, z, &res->work)) {
+    res->variant = "warm";
+    settle(s, p, z, &res->work);
+  }
   res->outcome = pivot(s, p, stop, z, trace, res);
   res->work.iterations = res->work.pivots;
   if (res->outcome == LCP_SOLVED) {
-    refine(s, p, z, &res->work);
+    lcp_ppm_refine(s, p, z, &res->work);
   }
   const lcp_stop once = {
       .tol = stop->tol, .max_iter = stop->max_iter, .check_every = 1, .max_seconds = HUGE_VAL};
@@ -456,6 +402,7 @@ const lcp_solver lcp_solver_ppm = {
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .needs = LCP_SYMMETRIC,
     .exact = true,
+    .warm = true,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

@@ -23,14 +23,19 @@ typedef struct run {
   lcp_result res;
 } run;
 
-static void solve_once(lcp_instance *k, const lcp_solver *s, run *r) {
+/* From the z of *r. */
+static void solve_from(lcp_instance *k, const lcp_solver *s, run *r) {
   base_error err = {0};
-  memset(r, 0, sizeof *r);
   const long heap_before = check_heap_calls;
   check_ok(lcp_instance_solve(k, NULL, r->z, &r->res, &err), &err);
   if (!s->allocates) {
     assert_int_equal(check_heap_calls, heap_before);
   }
+}
+
+static void solve_once(lcp_instance *k, const lcp_solver *s, run *r) {
+  memset(r, 0, sizeof *r);
+  solve_from(k, s, r);
 }
 
 /* y >= 0, M'y <= 0, q'y < 0; free rows: any sign, (M'y)_i = 0. */
@@ -81,6 +86,31 @@ static void check_claim(const pair *c, const run *r) {
   }
 }
 
+/* A solver that takes a start point stays at its own answer; a direct method also finds its way from
+ * a support that is wrong, and does not pivot more from the answer than from nothing. */
+static void check_warm(lcp_instance *k, const pair *c, const run *cold) {
+  const lcp_problem *p = &c->g->p;
+  base_error err = {0};
+  lcp_verdict v;
+  if (!c->s->warm || c->s->peer || cold->res.outcome != LCP_SOLVED) {
+    return;
+  }
+  const double tol = c->s->exact ? LCP_VERIFY_EXACT : LCP_VERIFY_ITERATIVE;
+  const bool definite = (p->traits & LCP_PD) != 0;
+  static run r;
+  for (int wrong = 0; wrong < (c->s->exact && definite ? 2 : 1); wrong++) {
+    r = *cold;
+    for (int i = 0; i < p->M.n && wrong; i++) {
+      r.z[i] = (i % 3 == 0) ? 0 : 1;
+    }
+    solve_from(k, c->s, &r);
+    assert_string_equal(lcp_outcome_name(r.res.outcome), "ok");
+    check_ok(lcp_judge(p, r.z, &v, &err), &err);
+    check_close(v.rho, 0.0, tol);
+    assert_true(wrong || !c->s->exact || r.res.work.pivots <= cold->res.work.pivots);
+  }
+}
+
 static void keeps_its_promises(void **state) {
   const pair *c = *state;
   const lcp_problem *p = &c->g->p;
@@ -116,6 +146,7 @@ static void keeps_its_promises(void **state) {
   assert_memory_equal(first.z, again.z, sizeof first.z);
   assert_int_equal(first.res.outcome, again.res.outcome);
   assert_memory_equal(&first.res.work, &again.res.work, sizeof first.res.work);
+  check_warm(k, c, &first);
   assert_memory_equal(opt, opt_before, sizeof opt);
   assert_memory_equal(p->q, q, (size_t)p->M.n * sizeof *q);
   lcp_instance_close(k);
