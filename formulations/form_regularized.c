@@ -190,6 +190,8 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   s->largest = 0;
   s->done = false;
   s->best_residual = HUGE_VAL;
+  s->relaxation = 1;
+  s->n_secant = 0;
   reg_parts_build(s);
   if (s->by_mass) {
     BASE_TRY(reg_mass_begin(s, err));
@@ -294,9 +296,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     give_up(s);
     return BASE_OK;
   }
-  if (s->start == FORM_PREVIOUS) {
-    memcpy(s->z0, z, (size_t)s->a.n_contact * sizeof *z);
-  }
+  memcpy(s->z0, z, (size_t)s->a.n_contact * sizeof *z);
   reg_modes_next(s);
   reduce(s);
   return BASE_OK;

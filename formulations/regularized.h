@@ -58,6 +58,7 @@ typedef struct reg_part {
   double d[2], r;             /* slip direction, secant factor of the current mode */
   double tau[2];              /* h tau of the last iterate [N s] */
   double next_r;              /* min(1, mu lambda_n / |h tau|) there */
+  double log_step;            /* ln(next_r / r) of the last secant iteration */
   double load;                /* mu lambda_n there, an impulse [N s] */
   unsigned char mode;         /* reg_mode */
   unsigned char sliding;      /* mu is the kinetic one */
@@ -113,6 +114,8 @@ typedef struct regularized {
   bool done;
   bool proximal; /* the term is in A and b of this solve */
   double best_residual;
+  double relaxation; /* of the secant factors, Irons & Tuck 1969 [1] */
+  int n_secant;      /* parts it was computed from */
   double largest; /* impulse of the last iterate [N s] */
   formulation_answer answer;
 

@@ -7,6 +7,9 @@
 enum { PAST_MODE, PAST_SLIDING, PAST_R, PAST_S, PAST_D = PAST_S + 3, PAST_PART = PAST_D + 3 };
 enum { PAST_PARTS = 2, REG_STRIDE = PAST_PARTS + REG_KINDS * PAST_PART };
 
+static const double least_relaxation = 0.05; /* below, the steps turn back and forth [1] */
+static const double most_change = 1;         /* of ln r in one extrapolation [1] */
+
 /* Largest eigenvalue of the dim x dim block of C at rows `at` of contact i. */
 static double mobility(const form_assembly *a, int i, int at, int dim) {
   const int n = form_rows_of(a, i);
@@ -250,10 +253,47 @@ static bool is_idle(const regularized *s, const reg_part *p) {
   return p->load <= least && norm(p->tau, p->dim) <= least;
 }
 
+static bool is_secant(const reg_part *p) {
+  return p->mode == REG_SECANT && p->r > 0 && p->next_r > 0 && p->next_r < 1;
+}
+
+/* The secant factors converge linearly, at a rate near 1 where friction and wedging nearly balance
+ * and slowly away where they balance too well: ln r goes on by omega times its step, omega from the
+ * last two steps (Irons & Tuck 1969, Aitken's process for vectors), negative in the second case. 1
+ * where the set of parts has changed or the extrapolation says nothing. */
+static void relax(regularized *s) {
+  double product = 0;
+  double square = 0;
+  double longest = 0;
+  int n = 0;
+  for (int k = 0; k < s->n_part; k++) {
+    reg_part *p = &s->part[k];
+    if (is_secant(p)) {
+      const double step = log(p->next_r / p->r);
+      const double change = step - p->log_step;
+      product += p->log_step * change;
+      square += change * change;
+      longest = fmax(longest, fabs(step));
+      p->log_step = step;
+      n++;
+    }
+  }
+  const double omega = -s->relaxation * product / square;
+  const bool useful = fabs(omega) > least_relaxation && fabs(omega) * longest < most_change;
+  s->relaxation = (n > 0 && n == s->n_secant && useful) ? omega : 1;
+  s->n_secant = n;
+}
+
+/* Friction factor of the next secant: the law's, further along the way it is going. */
+static double next_factor(const regularized *s, const reg_part *p) {
+  return is_secant(p) ? fmin(1, p->r * exp(s->relaxation * p->log_step)) : p->next_r;
+}
+
 void reg_modes_next(regularized *s) {
   const bool secant =
       s->opt.modes == REG_SECANT_ONLY ||
       (s->opt.modes == REG_NEWTON && s->iteration % (6 * s->opt.newton_iter) >= s->opt.newton_iter);
+  relax(s);
   for (int k = 0; k < s->n_part; k++) {
     reg_part *p = &s->part[k];
     const unsigned char was = p->mode;
@@ -265,7 +305,7 @@ void reg_modes_next(regularized *s) {
     if (is_idle(s, p)) {
       continue;
     }
-    p->r = p->next_r;
+    p->r = next_factor(s, p);
     p->mode = REG_STICK;
     if (p->next_r < 1 && tau > 0) {
       const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
