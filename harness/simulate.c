@@ -8,6 +8,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What a solve came to. */
+typedef struct solved {
+  run_status word, claimed;
+  bool verified;
+  lcp_verdict v;
+  char text[160];
+} solved;
+
 /* Everything one run owns. */
 typedef struct sim {
   const sim_request *q;
@@ -17,6 +25,8 @@ typedef struct sim {
   lcp_instance *instance;
   double *z;
   int z_cap;
+  bool iterates; /* the formulation may try again where a problem has no solution */
+  solved held;   /* such a try, until the step is over; word RUN_OK: none */
 } sim;
 
 double sim_total_seconds(const sim_result *r) {
@@ -81,16 +91,34 @@ static base_status open_instance(sim *s, const lcp_problem *p, base_error *err) 
   return lcp_instance_prepare(s->instance, p, err);
 }
 
-/* Verdict of the answer in s->z; nothing here is timed. */
-static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, base_error *err) {
+static bool without_solution(run_status s) {
+  return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE;
+}
+
+/* Enters a solve into the record. */
+static void count_solve(sim *s, const solved *k) {
   sim_result *r = s->out;
-  lcp_verdict v;
-  bool verified;
-  BASE_TRY(lcp_judge(p, s->z, &v, err));
-  const run_status word =
-      verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &v, &verified);
+  r->verified = r->verified && k->verified;
+  r->claimed = run_status_worse(r->claimed, k->claimed);
+  add_verdict(r, &k->v);
+  if (k->word != RUN_OK) {
+    r->n_unsolved++;
+    trouble(s, k->word, k->text);
+  }
+}
+
+/* A problem without a solution means wrong modes where the formulation goes on to one that has
+ * one (MATH 2.3.7): its own method, which counts it as a fallback. Else it stands. */
+static void settle_held(sim *s) {
+  if (s->held.word != RUN_OK) {
+    count_solve(s, &s->held);
+    s->held.word = RUN_OK;
+  }
+}
+
+static void add_costs(sim *s, const lcp_problem *p, const lcp_result *claim) {
+  sim_result *r = s->out;
   r->n_solves++;
-  r->verified = r->verified && verified;
   r->lcp_dim_max = (p->M.n > r->lcp_dim_max) ? p->M.n : r->lcp_dim_max;
   const long nnz = lcp_matrix_entries(&p->M);
   r->nnz_max = (nnz > r->nnz_max) ? nnz : r->nnz_max;
@@ -98,22 +126,33 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
   r->variant = claim->variant;
   r->hash = sim_hash(r->hash, s->z, p->M.n);
   add_work(&r->work, &claim->work);
-  add_verdict(r, &v);
+}
+
+/* Verdict of the answer in s->z; nothing here is timed. */
+static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, base_error *err) {
+  solved k = {0};
+  BASE_TRY(lcp_judge(p, s->z, &k.v, err));
+  k.word = verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &k.v, &k.verified);
+  add_costs(s, p, claim);
+  k.claimed = RUN_OK;
   if (claim->outcome != LCP_SOLVED) {
-    run_status claimed = RUN_NUMERICAL;
-    (void)run_status_find(lcp_outcome_name(claim->outcome), &claimed);
-    r->claimed = run_status_worse(r->claimed, claimed);
+    k.claimed = RUN_NUMERICAL;
+    (void)run_status_find(lcp_outcome_name(claim->outcome), &k.claimed);
   }
-  if (word != RUN_OK) {
-    char text[160];
-    (void)snprintf(text, sizeof text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g", r->n_solves,
-                   p->M.n, run_status_name(word), lcp_outcome_name(claim->outcome), v.rho);
-    r->n_unsolved++;
-    trouble(s, word, text);
+  if (k.word != RUN_OK) {
+    (void)snprintf(k.text, sizeof k.text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g",
+                   s->out->n_solves, p->M.n, run_status_name(k.word),
+                   lcp_outcome_name(claim->outcome), k.v.rho);
+  }
+  if (s->iterates && without_solution(k.word)) {
+    s->held = k;
+  } else {
+    s->held.word = (k.word == RUN_OK) ? RUN_OK : s->held.word;
+    count_solve(s, &k);
   }
   return (s->q->dump == NULL)
              ? BASE_OK
-             : dump_problem(s->q->dump, r->steps + 1, p, s->z, run_status_name(word), err);
+             : dump_problem(s->q->dump, s->out->steps + 1, p, s->z, run_status_name(k.word), err);
 }
 
 static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
@@ -177,6 +216,7 @@ static base_status solve_step(sim *s, base_error *err) {
     BASE_TRY(formulation_assemble(s->form, &p, &z0, &pending, err));
     s->out->time.assemble += base_seconds() - from;
     if (!pending) {
+      settle_held(s);
       return BASE_OK;
     }
     BASE_TRY(start_point(s, &p, z0, err));
@@ -277,12 +317,13 @@ static base_status step_own(sim *s, series *record, base_error *err) {
 
 /* After these nothing further is physics. */
 static bool hopeless(run_status s) {
-  return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE || s == RUN_UNSUPPORTED;
+  return without_solution(s) || s == RUN_UNSUPPORTED;
 }
 
 static base_status run_steps(sim *s, series *record, base_error *err) {
   const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
   sim_result *r = s->out;
+  s->iterates = !own;
   while (r->steps < r->steps_planned && !hopeless(r->status)) {
     const double from = sim_total_seconds(r);
     base_error why = {0};
