@@ -28,9 +28,9 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
     BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
-    BASE_FIELD(options, mode_iter, BASE_INT, "1", 200, 1, 1e6, "most solves in a step"),
+    BASE_FIELD(options, mode_iter, BASE_INT, "1", 1000, 1, 1e6, "most solves in a step"),
     BASE_FIELD(options, prox, BASE_REAL, "1", 1e-6, 0, 1, "proximal term from the third solve on"),
-    BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the pure secant"),
+    BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the first secants"),
     BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
     BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
@@ -48,6 +48,7 @@ static void layout_groups(void *state, base_arena *m) {
   const int p = s->cap_contact;
   s->part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
+  s->base_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->part_start = BASE_ARRAY(m, int, p + 1);
   s->row_of = BASE_ARRAY(m, int, s->cap_group + 1);
   s->rows = BASE_ARRAY(m, reg_row, s->cap_row);
@@ -57,6 +58,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->lambda = BASE_ARRAY(m, double, s->cap_row);
   s->u = BASE_ARRAY(m, double, s->cap_row);
   s->best = BASE_ARRAY(m, double, s->cap_row);
+  s->base = BASE_ARRAY(m, double, s->cap_row);
   s->t = BASE_ARRAY(m, double, s->cap_row);
   s->block = BASE_ARRAY(m, lcp_block, p);
 }
@@ -190,8 +192,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   s->largest = 0;
   s->done = false;
   s->best_residual = HUGE_VAL;
-  s->relaxation = 1;
-  s->n_secant = 0;
+  reg_modes_begin(s);
   reg_parts_build(s);
   if (s->by_mass) {
     BASE_TRY(reg_mass_begin(s, err));
@@ -240,15 +241,6 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
   return BASE_OK;
 }
 
-static void all_to_secant(regularized *s) {
-  for (int k = 0; k < s->n_part; k++) {
-    if (s->part[k].mode == REG_SLIP) {
-      s->part[k].mode = REG_SECANT;
-    }
-  }
-  s->answer.work.fallbacks++;
-}
-
 static void keep_best(regularized *s, double residual) {
   if (residual < s->best_residual) {
     s->best_residual = residual;
@@ -274,7 +266,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
   s->iteration++;
   s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
   if (broken && s->any_slip && s->opt.modes != REG_PLAIN && s->iteration < s->opt.mode_iter) {
-    all_to_secant(s);
+    reg_modes_without_solution(s);
     reduce(s);
     return BASE_OK;
   }
@@ -297,7 +289,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     return BASE_OK;
   }
   memcpy(s->z0, z, (size_t)s->a.n_contact * sizeof *z);
-  reg_modes_next(s);
+  reg_modes_next(s, residual);
   reduce(s);
   return BASE_OK;
 }

@@ -93,7 +93,8 @@ struct formulation {
   base_status (*begin)(void *state, const contact_set *c, const void *opt, formulation_start start,
                        base_error *err);
   /* *pending = false: nothing (more) to solve in this step. Otherwise *out is a view valid until
-   * recover, and z0[n] (capacity given by out->M.n) the start point (zeros when cold). */
+   * recover, and z0[n] (capacity given by out->M.n) the start point (cold: zeros in
+   * the first solve of a step). */
   base_status (*assemble)(void *state, lcp_problem *out, const double **z0, bool *pending,
                           base_error *err);
   /* Takes any z, exact or not, with what the solver claimed. */

@@ -85,13 +85,23 @@ typedef struct reg_mass {
   void *mem, *val_mem; /* owned */
 } reg_mass;
 
+/* regularized_modes.c: which kind of iteration is next. */
+typedef struct reg_schedule {
+  double relaxation; /* of the secant factors [1] */
+  int n_secant;      /* parts it was computed from */
+  int calm;          /* iterations since a part began or ceased to stick */
+  int patience;      /* of those before a trial of Newton's */
+  bool trial;        /* one is running */
+  double residual;   /* where its last iteration began */
+} reg_schedule;
+
 typedef struct regularized {
   form_assembly a;
   contact_memory memory;
   reg_options opt;
   formulation_start start;
 
-  reg_part *part, *best_part; /* n_part */
+  reg_part *part, *best_part, *base_part; /* n_part; base: where a trial of Newton's began */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
   int *row_of;     /* n_group+1: compliant rows of each group */
@@ -103,8 +113,8 @@ typedef struct regularized {
   double *A, *b, *z0; /* p*p, p, p */
   double *sigma;      /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
   double *xyc;        /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
-  double *lambda, *u, *best; /* assembly rows */
-  double *t;                 /* n_rows */
+  double *lambda, *u, *best, *base; /* assembly rows */
+  double *t;                        /* n_rows */
   lcp_block *block;
 
   bool by_mass; /* which of the two forms this step takes */
@@ -114,8 +124,7 @@ typedef struct regularized {
   bool done;
   bool proximal; /* the term is in A and b of this solve */
   double best_residual;
-  double relaxation; /* of the secant factors, Irons & Tuck 1969 [1] */
-  int n_secant;      /* parts it was computed from */
+  reg_schedule schedule;
   double largest; /* impulse of the last iterate [N s] */
   formulation_answer answer;
 
@@ -125,14 +134,23 @@ typedef struct regularized {
 } regularized;
 
 /* regularized_law.c: parts of the step with their stiffness and transported state; the law at an
- * iterate; the next modes; the memory of the next step. */
+ * iterate; the memory of the next step. */
 void reg_parts_build(regularized *s);
 /* Evaluates the law at (lambda, u), both over the assembly's rows: fills tau, r; returns the
  * largest deviation of lambda from the law over the largest impulse. */
 double reg_law_residual(regularized *s, const double *lambda, const double *u);
-void reg_modes_next(regularized *s);
 /* Puts the law's friction impulses into lambda and stores states and modes. */
 void reg_commit(regularized *s, double *lambda);
+double reg_norm(const double *x, int n); /* n: 1 or 2 */
+bool reg_is_lugre(const regularized *s, const reg_part *p);
+/* Carries and asks for nothing that the tolerance can see. */
+bool reg_is_idle(const regularized *s, const reg_part *p);
+
+/* regularized_modes.c: the modes of the next solve, from the last iterate with that residual, or
+ * after modes whose problem has no solution. */
+void reg_modes_begin(regularized *s);
+void reg_modes_next(regularized *s, double residual);
+void reg_modes_without_solution(regularized *s);
 
 /* regularized_lugre.c */
 void reg_lugre_begin(const reg_options *o, double h, reg_part *p);

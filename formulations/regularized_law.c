@@ -1,4 +1,4 @@
-/* regularized_law.c - friction parts: stiffness, transported state, the law, modes, memory. */
+/* regularized_law.c - friction parts: stiffness, transported state, the law, memory. */
 #include "formulations/regularized.h"
 
 #include <string.h>
@@ -6,9 +6,6 @@
 /* A memory entry: closed, lambda_n, then for each kind of part the numbers below. */
 enum { PAST_MODE, PAST_SLIDING, PAST_R, PAST_S, PAST_D = PAST_S + 3, PAST_PART = PAST_D + 3 };
 enum { PAST_PARTS = 2, REG_STRIDE = PAST_PARTS + REG_KINDS * PAST_PART };
-
-static const double least_relaxation = 0.05; /* below, the steps turn back and forth [1] */
-static const double most_change = 1;         /* of ln r in one extrapolation [1] */
 
 /* Largest eigenvalue of the dim x dim block of C at rows `at` of contact i. */
 static double mobility(const form_assembly *a, int i, int at, int dim) {
@@ -118,7 +115,7 @@ static bool has_impact(const regularized *s) {
   return false;
 }
 
-static bool is_lugre(const regularized *s, const reg_part *p) {
+bool reg_is_lugre(const regularized *s, const reg_part *p) {
   return s->opt.model == REG_LUGRE && p->kind == 0;
 }
 
@@ -142,7 +139,7 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
   p->axis2 = (kind == 0 && dim == 2) ? s->opt.ellipse : 1;
   set_stiffness(&s->opt, c->h, boost, p);
   restore(s, g, p);
-  if (is_lugre(s, p)) {
+  if (reg_is_lugre(s, p)) {
     p->eta = p->r;
     p->r = 1;
     p->mode = REG_STICK;
@@ -171,7 +168,7 @@ void reg_parts_build(regularized *s) {
   s->part_start[s->a.n_contact] = s->n_part;
 }
 
-static double norm(const double *x, int n) {
+double reg_norm(const double *x, int n) {
   return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
@@ -187,7 +184,7 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
   if (p->dim == 2) {
     v[1] = p->axis2 * u[p->row + 1];
   }
-  if (is_lugre(s, p)) {
+  if (reg_is_lugre(s, p)) {
     reg_lugre_trial(&s->opt, s->a.set->h, p, lambda[s->a.row[p->contact]], v);
     return;
   }
@@ -209,7 +206,7 @@ static double bound_of(const reg_part *p, double lambda_n) {
 /* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATH 2.3.6). At
  * most one change to and fro in a step. */
 static void choose_coefficient(const regularized *s, reg_part *p, double tau, double lambda_n) {
-  if (is_lugre(s, p)) {
+  if (reg_is_lugre(s, p)) {
     return; /* mu_k and mu_s are both in its g */
   }
   const double mu = p->sliding ? p->mu_kinetic : p->mu_static;
@@ -229,7 +226,7 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
     for (int k = s->part_start[i]; k < s->part_start[i + 1]; k++) {
       reg_part *p = &s->part[k];
       trial(s, p, lambda, u);
-      const double tau = norm(p->tau, p->dim);
+      const double tau = reg_norm(p->tau, p->dim);
       choose_coefficient(s, p, tau, ln);
       const double bound = bound_of(p, ln);
       const double scale = (tau > bound) ? bound / tau : 1;
@@ -248,84 +245,18 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
 }
 
 /* Carries and asks for nothing that the tolerance can see: its direction is noise (MATH 2.5). */
-static bool is_idle(const regularized *s, const reg_part *p) {
+bool reg_is_idle(const regularized *s, const reg_part *p) {
   const double least = s->opt.tol * s->largest;
-  return p->load <= least && norm(p->tau, p->dim) <= least;
-}
-
-static bool is_secant(const reg_part *p) {
-  return p->mode == REG_SECANT && p->r > 0 && p->next_r > 0 && p->next_r < 1;
-}
-
-/* The secant factors converge linearly, at a rate near 1 where friction and wedging nearly balance
- * and slowly away where they balance too well: ln r goes on by omega times its step, omega from the
- * last two steps (Irons & Tuck 1969, Aitken's process for vectors), negative in the second case. 1
- * where the set of parts has changed or the extrapolation says nothing. */
-static void relax(regularized *s) {
-  double product = 0;
-  double square = 0;
-  double longest = 0;
-  int n = 0;
-  for (int k = 0; k < s->n_part; k++) {
-    reg_part *p = &s->part[k];
-    if (is_secant(p)) {
-      const double step = log(p->next_r / p->r);
-      const double change = step - p->log_step;
-      product += p->log_step * change;
-      square += change * change;
-      longest = fmax(longest, fabs(step));
-      p->log_step = step;
-      n++;
-    }
-  }
-  const double omega = -s->relaxation * product / square;
-  const bool useful = fabs(omega) > least_relaxation && fabs(omega) * longest < most_change;
-  s->relaxation = (n > 0 && n == s->n_secant && useful) ? omega : 1;
-  s->n_secant = n;
-}
-
-/* Friction factor of the next secant: the law's, further along the way it is going. */
-static double next_factor(const regularized *s, const reg_part *p) {
-  return is_secant(p) ? fmin(1, p->r * exp(s->relaxation * p->log_step)) : p->next_r;
-}
-
-void reg_modes_next(regularized *s) {
-  const bool secant =
-      s->opt.modes == REG_SECANT_ONLY ||
-      (s->opt.modes == REG_NEWTON && s->iteration % (6 * s->opt.newton_iter) >= s->opt.newton_iter);
-  relax(s);
-  for (int k = 0; k < s->n_part; k++) {
-    reg_part *p = &s->part[k];
-    const unsigned char was = p->mode;
-    const double tau = norm(p->tau, p->dim);
-    if (is_lugre(s, p)) {
-      reg_lugre_next(&s->opt, s->a.set->h, s->iteration, p);
-      continue;
-    }
-    if (is_idle(s, p)) {
-      continue;
-    }
-    p->r = next_factor(s, p);
-    p->mode = REG_STICK;
-    if (p->next_r < 1 && tau > 0) {
-      const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
-      const bool turned = was != REG_STICK && d[0] * p->d[0] + d[1] * p->d[1] < 0;
-      const bool hold = s->opt.modes == REG_NEWTON && turned;
-      p->mode = (secant || hold) ? REG_SECANT : REG_SLIP;
-      p->d[0] = d[0];
-      p->d[1] = d[1];
-    }
-    s->answer.work.mode_changes += p->mode != was;
-  }
+  return p->load <= least && reg_norm(p->tau, p->dim) <= least;
 }
 
 static void store(regularized *s, const reg_part *p, const double *next) {
   const int g = s->a.group[p->contact];
   double *m = contact_memory_now(&s->memory, g) + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
-  m[PAST_MODE] = (p->next_r < 1 && !is_idle(s, p)) ? REG_SLIP : REG_STICK;
+  m[PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
   m[PAST_SLIDING] = p->sliding;
-  m[PAST_R] = is_lugre(s, p) ? p->next_eta : p->next_r;
-  const double tau = norm(p->tau, p->dim);
+  m[PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
+  const double tau = reg_norm(p->tau, p->dim);
   const double d[2] = {(tau > 0) ? p->tau[0] / tau : 0, (tau > 0) ? p->tau[1] / tau : 0};
   if (p->dim == 1) {
     m[PAST_S] = next[0];
@@ -340,12 +271,12 @@ static void store(regularized *s, const reg_part *p, const double *next) {
 static void settle(regularized *s, const reg_part *p, double ln, double *lambda, double *next) {
   const double h = s->a.set->h;
   const double creep = h * p->k + p->c;
-  const bool idle = is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
+  const bool idle = reg_is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
   for (int m = 0; m < p->dim && m < 2; m++) {
     const double unit = axis_unit(p, m);
     const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];
     lambda[p->row + m] = l * unit;
-    if (is_lugre(s, p)) {
+    if (reg_is_lugre(s, p)) {
       next[m] = (ln > 0) ? reg_lugre_state(p, h, m) : 0;
     } else if (p->next_r < 1) {
       next[m] = (creep > 0) ? (-l + p->c * p->s[m]) / creep : 0;

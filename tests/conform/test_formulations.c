@@ -203,7 +203,7 @@ static void run_step(const formulation *f, formulation_run *run, rig *r, bool ze
     check_traits(&p);
     double *z = calloc((size_t)p.M.n, sizeof *z);
     for (int i = 0; i < p.M.n; i++) {
-      assert_true(z0[i] == 0); /* cold */
+      assert_true(solves > 1 || z0[i] == 0); /* cold */
     }
     lcp_outcome out = LCP_MAX_ITER;
     if (!zero) {
