@@ -2,6 +2,7 @@
 
 #include "harness/json_out.h"
 #include "harness/machine.h"
+#include "harness/noise.h"
 #include "harness/runner.h"
 #include "harness/sha256.h"
 #include "harness/version.h"
@@ -34,6 +35,10 @@ static json_t *campaign_json(const campaign *c) {
   json_out_real(o, "half_width", c->sampling.half_width);
   json_out_real(o, "budget_s", c->sampling.budget);
   json_out_real(o, "inner_s", c->sampling.inner);
+  json_out_text(o, "order", c->sampling.abba ? "abba" : "random");
+  json_out_text(o, "cache", c->sampling.cold ? "cold" : "warm");
+  json_out_bool(o, "solutions", c->solutions);
+  json_out_bool(o, "trace", c->trace);
   FILE *from = fopen(c->path, "r");
   if (from != NULL) {
     char *text = calloc(65536, 1);
@@ -86,6 +91,11 @@ static json_t *machine_json(void) {
   json_out_text(o, "cpu", m.cpu_model);
   json_out_int(o, "n_cpu", m.n_cpu);
   json_out_text(o, "kernel", m.kernel);
+  double cost;
+  double step;
+  noise_clock(&cost, &step);
+  json_out_real(o, "clock_cost_s", cost);
+  json_out_real(o, "clock_step_s", step);
   json_out_text(o, "governor", m.governor[0] != '\0' ? m.governor : NULL);
   put_proc(o, "microcode", "/proc/cpuinfo", "microcode");
   put_proc(o, "cpu_flags", "/proc/cpuinfo", "flags");

@@ -9,20 +9,19 @@
 
 /* ---- clock and memory -------------------------------------------------------------------------*/
 
-static void measure_clock(noise_report *out) {
+void noise_clock(double *cost, double *step) {
   enum { N = 20000 };
   const double from = base_seconds();
   double last = from;
-  double step = HUGE_VAL;
+  *step = HUGE_VAL;
   for (int i = 0; i < N; i++) {
     const double now = base_seconds();
     if (now > last) {
-      step = fmin(step, now - last);
+      *step = fmin(*step, now - last);
     }
     last = now;
   }
-  out->clock_cost = (last - from) / N;
-  out->clock_step = step;
+  *cost = (last - from) / N;
 }
 
 static void measure_bandwidth(noise_report *out) {
@@ -114,7 +113,7 @@ void noise_measure(double seconds, uint64_t seed, noise_report *out) {
                                  {.name = "large_cache", .up_to = 4194304.0},
                                  {.name = "memory", .up_to = HUGE_VAL}}};
   base_rng rng = base_rng_seeded(seed);
-  measure_clock(out);
+  noise_clock(&out->clock_cost, &out->clock_step);
   measure_bandwidth(out);
   const double each = seconds / NOISE_CLASSES;
   measure_class(&out->size[0], 2048, 200, each, &rng);

@@ -26,3 +26,6 @@ typedef struct noise_report {
 
 /* About `seconds` of measuring in all. */
 void noise_measure(double seconds, uint64_t seed, noise_report *out);
+
+/* CLOCK_MONOTONIC: what one reading costs, and the smallest step seen [s]. Less than a millisecond. */
+void noise_clock(double *cost, double *step);

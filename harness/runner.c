@@ -36,7 +36,7 @@ static void measure_canary(runner *r) {
     if (ftell(to) == 0) {
       (void)fputs("utc,host,canary_s,load1\n", to);
     }
-    (void)fprintf(to, "%s,%s,%.9g,%.3g\n", when, r->machine.host, r->canary, machine_load());
+    (void)fprintf(to, "%s,%s,%.17g,%.3g\n", when, r->machine.host, r->canary, machine_load());
     (void)fclose(to);
   }
 }

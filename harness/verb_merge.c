@@ -2,6 +2,7 @@
 #include "harness/args.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
+#include "harness/merge_files.h"
 #include "harness/runner.h"
 #include "harness/sha256.h"
 
@@ -121,6 +122,7 @@ static base_status merge(const char *const *dir, int n, const merge_options *o, 
   }
   runner_path(o->out, "results.csv", path, sizeof path);
   BASE_TRY(record_table_write(path, all, err));
+  BASE_TRY(merge_files(dir, n, o->out, err));
   return merge_manifest(dir, n, o->out, err);
 }
 

@@ -85,14 +85,15 @@ static base_status override(const run_options *o, campaign *c, base_error *err) 
 /* Seconds of a process of this cell in earlier rows; HUGE_VAL if none. */
 static double seen_seconds(const record_table *rows, const char *id) {
   double sum = 0.0;
-  bool any = false;
+  int processes = 0;
   for (int i = 0; i < rows->n; i++) {
-    if (strcmp(rows->row[i].cell_id, id) == 0 && rows->row[i].t_total_s >= 0) {
-      sum += rows->row[i].t_total_s * (double)rows->row[i].n_inner;
-      any = true;
+    const record *r = &rows->row[i];
+    if (strcmp(r->cell_id, id) == 0 && r->t_total_s >= 0) {
+      sum += r->t_total_s * (double)r->n_inner;
+      processes += (r->rep == 0) ? 1 : 0;
     }
   }
-  return any ? sum : HUGE_VAL;
+  return (processes > 0) ? sum / processes : HUGE_VAL;
 }
 
 static base_status dry_run(const plan *p, const char *dir, base_error *err) {
@@ -126,11 +127,12 @@ static base_status dry_run(const plan *p, const char *dir, base_error *err) {
     }
   }
   const campaign *c = p->campaign;
-  const double worst = fmin(c->limits.time, c->sampling.budget);
-  (void)printf("%d cells, %d processes: %d done, %d to do; at most %.0f s"
-               " (%.3g s by earlier rows, %d processes of at most %.3g s each)\n",
-               p->n_cell, p->n_unit, n_done, p->n_unit - n_done, known + unknown * worst, known,
-               unknown, worst);
+  const double usual = fmin(c->limits.time, c->sampling.budget);
+  const double longest = c->limits.time + c->limits.grace;
+  (void)printf("%d cells, %d processes: %d done, %d to do; about %.0f s (%.3g s by earlier rows, %d"
+               " processes of %.3g s each), by the limits at most %.0f s\n",
+               p->n_cell, p->n_unit, n_done, p->n_unit - n_done, known + unknown * usual, known,
+               unknown, usual, (p->n_unit - n_done) * longest);
   free(done);
   record_table_free(&rows);
   return s;

@@ -289,18 +289,40 @@ def smoke_is_quick_and_explained(d):
 
 
 def paper_prints_its_plan(d):
+    """Cells, what is done, and how long the rest will take: by earlier rows where there are any."""
     last = run("run", "paper", "--dry-run", "--out", d / "o").stdout.splitlines()[-1]
-    m = re.fullmatch(r"(\d+) cells, (\d+) processes: 0 done, (\d+) to do; at most (\d+) s \(0 s by earlier rows, .*\)", last)
-    assert m and int(m[1]) > 100 and m[2] == m[3] and int(m[4]) > 0, last
-    # what is done is counted, and what earlier rows took is believed
+    form = r"(\d+) cells, (\d+) processes: (\d+) done, (\d+) to do; about (\d+) s \((\S+) s by earlier rows, (\d+) processes of .* at most (\d+) s"
+    m = re.fullmatch(form, last)
+    assert m and int(m[1]) > 100 and m[2] == m[4] == m[7] and 0 < int(m[5]) < int(m[8]) and m[6] == "0", last
     c = campaign(d, SMALL)
     run("run", c, "--out", d / "p", "--quiet", "--filter", "solver=lemke")
-    run("run", c, "--out", d / "p", "--quiet", "--filter", "solver=projected_gradient", "--reps", "1")
-    last = run("run", c, "--dry-run", "--out", d / "p", "--rerun", "all").stdout.splitlines()[-1]
-    assert "18 cells, 36 processes: 36 done, 0 to do" in last or "to do" in last, last
+    m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
+    assert (m[1], m[2], m[3], m[4], m[7]) == ("18", "36", "18", "18", "18"), m[0]
+    lines = (d / "p/results.csv").read_text().splitlines(keepends=True)
+    (d / "p/results.csv").write_text("".join(x for i, x in enumerate(lines) if i == 0 or ",1," not in x[:90]))
+    m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
+    assert int(m[3]) < 18 and float(m[6]) > 0, m[0]
+
+
+def merged_folders_keep_their_answers(d):
+    """verify works on the merged folder, without a solver; canaries, histories and the noisiest doctor come along."""
+    c = campaign(d, SMALL.replace("inner: 0.0001s", "inner: 0.0001s, doctor: 1s"))
+    run("run", c, "--out", d / "s1", "--quiet", "--shard", "1/2", "--trace")
+    run("run", c, "--out", d / "s2", "--quiet", "--shard", "2/2", "--trace")
+    noisy = json.loads((d / "s2/doctor.json").read_text())
+    noisy["noise_floor"] = 99.0
+    (d / "s2/doctor.json").write_text(json.dumps(noisy))
+    run("merge", d / "s1", d / "s2", "--out", d / "m")
+    assert "18 cells verified (18 from stored answers, 0 run again), 0 differ" in run("verify", d / "m").stdout
+    assert all((d / "m" / r["trace"]).exists() and r["trace"] for r in rows(d / "m"))
+    assert len(list(csv.DictReader((d / "m/traces/index.csv").open()))) == 18
+    assert json.loads((d / "m/doctor.json").read_text())["noise_floor"] == 99.0
+    canaries = {float(r["canary_s"]) for r in csv.DictReader((d / "m/canary.csv").open())}
+    assert {float(r["canary_s"]) for r in rows(d / "m")} <= canaries and len(canaries) >= 4
 
 
 tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_whole_and_resumed, manifest_is_complete,
      g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
      interrupted_runs_flush_and_go_on,
-     status_counts, smoke_is_quick_and_explained, paper_prints_its_plan])
+     status_counts, smoke_is_quick_and_explained, paper_prints_its_plan,
+     merged_folders_keep_their_answers])

@@ -47,6 +47,19 @@ def g2_liar_in_json(d):
     assert (o["status"], o["claimed"], o["verified"]) == ("unverified", "ok", False), o
 
 
+def rerun_measures_what_is_asked_for(d):
+    """timeouts: what timed out; failed: every cell that is not ok; a solver: its cells; all: all. Nothing asked: nothing."""
+    text = FLAGS % (1, 1, diagonal(d, 6), "[lemke, pgs, faulty_liar, faulty_crash, faulty_hang, faulty_patient]")
+    c = campaign(d, text.replace("time: 1s", "time: 0.3s"))
+    run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
+    first = {r["solver"]: r["status"] for r in rows(d / "o")}
+    assert first["faulty_hang"] == "timeout" and first["faulty_patient"] == "time_limit" and first["faulty_crash"] == "crash", first
+    for what, count in ((None, 0), ("timeouts", 2), ("failed", 4), ("pgs", 1), ("all", 6)):
+        done = run("run", c, "--out", d / "o", "--quiet", *(("--rerun", what) if what else ()), exe=FAULTY)
+        assert f" {count} measured now" in done.stdout, (what, done.stdout)
+        assert {r["solver"]: r["status"] for r in rows(d / "o")} == first and len(rows(d / "o")) == 6
+
+
 FLAGS = """
 name: flags
 limits: {time: 1s, grace: 0.2s}
@@ -100,5 +113,5 @@ def faults_are_not_in_the_release(d):
     one_line_error("solve", "random_spd:n=5", "--solver", "faulty_liar", names=["faulty_liar"])
 
 
-tap([g3_each_death_has_its_word, g3_strict_says_so, g2_liar_in_json, suspicious_rows_are_flagged, outliers_are_kept_and_measured_again,
+tap([g3_each_death_has_its_word, g3_strict_says_so, g2_liar_in_json, rerun_measures_what_is_asked_for, suspicious_rows_are_flagged, outliers_are_kept_and_measured_again,
      long_runs_keep_their_first_time, faults_are_not_in_the_release])
