@@ -76,7 +76,7 @@ static base_status reserve(series *s, int cap, base_error *err) {
 
 base_status series_open(series *s, const scene_spec *spec, int n_step, base_error *err) {
   *s = (series){.n_column = SERIES_FIXED};
-  const size_t n = (size_t)spec->n_check + (size_t)spec->n_off + 1;
+  const size_t n = (size_t)spec->n_check + (size_t)spec->n_off + (size_t)spec->n_observe + 1;
   s->var = calloc(n, sizeof *s->var);
   s->pair = calloc(n * SPEC_PAIRS, sizeof *s->pair);
   if (s->var != NULL && s->pair != NULL) {
@@ -85,6 +85,11 @@ base_status series_open(series *s, const scene_spec *spec, int n_step, base_erro
     }
     for (int i = 0; i < spec->n_off; i++) {
       add_check(s, &spec->off[i].check);
+    }
+    for (int i = 0; i < spec->n_observe; i++) {
+      spec_check c = {0};
+      memcpy(c.var, spec->observe[i], sizeof c.var);
+      add_var(s, &c);
     }
     s->column = calloc((size_t)s->n_column, sizeof *s->column);
   }
