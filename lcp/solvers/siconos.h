@@ -25,3 +25,9 @@ base_status siconos_solve_cone(int id, siconos_state *s, const lcp_problem *p, c
 
 enum { SICONOS_FIELDS = 4 };
 extern const base_field siconos_fields[SICONOS_FIELDS];
+
+/* What the four have in common, inside the initialiser of an lcp_solver. */
+#define SICONOS_PEER                                                                               \
+  .storages = 1u << LCP_DENSE, .allocates = true, .peer = true, .fields = siconos_fields,          \
+  .n_fields = SICONOS_FIELDS, .options_size = sizeof(siconos_options),                             \
+  .state_size = sizeof(siconos_state), .layout = siconos_layout, .prepare = siconos_prepare

@@ -4,6 +4,7 @@
 
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
+#include "tests/support/few_bodies.h"
 #include "tests/support/golden.h"
 
 #include <stdio.h>
@@ -199,6 +200,59 @@ static void open_survives_every_failed_allocation(void **state) {
   }
 }
 
+/* Prepare and solve with the k-th allocation failing, for every k: ENOMEM or no need of it, and the
+ * instance can be used again afterwards. Opened for `small`, so that it has to grow. */
+static void fail_in_turn(const lcp_solver *s, const lcp_problem *p, const lcp_capacity *small) {
+  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+  base_fields_default(s->fields, s->n_fields, opt);
+  for (long k = 1, reached = 1; reached; k++) {
+    base_error err = {0};
+    lcp_instance *inst;
+    double z[N_MAX] = {0};
+    lcp_result res;
+    check_ok(lcp_instance_open(&inst, s, small, opt, &err), &err);
+    check_heap_fail_at = k;
+    base_status status = lcp_instance_prepare(inst, p, &err);
+    status = (status == BASE_OK) ? lcp_instance_solve(inst, NULL, z, &res, &err) : status;
+    reached = check_heap_fail_at == 0;
+    check_heap_fail_at = 0;
+    if (status == BASE_EUNSUPPORTED) { /* by the numbers: nothing to solve */
+      lcp_instance_close(inst);
+      return;
+    }
+    assert_int_equal(status, reached ? BASE_ENOMEM : BASE_OK);
+    check_ok(lcp_instance_prepare(inst, p, &err), &err);
+    check_ok(lcp_instance_solve(inst, NULL, z, &res, &err), &err);
+    lcp_instance_close(inst);
+  }
+}
+
+/* Dense, sparse and factored: conversions between them allocate too. */
+static void prepare_and_solve_survive_every_failed_allocation(void **state) {
+  (void)state;
+  int ns;
+  int ng;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  const golden *g = goldens(&ng);
+  base_error err = {0};
+  lcp_csc csc;
+  known_lcp bodies;
+  check_ok(lcp_matrix_to_csc(&g[1].p.M, &csc, &err), &err);
+  check_ok(few_bodies(&bodies, 1, 4, 0, 3, &err), &err);
+  lcp_problem sparse = g[1].p;
+  sparse.M = (lcp_matrix){.storage = LCP_CSC, .n = csc.n_row, .csc = csc};
+  bodies.p.traits = LCP_SYMMETRIC | LCP_PSD | LCP_COPOSITIVE | LCP_COPOSITIVE_PLUS;
+  const lcp_problem *p[] = {&g[1].p, &sparse, &bodies.p};
+  const lcp_capacity small = lcp_problem_capacity(&g[0].p);
+  for (int i = 0; i < ns * BASE_COUNT(p); i++) {
+    if (!s[i % ns]->peer && lcp_solver_admits(s[i % ns], p[i / ns], NULL) == BASE_OK) {
+      fail_in_turn(s[i % ns], p[i / ns], &small);
+    }
+  }
+  lcp_csc_free(&csc);
+  known_lcp_free(&bodies);
+}
+
 /* A workspace opened for less grows when a larger problem is bound, and solve before prepare is an
  * error, not a crash. */
 static void grows_and_refuses_misuse(void **state) {
@@ -236,7 +290,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   static pair pairs[CASE_MAX];
-  static struct CMUnitTest tests[CASE_MAX + 3]; /* unused entries are skipped by cmocka */
+  static struct CMUnitTest tests[CASE_MAX + 4]; /* unused entries are skipped by cmocka */
   int ns;
   int ng;
   int nt = 0;
@@ -255,6 +309,8 @@ int main(int argc, char **argv) {
   }
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(refuses_by_name);
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(open_survives_every_failed_allocation);
+  tests[nt++] =
+      (struct CMUnitTest)cmocka_unit_test(prepare_and_solve_survive_every_failed_allocation);
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(grows_and_refuses_misuse);
   return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }
