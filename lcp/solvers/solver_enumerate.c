@@ -10,8 +10,9 @@
 #include "lcp/base/clock.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
+#include "lcp/solvers/small_simplex.h"
 
-enum { N_MAX = 16, COLUMNS_MAX = 2 * N_MAX };
+enum { N_MAX = LCP_SMALL_N, COLUMNS_MAX = 2 * N_MAX };
 
 typedef long double real;
 
@@ -31,7 +32,7 @@ typedef struct enumerate {
 } enumerate;
 
 /* Shares of the terms of a sum below which it is zero: 64-bit mantissas, condition up to 1e5 spare. */
-static const real zero_share = 1e-14L;
+static const real zero_share = LCP_SMALL_ZERO;
 static const real singular_below = 1e-15L;
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
@@ -202,101 +203,13 @@ static void keep(enumerate *s, const int *b, int m, const real *zb) {
   }
 }
 
-/* ---- feasibility of  sum_k column_k x_k = q, x >= 0  -------------------------------------------- */
-
-typedef struct simplex {
-  real t[N_MAX][COLUMNS_MAX + N_MAX + 1]; /* tableau with artificials and right-hand side */
-  real cost[COLUMNS_MAX + N_MAX + 1];
-  int basic[N_MAX];
-  int n, columns, width;
-} simplex;
-
-/* Variables < n: w_i (column e_i); n + j: z_j (column -M_j). */
-static void simplex_start(simplex *x, const enumerate *s, const int *var, int columns) {
-  x->n = s->n;
-  x->columns = columns;
-  x->width = columns + s->n;
-  for (int c = 0; c <= x->width; c++) {
-    x->cost[c] = 0;
-  }
-  for (int i = 0; i < x->n; i++) {
-    const real sign = (s->q[i] < 0) ? -1 : 1;
-    for (int c = 0; c < columns; c++) {
-      const int v = var[c];
-      const real entry = (v < x->n) ? (real)(v == i) : -s->M[i][v - x->n];
-      x->t[i][c] = sign * entry;
-    }
-    for (int c = columns; c < x->width; c++) {
-      x->t[i][c] = (c - columns == i) ? 1 : 0;
-    }
-    x->t[i][x->width] = sign * s->q[i];
-    x->basic[i] = columns + i;
-    for (int c = 0; c <= x->width; c++) {
-      x->cost[c] -= (c < columns || c == x->width) ? x->t[i][c] : 0;
-    }
-  }
-}
-
-static void simplex_pivot(simplex *x, int r, int c) {
-  const real d = x->t[r][c];
-  for (int k = 0; k <= x->width; k++) {
-    x->t[r][k] /= d;
-  }
-  for (int i = 0; i < x->n; i++) {
-    const real f = x->t[i][c];
-    for (int k = 0; i != r && f != 0 && k <= x->width; k++) {
-      x->t[i][k] -= f * x->t[r][k];
-    }
-  }
-  const real f = x->cost[c];
-  for (int k = 0; k <= x->width; k++) {
-    x->cost[k] -= f * x->t[r][k];
-  }
-  x->basic[r] = c;
-}
-
-/* Smallest ratio in column c; ties by the lowest basic variable. -1: none. */
-static int leaving(const simplex *x, int c) {
-  int r = -1;
-  for (int i = 0; i < x->n; i++) {
-    if (!(x->t[i][c] > zero_share)) {
-      continue;
-    }
-    const real a = (r < 0) ? 0 : x->t[i][x->width] * x->t[r][c];
-    const real b = (r < 0) ? 0 : x->t[r][x->width] * x->t[i][c];
-    if (r < 0 || a < b || (a == b && x->basic[i] < x->basic[r])) {
-      r = i;
-    }
-  }
-  return r;
-}
-
-/* Bland's rule: never cycles. Cost: minus the sum of the artificials, zero when feasible. */
-static bool simplex_feasible(simplex *x, const enumerate *s) {
-  real size = 0;
-  for (int i = 0; i < x->n; i++) {
-    size += fabsl(s->q[i]);
-  }
-  for (;;) {
-    int c = 0;
-    while (c < x->columns && !(x->cost[c] < -zero_share)) {
-      c++;
-    }
-    const int r = (c < x->columns) ? leaving(x, c) : -1;
-    if (r < 0) {
-      return fabsl(x->cost[x->width]) <= 16 * zero_share * size;
-    }
-    simplex_pivot(x, r, c);
-  }
-}
-
-static bool face_solution(enumerate *s, simplex *x, unsigned mask) {
+static bool face_solution(enumerate *s, lcp_small_simplex *x, unsigned mask) {
   int var[N_MAX];
   for (int i = 0; i < s->n; i++) {
     var[i] = ((mask >> i) & 1u) != 0 ? s->n + i : i;
   }
-  simplex_start(x, s, var, s->n);
-  if (!simplex_feasible(x, s)) {
+  lcp_small_simplex_start(x, s->n, s->M, s->q, var, s->n);
+  if (!lcp_small_simplex_feasible(x)) {
     return false;
   }
   for (int i = 0; i < s->n; i++) {
@@ -313,13 +226,13 @@ static bool face_solution(enumerate *s, simplex *x, unsigned mask) {
 }
 
 /* Multipliers of the infeasible phase one: reduced costs of the artificials. */
-static bool infeasible(enumerate *s, simplex *x, const lcp_problem *p) {
+static bool infeasible(enumerate *s, lcp_small_simplex *x, const lcp_problem *p) {
   int var[COLUMNS_MAX];
   for (int i = 0; i < 2 * s->n; i++) {
     var[i] = i;
   }
-  simplex_start(x, s, var, 2 * s->n);
-  if (simplex_feasible(x, s)) {
+  lcp_small_simplex_start(x, s->n, s->M, s->q, var, 2 * s->n);
+  if (lcp_small_simplex_feasible(x)) {
     return false;
   }
   for (int i = 0; i < s->n; i++) {
@@ -370,7 +283,7 @@ static bool visit_all(enumerate *s, const lcp_stop *stop, bool *found, lcp_resul
   return true;
 }
 
-static bool search_faces(enumerate *s, simplex *x, lcp_work *work) {
+static bool search_faces(enumerate *s, lcp_small_simplex *x, lcp_work *work) {
   for (unsigned mask = 0; mask < 1u << s->n; mask++) {
     int b[N_MAX];
     const int m = members(mask, s->n, b);
@@ -389,7 +302,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   (void)trace; /* a search has no residual */
   enumerate *s = state;
   const lcp_stop *stop = &((const options *)opt)->stop;
-  simplex x;
+  lcp_small_simplex x;
   bool found = false;
   lcp_stop_begin(&s->stop, p);
   s->solutions = 0;
