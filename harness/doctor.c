@@ -1,14 +1,13 @@
 #include "harness/doctor.h"
 
+#include "harness/folder.h"
 #include "harness/machine.h"
 #include "harness/runner.h"
 #include "harness/versions.h"
 
-#include <errno.h>
 #include <math.h>
 #include <sched.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static json_t *advice(const machine *m, const noise_report *n, double load) {
@@ -65,9 +64,7 @@ json_t *doctor_json(const noise_report *n) {
 
 base_status doctor_store(json_t *o, const char *dir, base_error *err) {
   char path[1100];
-  if (mkdir(dir, 0777) != 0 && errno != EEXIST) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", dir, strerror(errno));
-  }
+  BASE_TRY(folder_make(dir, err));
   runner_path(dir, "doctor.json", path, sizeof path);
   return (json_dump_file(o, path, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
              ? BASE_OK

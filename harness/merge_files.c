@@ -1,5 +1,6 @@
 #include "harness/merge_files.h"
 
+#include "harness/folder.h"
 #include "harness/json_out.h"
 #include "harness/runner.h"
 
@@ -7,7 +8,6 @@
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static base_status failed(const char *path, base_error *err) {
@@ -86,10 +86,7 @@ static base_status take_folder(const char *dir, const char *sub, const char *out
   if (d == NULL) {
     return (errno == ENOENT) ? BASE_OK : failed(from, err);
   }
-  base_status done = BASE_OK;
-  if (mkdir(to, 0777) != 0 && errno != EEXIST) {
-    done = failed(to, err);
-  }
+  base_status done = folder_make(to, err);
   if (done == BASE_OK) {
     done = take_entries(d, from, to, err);
   }

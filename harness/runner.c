@@ -1,6 +1,7 @@
 #include "harness/runner.h"
 
 #include "harness/doctor.h"
+#include "harness/folder.h"
 #include "harness/isolate.h"
 #include "harness/runner_state.h"
 #include "harness/verdict.h"
@@ -10,18 +11,10 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 void runner_path(const char *dir, const char *name, char *buf, size_t cap) {
   (void)snprintf(buf, cap, "%s/%s", dir, name);
-}
-
-static base_status make_directory(const char *path, base_error *err) {
-  if (mkdir(path, 0777) != 0 && errno != EEXIST) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
-  return BASE_OK;
 }
 
 static void measure_canary(runner *r) {
@@ -96,15 +89,15 @@ static base_status prepare(runner *r, base_error *err) {
   record_table rows = {0};
   const plan *p = r->plan;
   char path[1100];
-  BASE_TRY(make_directory(r->o->out, err));
+  BASE_TRY(folder_make(r->o->out, err));
   BASE_TRY(lock_directory(r, err));
   if (r->o->solutions) {
     runner_path(r->o->out, "solutions", path, sizeof path);
-    BASE_TRY(make_directory(path, err));
+    BASE_TRY(folder_make(path, err));
   }
   if (r->o->trace) {
     runner_path(r->o->out, "traces", path, sizeof path);
-    BASE_TRY(make_directory(path, err));
+    BASE_TRY(folder_make(path, err));
   }
   if (p->campaign->sampling.doctor > 0.0) {
     BASE_TRY(doctor_visit(r->o->out, p->campaign->sampling.doctor, err));

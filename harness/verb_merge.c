@@ -1,15 +1,14 @@
 /* lcpbench merge: shards of a campaign into one folder. */
 #include "harness/args.h"
 #include "harness/cli.h"
+#include "harness/folder.h"
 #include "harness/json_out.h"
 #include "harness/merge_files.h"
 #include "harness/runner.h"
 #include "harness/sha256.h"
 
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { MERGE_MAX = 4096 };
 
@@ -117,9 +116,7 @@ static base_status merge(const char *const *dir, int n, const merge_options *o, 
     BASE_TRY(take_folder(dir[i], all, err));
   }
   BASE_TRY(check_rows(all, o, err));
-  if (mkdir(o->out, 0777) != 0 && errno != EEXIST) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", o->out, strerror(errno));
-  }
+  BASE_TRY(folder_make(o->out, err));
   runner_path(o->out, "results.csv", path, sizeof path);
   BASE_TRY(record_table_write(path, all, err));
   BASE_TRY(merge_files(dir, n, o->out, err));

@@ -3,6 +3,7 @@
 #include "harness/args.h"
 #include "harness/campaign.h"
 #include "harness/cli.h"
+#include "harness/folder.h"
 #include "harness/runner.h"
 
 #include <errno.h>
@@ -141,9 +142,7 @@ static base_status submit(submission *s, const campaign *c, int *code, base_erro
   char dflt[128];
   (void)snprintf(dflt, sizeof dflt, "results/%.48s-shards", c->name);
   const char *dir = (o->out != NULL) ? o->out : dflt;
-  if (mkdir(dir, 0777) != 0 && errno != EEXIST) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", dir, strerror(errno));
-  }
+  BASE_TRY(folder_make(dir, err));
   BASE_TRY(absolute(dir, s->dir, sizeof s->dir, err));
   BASE_TRY(absolute("/proc/self/exe", s->exe, sizeof s->exe, err));
   BASE_TRY(write_script(s, slurm, err));

@@ -12,8 +12,8 @@ def matrix(cells, column="cost"):
     """Problems x solvers: median time of a verified answer, inf otherwise. Combinations that are not defined are failures of
     nobody: problems are kept only where at least one solver was asked. Returns cost, problems, families, solvers."""
     solvers = sorted(cells["combination"].unique())
-    key = cells["problem"] + "|" + cells["step_s"].astype(str)
-    problems = sorted(key.unique())
+    key = [f"{problem}|{step:.17g}" for problem, step in zip(cells["problem"], cells["step_s"].astype(float))]  # no step: nan, like any other
+    problems = sorted(set(key))
     at = {p: i for i, p in enumerate(problems)}
     cost = np.full((len(problems), len(solvers)), np.inf)
     families = [""] * len(problems)
