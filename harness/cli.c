@@ -9,7 +9,9 @@
 #define VERB_LIST(X)                                                                               \
   X(list)                                                                                          \
   X(solve)                                                                                         \
-  X(simulate) X(check) X(run) X(status) X(merge) X(verify) X(compare) X(doctor) X(export) X(submit)
+  X(simulate)                                                                                      \
+  X(calibrate) X(check) X(run) X(status) X(merge) X(verify) X(compare) X(doctor) X(export)         \
+      X(submit)
 
 #define DECLARE_(name) extern const cli_verb verb_##name;
 VERB_LIST(DECLARE_)
