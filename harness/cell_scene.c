@@ -20,6 +20,7 @@ static void fill_sizes(const sim_result *q, record *r) {
   r->n_steps = q->steps;
   r->n_solves = q->n_solves;
   r->n_unsolved = q->n_unsolved;
+  r->n_evaluations = q->n_evaluations;
   r->n_modes = q->n_modes;
   r->n_fallback = q->n_fallbacks + q->work.fallbacks;
   if (q->n_solves > 0) {

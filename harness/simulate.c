@@ -231,6 +231,7 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   sim_result *r = s->out;
   r->n_modes += a->work.mode_changes;
   r->n_fallbacks += a->work.fallbacks;
+  r->n_evaluations += a->work.evaluations;
   r->v_slip = fmax(r->v_slip, a->v_slip);
   r->deflection = fmax(r->deflection, a->deflection);
   r->own_residual_max = fmax(r->own_residual_max, a->residual);

@@ -50,6 +50,7 @@ typedef struct sim_result {
   long nnz_max;
   lcp_storage storage;
   long n_solves, n_modes, n_fallbacks;
+  long n_evaluations; /* of the right-hand side, by formulations that integrate */
   lcp_work work;
   const char *variant;
   double rho_max;                          /* [1] */

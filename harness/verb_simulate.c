@@ -118,6 +118,7 @@ static void put_counts(json_t *o, const sim_result *r) {
   json_out_int(o, "n_iter", r->work.iterations);
   json_out_int(o, "n_factor", r->work.factorizations);
   json_out_int(o, "n_matvec", r->work.matvecs);
+  json_out_int(o, "n_evaluations", r->n_evaluations);
   json_out_int(o, "n_mode_changes", r->n_modes);
   json_out_int(o, "n_fallback", r->n_fallbacks + r->work.fallbacks);
 }

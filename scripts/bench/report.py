@@ -6,7 +6,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, claims, effects, latex, library, limits, page, paper, rows, scaling, stability  # noqa: E402
+from bench import accuracy, calibration, claims, effects, latex, library, limits, page, paper, rows, scaling, stability  # noqa: E402
 from bench.section import Section  # noqa: E402
 
 LIMIT = 5_000_000  # bytes of the page
@@ -21,6 +21,13 @@ def paper_section(cells):
                    [t for t in (paper.summary(own),) if t])
 
 
+def accuracy_section(cells, calibrated):
+    made = accuracy.section(cells)
+    if made and calibrated:
+        made.tables.append(calibration.table(calibrated))
+    return made
+
+
 def stability_section(cells, bounds):
     made = stability.section(cells)
     if made and bounds:
@@ -28,9 +35,9 @@ def stability_section(cells, bounds):
     return made
 
 
-def gather(cells, manifests, bounds):
+def gather(cells, manifests, bounds, calibrated):
     """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
-    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", accuracy.section), ("stability", lambda c: stability_section(c, bounds)),
+    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda c: stability_section(c, bounds)),
               ("effects", effects.section), ("scaling", scaling.section), ("library", library.section)]
     sections, absent = [], []
     asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
@@ -75,7 +82,8 @@ def main():
     names = sorted(set(cells["campaign"]))
     title = "lcpbench: " + ", ".join(names)
     bounds = [r for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv")) for r in limits.load(path)]
-    sections = gather(cells, manifests, bounds)
+    calibrated = [f for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl")) for f in calibration.load(path)]
+    sections = gather(cells, manifests, bounds, calibrated)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
     counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "

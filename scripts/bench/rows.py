@@ -15,9 +15,9 @@ TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "f
         "solver", "solver_options", "solver_variant", "start", "effects", "storage", "status", "status_claimed", "note",
         "err_quantity", "err_source", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
         "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
-        "solver_config"]
+        "solver_config", "missed", "effects_auto"]
 NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
-           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B"]
+           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s"]
 
 
 class BadRows(Exception):
@@ -38,10 +38,8 @@ def load(folder):
     for c in TEXT:
         if c in rows:
             rows[c] = rows[c].fillna("").astype(object)
-    for c in set(NUMBERS + TIMES) - set(rows.columns):
-        rows[c] = np.nan
-    for c in set(TEXT) - set(rows.columns):
-        rows[c] = ""
+    absent = {c: np.nan for c in set(NUMBERS + TIMES) - set(rows.columns)} | {c: "" for c in set(TEXT) - set(rows.columns)}
+    rows = rows.assign(**absent)
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
 
