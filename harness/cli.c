@@ -10,8 +10,7 @@
   X(list)                                                                                          \
   X(solve)                                                                                         \
   X(simulate)                                                                                      \
-  X(calibrate) X(check) X(run) X(status) X(merge) X(verify) X(compare) X(doctor) X(export)         \
-      X(submit)
+  X(calibrate) X(check) X(run) X(status) X(merge) X(verify) X(compare) X(doctor) X(export) X(submit)
 
 #define DECLARE_(name) extern const cli_verb verb_##name;
 VERB_LIST(DECLARE_)
