@@ -39,7 +39,7 @@ static bool same_verdicts(const record *row, const record *again, char *why, siz
       "penetration_m", "energy_defect_J", "energy_drift_rel", "err_ref",    "err_worst"};
   for (int i = 0; i < BASE_COUNT(words); i++) {
     if (strcmp(words[i].was, words[i].is) != 0) {
-      (void)snprintf(why, cap, "%s is %s, the row says %s", words[i].name, words[i].is,
+      (void)snprintf(why, cap, "%s is %.80s, the row says %.80s", words[i].name, words[i].is,
                      words[i].was);
       return false;
     }
