@@ -1,5 +1,8 @@
-/* bench_world.c - time and memory of building a sphere pile, detecting its contacts and assembling
- * their rows, against the number of contacts. Run by `meson test --benchmark`. */
+/* bench_world.c - time and memory of building a sphere pile, detecting its contacts with their rows,
+ * and posing the problem of one step in a formulation, against the number of contacts.
+ *
+ * bench_world N [FORMULATION]: the pile of N^3 spheres; one CSV line. Run by scripts/bench_world. */
+#include "harness/registry.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 #include "lcp/base/rng.h"
@@ -46,42 +49,70 @@ static double peak_bytes(void) {
   return 1024.0 * (double)u.ru_maxrss;
 }
 
-static base_status measure(int n, base_error *err) {
+/* Seconds, least of several times. */
+typedef struct timing {
+  double open, contacts, assemble;
+} timing;
+
+static base_status pose(formulation_run *f, const contact_set *c, int *dim, base_error *err) {
+  lcp_problem p;
+  const double *z0;
+  bool pending;
+  BASE_TRY(formulation_begin(f, c, FORM_COLD, err));
+  BASE_TRY(formulation_assemble(f, &p, &z0, &pending, err));
+  *dim = pending ? p.M.n : 0;
+  return BASE_OK;
+}
+
+static base_status step(world *w, formulation_run *f, timing *t, contact_set *c, int *dim,
+                        base_error *err) {
+  for (int k = 0; k < 5; k++) {
+    const double start = base_seconds();
+    BASE_TRY(world_contacts(w, 1e-3, -1.0, c, err));
+    const double middle = base_seconds();
+    BASE_TRY(pose(f, c, dim, err));
+    t->contacts = fmin(t->contacts, middle - start);
+    t->assemble = fmin(t->assemble, base_seconds() - middle);
+  }
+  return BASE_OK;
+}
+
+static base_status measure(int n, const formulation_choice *form, base_error *err) {
   scene_spec s;
   world *w;
+  formulation_run *f;
   contact_set c;
+  timing t = {0.0, HUGE_VAL, HUGE_VAL};
+  int dim = 0;
   BASE_TRY(pile(&s, n, err));
-  const double before = peak_bytes(), t0 = base_seconds();
-  BASE_TRY(world_open(&w, &s, ~0u, err));
-  const double t1 = base_seconds();
-  BASE_TRY(world_contacts(w, 1e-3, 0.0, &c, err));
-  double best = HUGE_VAL;
-  for (int k = 0; k < 7; k++) {
-    const double start = base_seconds();
-    BASE_TRY(world_contacts(w, 1e-3, -1.0, &c, err));
-    best = fmin(best, base_seconds() - start);
-  }
-  printf("%d,%d,%d,%.4f,%.4f,%.1f,%.0f\n", s.n_body, c.n_contact, c.n_row, t1 - t0, best,
-         1e9 * best / c.n_contact, (peak_bytes() - before) / c.n_contact);
+  const double before = peak_bytes(), start = base_seconds();
+  BASE_TRY(world_open(
+      &w, &s, EFFECT_GRAVITY | EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION | EFFECT_SPATIAL,
+      err));
+  t.open = base_seconds() - start;
+  BASE_TRY(formulation_open(&f, form->form, form->opt, err));
+  BASE_TRY(step(w, f, &t, &c, &dim, err));
+  printf("%s,%d,%d,%d,%d,%.6f,%.6f,%.6f,%.0f\n", form->form->name, s.n_body, c.n_contact, c.n_row,
+         dim, t.open, t.contacts, t.assemble, peak_bytes() - before);
+  formulation_close(f);
   world_close(w);
   spec_free(&s);
   return BASE_OK;
 }
 
-/* bench_world [N]: only the pile of N^3 spheres (for counting instructions). */
 int main(int argc, char **argv) {
-  int sizes[] = {7, 15, 32}; /* about 1e3, 1e4 and 1e5 contacts */
-  int first = 0;
-  if (argc > 1 && base_parse_int(argv[1], &sizes[2])) {
-    first = 2;
+  int n = 0;
+  formulation_choice form;
+  base_error err = {0};
+  if (argc < 2 || !base_parse_int(argv[1], &n) || n < 1 || n > 100) {
+    fprintf(stderr, "bench_world N [FORMULATION]: need N in 1..100\n");
+    return 2;
   }
-  printf("n_body,n_contact,n_row,open_s,contacts_s,contact_ns,contact_B\n");
-  for (int i = first; i < BASE_COUNT(sizes); i++) {
-    base_error err = {0};
-    if (measure(sizes[i], &err) != BASE_OK) {
-      fprintf(stderr, "%s: %s\n", err.where, err.text);
-      return 1;
-    }
+  if (formulation_choose(argc > 2 ? argv[2] : "coulomb", &form, &err) != BASE_OK ||
+      measure(n, &form, &err) != BASE_OK) {
+    fprintf(stderr, "%s: %s\n", err.where, err.text);
+    return 1;
   }
+  formulation_choice_free(&form);
   return 0;
 }
