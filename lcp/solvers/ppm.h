@@ -1,15 +1,19 @@
-/* solvers/ppm.h - the state of ppm and what it computes of a point; included by solver_ppm.c and ppm_point.c
+/* solvers/ppm.h - the state of ppm and what it computes of a point; included by solver_ppm.c and ppm_*.c
  * only. */
 #pragma once
 
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/packed_chol.h"
+#include "lcp/solvers/sweep.h"
 
 typedef enum place { AT_LO, AT_HI, BASIC } place;
 
 typedef struct ppm {
   lcp_stop_state stop;
-  int m;                /* |F| */
+  lcp_sweep sweep;      /* factored M: G and velocities */
+  double *dof;          /* n_dof */
+  long double *wide;    /* n_dof */
+  int m, m_max;         /* |F|; what L holds: of J W J' alone no more than the rank */
   int *order, *pos;     /* F in the order of L; place of i in F or -1 */
   unsigned char *where; /* place of z_i */
   unsigned char *is_free;
@@ -31,3 +35,8 @@ void lcp_ppm_correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work);
 
 /* Two steps of iterative refinement of z_F, residuals in long double; z stays on K. */
 void lcp_ppm_refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work);
+
+/* The same for a factored M; x = M_Fr by place in F; sum = M z + q. ppm_factored.c */
+void lcp_ppm_evaluate_factored(const ppm *s, const lcp_problem *p, const double *z);
+void lcp_ppm_gather_factored(const ppm *s, const lcp_factored *f, int r, double *x);
+void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z);

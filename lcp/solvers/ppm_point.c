@@ -5,6 +5,10 @@
 
 void lcp_ppm_evaluate(const ppm *s, const lcp_problem *p, const double *z) {
   const int n = p->M.n;
+  if (p->M.storage == LCP_FACTORED) {
+    lcp_ppm_evaluate_factored(s, p, z);
+    return;
+  }
   for (int i = 0; i < n; i++) {
     s->w[i] = p->q[i];
     s->bound[i] = fabs(p->q[i]);
@@ -54,6 +58,10 @@ void lcp_ppm_correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
 static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
   const int n = p->M.n;
   const bool dense = p->M.storage == LCP_DENSE;
+  if (p->M.storage == LCP_FACTORED) {
+    lcp_ppm_extended_factored(s, p, z);
+    return;
+  }
   for (int i = 0; i < n; i++) {
     s->sum[i] = p->q[i];
   }

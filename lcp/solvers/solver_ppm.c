@@ -27,16 +27,26 @@ static const double faint_share = 1e-12;
 static const double sure_share = 1e-11;
 static const double round_share = 16 * DBL_EPSILON;
 
+/* Rows F can have: without S (and so without dense or sparse M) the velocities bound the rank. */
+static int most_basic(const lcp_capacity *cap) {
+  return (cap->nnz == 0 && cap->n_dof < cap->n) ? cap->n_dof : cap->n;
+}
+
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   ppm *s = state;
+  const int m = most_basic(cap);
   lcp_stop_layout(&s->stop, cap, a);
+  lcp_sweep_layout(&s->sweep, cap, a);
+  s->m_max = m;
+  s->dof = BASE_ARRAY(a, double, cap->n_dof);
+  s->wide = BASE_ARRAY(a, long double, cap->n_dof);
   s->order = BASE_ARRAY(a, int, cap->n);
   s->pos = BASE_ARRAY(a, int, cap->n);
   s->where = BASE_ARRAY(a, unsigned char, cap->n);
   s->is_free = BASE_ARRAY(a, unsigned char, cap->n);
   s->tries = BASE_ARRAY(a, unsigned char, cap->n);
-  s->L = BASE_ARRAY(a, double, lin_chol_row(cap->n));
+  s->L = BASE_ARRAY(a, double, lin_chol_row(m));
   s->cs = BASE_ARRAY(a, double, 2 * (size_t)cap->n);
   s->d = BASE_ARRAY(a, double, cap->n);
   s->unit = BASE_ARRAY(a, double, cap->n);
@@ -61,8 +71,12 @@ static void set_rows(ppm *s, const lcp_problem *p, int first, int end, lcp_set s
 static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
   ppm *s = state;
-  if ((p->traits & LCP_SYMMETRIC) == 0 && !lcp_matrix_is_symmetric(&p->M)) {
+  const bool factored = p->M.storage == LCP_FACTORED;
+  if ((p->traits & LCP_SYMMETRIC) == 0 && (factored || !lcp_matrix_is_symmetric(&p->M))) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "ppm: needs a symmetric matrix");
+  }
+  if (factored) {
+    BASE_TRY(lcp_sweep_prepare(&s->sweep, p, err));
   }
   set_rows(s, p, 0, p->M.n, LCP_ORTHANT);
   for (int k = 0; p->block != NULL && k < p->n_block; k++) {
@@ -77,6 +91,10 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
 
 /* x = M_Fr by place in F. */
 static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
+  if (M->storage == LCP_FACTORED) {
+    lcp_ppm_gather_factored(s, M->factored, r, x);
+    return;
+  }
   if (M->storage == LCP_DENSE) {
     const double *col = M->val + (ptrdiff_t)r * M->n;
     for (int k = 0; k < s->m; k++) {
@@ -207,7 +225,7 @@ static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp
       return SPENT;
     }
     const double schur = direction(s, &p->M, r, work);
-    const bool positive = schur > rank_share * fabs(s->d[r]);
+    const bool positive = schur > rank_share * fabs(s->d[r]) && s->m < s->m_max;
     const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
     double t = HUGE_VAL;
     const int k = first_block(s, z, r, sign, &t);
@@ -274,7 +292,7 @@ static bool start(ppm *s, const lcp_matrix *M, double *z, lcp_work *work) {
   for (int i = 0; i < M->n; i++) {
     const bool inside = s->is_free[i] ? z[i] != 0 : z[i] > s->lo[i] && z[i] < s->hi[i];
     const double schur = (warm && inside) ? direction(s, M, i, work) : 0;
-    if (schur > rank_share * fabs(s->d[i])) {
+    if (schur > rank_share * fabs(s->d[i]) && s->m < s->m_max) {
       enter(s, i, sqrt(schur));
     } else {
       z[i] = resting_place(s, i);
@@ -399,7 +417,7 @@ const lcp_solver lcp_solver_ppm = {
     .title = "principal pivoting",
     .cite = "Keller 1973; Cottle, Pang & Stone 1992, algorithm 4.2.11",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE) | (1u << LCP_BOX),
-    .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
+    .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .needs = LCP_SYMMETRIC,
     .exact = true,
     .warm = true,

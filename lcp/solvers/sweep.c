@@ -11,26 +11,6 @@ void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
   s->group = BASE_ARRAY(a, int, (cap->n_body > 0) ? cap->n : 0);
 }
 
-/* One side of one row: `dof` entries of G and the velocities they multiply. */
-typedef struct side {
-  double *g, *u;
-  int body, dof;
-} side;
-
-static side side_of(const lcp_sweep *s, const lcp_factored *f, int i, int which) {
-  const int g = s->group[i];
-  const int *body = &f->body[2 * (ptrdiff_t)g];
-  int dof[2];
-  for (int k = 0; k < 2; k++) {
-    dof[k] = (body[k] >= 0) ? f->dof_start[body[k] + 1] - f->dof_start[body[k]] : 0;
-  }
-  const int rows = f->row_start[g + 1] - f->row_start[g], row = i - f->row_start[g];
-  const int at = f->jac_start[g] + ((which == 0) ? row * dof[0] : rows * dof[0] + row * dof[1]);
-  side out = {.g = s->G + at, .body = body[which], .dof = dof[which]};
-  out.u = (body[which] >= 0) ? s->u + f->dof_start[body[which]] : s->u;
-  return out;
-}
-
 /* Lower Cholesky factor; a pivot that is zero makes a zero column (a direction without mobility). */
 static bool cholesky(int n, const double *W, double *L) {
   memcpy(L, W, (size_t)(n * n) * sizeof *L);
@@ -119,7 +99,7 @@ void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz) {
     return;
   }
   for (int k = 0; k < 2; k++) {
-    const side a = side_of(s, p->M.factored, j, k);
+    const lcp_sweep_side a = lcp_sweep_side_of(s, p->M.factored, j, k);
     for (int i = 0; i < a.dof; i++) {
       a.u[i] += a.g[i] * dz;
     }
@@ -132,7 +112,7 @@ void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz) {
 double lcp_sweep_row(const lcp_sweep *s, const lcp_problem *p, int i) {
   double w = s->w[i];
   for (int k = 0; p->M.storage == LCP_FACTORED && k < 2; k++) {
-    const side a = side_of(s, p->M.factored, i, k);
+    const lcp_sweep_side a = lcp_sweep_side_of(s, p->M.factored, i, k);
     for (int j = 0; j < a.dof; j++) {
       w += a.g[j] * a.u[j];
     }
@@ -168,7 +148,7 @@ static double mass_weighted(const lcp_sweep *s, const lcp_factored *f, int i, in
   double sum = 0.0;
   for (int a = 0; a < 2; a++) {
     for (int b = 0; b < 2; b++) {
-      const side x = side_of(s, f, i, a), y = side_of(s, f, j, b);
+      const lcp_sweep_side x = lcp_sweep_side_of(s, f, i, a), y = lcp_sweep_side_of(s, f, j, b);
       for (int k = 0; x.body >= 0 && x.body == y.body && k < x.dof; k++) {
         sum += x.g[k] * y.g[k];
       }

@@ -30,3 +30,24 @@ void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz);
 
 /* M_bb of rows first .. first+size-1, column-major, into out[size*size]. */
 void lcp_sweep_block(const lcp_sweep *s, const lcp_problem *p, int first, int size, double *out);
+
+/* One side of one row: `dof` entries of G and the velocities they multiply. */
+typedef struct lcp_sweep_side {
+  double *g, *u;
+  int body, dof; /* body < 0: fixed, dof = 0 */
+} lcp_sweep_side;
+
+static inline lcp_sweep_side lcp_sweep_side_of(const lcp_sweep *s, const lcp_factored *f, int i,
+                                               int which) {
+  const int g = s->group[i];
+  const int *body = &f->body[2 * (ptrdiff_t)g];
+  int dof[2];
+  for (int k = 0; k < 2; k++) {
+    dof[k] = (body[k] >= 0) ? f->dof_start[body[k] + 1] - f->dof_start[body[k]] : 0;
+  }
+  const int rows = f->row_start[g + 1] - f->row_start[g], row = i - f->row_start[g];
+  const int at = f->jac_start[g] + ((which == 0) ? row * dof[0] : rows * dof[0] + row * dof[1]);
+  lcp_sweep_side out = {.g = s->G + at, .body = body[which], .dof = dof[which]};
+  out.u = (body[which] >= 0) ? s->u + f->dof_start[body[which]] : s->u;
+  return out;
+}

@@ -165,5 +165,7 @@ base_status few_bodies(known_lcp *k, int bodies, int contacts, int facets, uint6
                       .jac = a.jac,
                       .shift = (facets > 0) ? S : NULL};
   k->p = (lcp_problem){.M = {.storage = LCP_FACTORED, .n = n, .factored = f}, .q = a.q};
+  k->p.traits = (facets > 0) ? LCP_COPOSITIVE
+                             : LCP_SYMMETRIC | LCP_PSD | LCP_COPOSITIVE | LCP_COPOSITIVE_PLUS;
   return BASE_OK;
 }
