@@ -43,5 +43,9 @@ base_status runner_left(const plan *p, const char *dir, int *left, base_error *e
 /* A cell that failed in one process is not tried in the others. */
 bool runner_ends_cell(const record *r);
 
+/* DIR/results.csv, read and written whole (harness/record.h). */
+base_status runner_read_rows(const char *dir, record_table *out, base_error *err);
+base_status runner_write_rows(const char *dir, const record_table *t, base_error *err);
+
 /* "DIR/name" */
 void runner_path(const char *dir, const char *name, char *buf, size_t cap);

@@ -71,6 +71,18 @@ base_status runner_done(const plan *p, const record_table *rows, bool *done, bas
   return done_on(p, rows, m.cpu_model, done, err); /* times of another machine are not these */
 }
 
+base_status runner_read_rows(const char *dir, record_table *out, base_error *err) {
+  char path[1100];
+  runner_path(dir, "results.csv", path, sizeof path);
+  return record_table_read(path, out, err);
+}
+
+base_status runner_write_rows(const char *dir, const record_table *t, base_error *err) {
+  char path[1100];
+  runner_path(dir, "results.csv", path, sizeof path);
+  return record_table_write(path, t, err);
+}
+
 base_status runner_left(const plan *p, const char *dir, int *left, base_error *err) {
   char path[1100];
   record_table rows = {0};
@@ -79,7 +91,7 @@ base_status runner_left(const plan *p, const char *dir, int *left, base_error *e
   if (access(path, F_OK) != 0) {
     return BASE_OK; /* not begun */
   }
-  BASE_TRY(record_table_read(path, &rows, err));
+  BASE_TRY(runner_read_rows(dir, &rows, err));
   bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
   base_status s = (done != NULL) ? done_on(p, &rows, NULL, done, err)
                                  : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");

@@ -106,8 +106,7 @@ static base_status settle_rows(runner *r, record_table *rows, bool whole, base_e
     done = record_table_write(path, &stale, err);
   }
   if (done == BASE_OK && changed) {
-    runner_path(r->o->out, "results.csv", path, sizeof path);
-    done = record_table_write(path, &kept, err);
+    done = runner_write_rows(r->o->out, &kept, err);
   }
   r->sum->stale = stale.n;
   record_table_free(&stale);
@@ -229,20 +228,18 @@ static bool name_traces(const runner *r, record_table *t) {
 }
 
 base_status runner_close_rows(runner *r, base_error *err) {
-  char path[1100];
   record_table t;
   if (r->sum->measured == 0 && !r->o->trace) {
     return BASE_OK;
   }
-  runner_path(r->o->out, "results.csv", path, sizeof path);
-  BASE_TRY(record_table_read(path, &t, err));
+  BASE_TRY(runner_read_rows(r->o->out, &t, err));
   bool changed = flag_drift(r, &t, r->canary);
   if (r->o->trace) {
     changed = name_traces(r, &t) || changed;
   }
   base_status done = flag_same_bits(&t, &changed, err);
   if (done == BASE_OK && changed) {
-    done = record_table_write(path, &t, err); /* to a temporary file, then renamed */
+    done = runner_write_rows(r->o->out, &t, err); /* to a temporary file, then renamed */
   }
   record_table_free(&t);
   return done;

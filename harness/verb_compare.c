@@ -20,12 +20,6 @@ static doctor_floor flat(double floor) {
   return (doctor_floor){1, {HUGE_VAL}, {floor}};
 }
 
-static base_status read_rows(const char *dir, record_table *t, base_error *err) {
-  char path[1100];
-  runner_path(dir, "results.csv", path, sizeof path);
-  return record_table_read(path, t, err);
-}
-
 static int print_pairs(const compare_pair *pair, int n, const doctor_floor *noise,
                        const char *origin) {
   int count[3] = {0, 0, 0};
@@ -65,9 +59,9 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
     noise = flat(0.03);
     origin = "assumed; run lcpbench doctor --out DIR to measure it";
   }
-  base_status done = read_rows(dir[0], &t[0], err);
+  base_status done = runner_read_rows(dir[0], &t[0], err);
   if (done == BASE_OK) {
-    done = read_rows(dir[1], &t[1], err);
+    done = runner_read_rows(dir[1], &t[1], err);
   }
   compare_pair *pair = NULL;
   int n = 0;

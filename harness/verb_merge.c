@@ -62,13 +62,11 @@ static base_status check_rows(record_table *t, const merge_options *o, base_erro
 }
 
 static base_status take_folder(const char *dir, record_table *all, base_error *err) {
-  char path[1100];
   record_table one;
-  runner_path(dir, "results.csv", path, sizeof path);
-  BASE_TRY(record_table_read(path, &one, err));
+  BASE_TRY(runner_read_rows(dir, &one, err));
   base_status done = BASE_OK;
   if (one.torn) {
-    done = BASE_FAIL(err, BASE_EINVAL, "%s: the last row is torn; run that shard to its end", path);
+    done = BASE_FAIL(err, BASE_EINVAL, "%s: the last row is torn; run that shard to its end", dir);
   }
   for (int i = 0; done == BASE_OK && i < one.n; i++) {
     done = record_table_append(all, &one.row[i], err);
@@ -108,7 +106,6 @@ static base_status merge_manifest(const char *const *dir, int n, const char *out
 
 static base_status merge(const char *const *dir, int n, const merge_options *o, record_table *all,
                          base_error *err) {
-  char path[1100];
   if (o->out == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "--out is missing");
   }
@@ -117,8 +114,7 @@ static base_status merge(const char *const *dir, int n, const merge_options *o, 
   }
   BASE_TRY(check_rows(all, o, err));
   BASE_TRY(folder_make(o->out, err));
-  runner_path(o->out, "results.csv", path, sizeof path);
-  BASE_TRY(record_table_write(path, all, err));
+  BASE_TRY(runner_write_rows(o->out, all, err));
   BASE_TRY(merge_files(dir, n, o->out, err));
   return merge_manifest(dir, n, o->out, err);
 }

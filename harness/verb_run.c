@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 typedef struct run_options {
   const char *out, *shard, *rerun, *cache, *solutions;
@@ -100,14 +101,12 @@ static base_status dry_run(const plan *p, const char *dir, base_error *err) {
   record_table rows = {0};
   char path[1100];
   runner_path(dir, "results.csv", path, sizeof path);
-  if (record_table_read(path, &rows, NULL) != BASE_OK) {
-    rows = (record_table){0};
+  if (access(path, F_OK) == 0) {
+    BASE_TRY(runner_read_rows(dir, &rows, err));
   }
   bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
-  if (done == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
-  }
-  base_status s = runner_done(p, &rows, done, err);
+  base_status s = (done != NULL) ? runner_done(p, &rows, done, err)
+                                 : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
   int n_done = 0;
   double known = 0.0;
   int unknown = 0;

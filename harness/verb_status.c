@@ -72,12 +72,10 @@ static int run(int argc, char **argv) {
   const char *dir;
   int n;
   base_error err = {0};
-  char path[1100];
   record_table t;
   base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
   if (done == BASE_OK) {
-    runner_path(dir, "results.csv", path, sizeof path);
-    done = record_table_read(path, &t, &err);
+    done = runner_read_rows(dir, &t, &err);
   }
   if (done != BASE_OK) {
     return cli_report(&err);

@@ -213,7 +213,6 @@ static int run(int argc, char **argv) {
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "DIR or PROBLEM"};
   const char *dir;
   int n;
-  char path[1100];
   base_error err = {0};
   record_table t;
   base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
@@ -224,8 +223,7 @@ static int run(int argc, char **argv) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--q and --facets describe the problem of a --certificate");
   }
   if (done == BASE_OK) {
-    runner_path(dir, "results.csv", path, sizeof path);
-    done = record_table_read(path, &t, &err);
+    done = runner_read_rows(dir, &t, &err);
   }
   if (done != BASE_OK) {
     return cli_report(&err);

@@ -103,7 +103,7 @@ def manifest_is_complete(d):
     run("run", campaign(d, SMALL), "--out", d / "o", "--quiet", "--filter", "solver=lemke")
     m = json.loads((d / "o/manifest.json").read_text())
     assert m["campaign"]["seed"] == 3 and "stack:n={1,2}" in m["campaign"]["text"]
-    for path in ("build/commit", "build/compiler", "build/build_hash", "machine/cpu", "machine/kernel", "machine/memory",
+    for path in ("build/commit", "build/compiler", "build/build_hash", "machine/cpu", "machine/kernel", "machine/memory", "machine/clock_cost_s", "campaign/order", "campaign/cache",
                  "libraries/openblas", "libraries/suitesparse", "libraries/gsl", "environment/OPENBLAS_NUM_THREADS", "results_sha256"):
         value = m
         for key in path.split("/"):

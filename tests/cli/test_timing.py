@@ -128,6 +128,19 @@ def short_solves_are_looped(d):
         assert int(r["n_inner"]) > 100 and 0 < float(r["t_solve_s"]) < 1e-3, r["n_inner"]
 
 
+def deadlines_are_reported(d):
+    """Quantiles of the steps of one run, and the share of steps within 1, 4 and 16 ms."""
+    text = TEXT.replace("processes: 5, samples: 7, max_samples: 15", "processes: 1, samples: 3, max_samples: 3")
+    c = campaign(d, text.replace("solvers: %s", 'formulations: [velocity]\n    solvers: [lemke]\n    durations: [0.3]') % "stack:n={1,20}")
+    run("run", c, "--out", d / "o", "--quiet")
+    for r in rows(d / "o"):
+        p50, p95, p99, most = (float(r[f"t_step_{k}_s"]) for k in ("p50", "p95", "p99", "max"))
+        assert 0 < p50 <= p95 <= p99 and p50 <= 1.5 * most, r
+        share = [float(r[f"share_{k}ms"]) for k in (1, 4, 16)]
+        assert 0 <= share[0] <= share[1] <= share[2] <= 1 and share[2] > 0.5
+        assert (share[0] >= 0.5) == (p50 <= 1e-3), (share, p50)
+
+
 def overhead_below_five_per_cent(d):
     text = text_of(d, "['faulty_steady:seconds=0.1', 'faulty_twin:seconds=0.1']")
     text = text.replace("processes: 5, samples: 7, max_samples: 15", "processes: 10, samples: 1, max_samples: 1")
@@ -163,4 +176,4 @@ if SANITIZED:
     raise SystemExit(0)
 tap([g1_same_work_has_no_winner, g1_five_per_cent_are_found_by_wall_time, g1_five_per_cent_are_found_by_cpu_time,
      g1_sleep_lands_in_its_column, cold_caches_are_slower_and_say_so, abba_runs_forth_and_back, sampling_stops_when_the_median_is_known,
-     short_solves_are_looped, overhead_below_five_per_cent, doctor_measures_the_machine, no_winner_inside_the_floor_of_the_size])
+     short_solves_are_looped, deadlines_are_reported, overhead_below_five_per_cent, doctor_measures_the_machine, no_winner_inside_the_floor_of_the_size])

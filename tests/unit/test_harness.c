@@ -6,12 +6,14 @@
 #include "harness/args.h"
 #include "harness/plan.h"
 #include "harness/registry.h"
+#include "harness/runner_state.h"
 #include "harness/sha256.h"
 #include "harness/stats.h"
 #include "harness/verdict.h"
 #include "harness/versions.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -207,6 +209,39 @@ static void g6_a_changed_solver_invalidates_its_cells(void **state) {
   }
 }
 
+/* Canaries 5, 5.1 and 6 ms, 6 ms at the end: what was measured between 5.1 and 6 is flagged. */
+static void drifting_canaries_flag_rows(void **state) {
+  (void)state;
+  char dir[] = "drift_XXXXXX";
+  assert_non_null(mkdtemp(dir));
+  const double canary[] = {5e-3, 5.1e-3, 5.1e-3, 6e-3};
+  record row[4];
+  record_table t = {.row = row, .n = 4};
+  base_error err;
+  for (int i = 0; i < 4; i++) {
+    record_clear(&row[i]);
+    row[i].schema = RECORD_SCHEMA;
+    row[i].canary_s = canary[i];
+    (void)snprintf(row[i].status, sizeof row[i].status, "ok");
+  }
+  check_ok(runner_write_rows(dir, &t, &err), &err);
+  runner_summary sum = {.measured = 4};
+  const runner_options o = {.out = dir};
+  runner r = {.o = &o, .sum = &sum, .canary = 6e-3};
+  check_ok(runner_close_rows(&r, &err), &err);
+  record_table back;
+  check_ok(runner_read_rows(dir, &back, &err), &err);
+  const bool want[] = {false, true, true, false};
+  for (int i = 0; i < 4; i++) {
+    assert_int_equal(record_has_flag(&back.row[i], "canary_drift"), want[i]);
+  }
+  record_table_free(&back);
+  char path[64];
+  runner_path(dir, "results.csv", path, sizeof path);
+  (void)unlink(path);
+  (void)rmdir(dir);
+}
+
 static void answers_read_back(void **state) {
   (void)state;
   const double z[] = {0, 1.5, -0.0, (double)NAN, 0, 0, 0, 1e-300, 0, -2};
@@ -256,6 +291,7 @@ int main(void) {
       cmocka_unit_test(asked_tolerance_decides_ok),
       cmocka_unit_test(g6_a_changed_solver_invalidates_its_cells),
       cmocka_unit_test(answers_read_back),
+      cmocka_unit_test(drifting_canaries_flag_rows),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
