@@ -44,6 +44,18 @@ static base_status assemble(event_run *s, const contact_set *c, const double *v_
   return slip_begin(&s->p, &s->a, s->opt->facets, err);
 }
 
+/* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
+ * would otherwise pose a problem of its own, of noise. */
+static void drop_noise(int n, double *u) {
+  double largest = 0.0;
+  for (int r = 0; r < n; r++) {
+    largest = fmax(largest, fabs(u[r]));
+  }
+  for (int r = 0; r < n; r++) {
+    u[r] = (fabs(u[r]) > 1e-12 * largest) ? u[r] : 0.0;
+  }
+}
+
 /* Poses, solves, and leaves lambda (n_row of the assembly) in a.lambda; s->solved says how. */
 static base_status solve(event_run *s, const double *u0, double *lambda, base_error *err) {
   lcp_problem p;
@@ -84,6 +96,7 @@ static base_status impact(event_run *s, const contact_set *c, base_error *err) {
       u0[first] += c->restitution[g] * u;
     }
   }
+  drop_noise(s->a.n_row, u0);
   double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
   BASE_TRY(solve(s, u0, lambda, err));
   for (int i = 0; s->solved && i < s->a.n_contact; i++) {
@@ -195,6 +208,21 @@ static bool turn_facets(event_run *s, const double *u0, const double *lambda) {
   return turned;
 }
 
+/* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
+ * here. */
+static void stabilise(const event_run *s, const contact_set *c, double *u0) {
+  const double rate = s->opt->rate;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double *u = c->u_before + c->row_start[g];
+    double *row = u0 + s->a.row[i];
+    row[0] += 2.0 * rate * u[0] + rate * rate * c->gap[g];
+    for (int t = 1; t < form_rows_of(&s->a, i) && at_rest(s, i); t++) {
+      row[t] += rate * u[t];
+    }
+  }
+}
+
 /* Which touching contacts persist, and how: the acceleration-level problem. */
 static base_status choose_modes(event_run *s, const contact_set *c, base_error *err) {
   double *drift = s->row, *u0 = s->row + s->cap_row;
@@ -210,14 +238,20 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   BASE_TRY(assemble(s, c, s->acc, drift, err));
   set_directions(s, c);
   memcpy(u0, s->a.r, (size_t)s->a.n_row * sizeof *u0);
+  stabilise(s, c, u0);
+  drop_noise(s->a.n_row, u0);
   double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
   BASE_TRY(solve(s, u0, lambda, err));
   for (int k = 0; k < 16 && s->solved && turn_facets(s, u0, lambda); k++) {
     BASE_TRY(solve(s, u0, lambda, err));
   }
+  double largest = 0.0;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    largest = fmax(largest, lambda[s->a.row[i]]);
+  }
   s->arc.n = 0;
   for (int i = 0; s->solved && i < s->a.n_contact; i++) {
-    if (lambda[s->a.row[i]] > 0.0) {
+    if (lambda[s->a.row[i]] > 1e-9 * largest) {
       BASE_TRY(keep_contact(s, c, i, u0, lambda, err));
     }
   }

@@ -11,42 +11,40 @@ static double row_product(const double *M, int n, const double *q, const double 
   return w;
 }
 
-static void cone_project(double mu, int dim, double *x) {
+/* x onto the disc of the given radius. */
+static void disc_project(double radius, int dim, double *x) {
   double t = 0;
-  for (int k = 1; k <= dim; k++) {
+  for (int k = 0; k < dim; k++) {
     t += x[k] * x[k];
   }
-  t = sqrt(t);
-  if (t <= mu * x[0]) {
-    return;
+  for (int k = 0; k < dim && t > radius * radius; k++) {
+    x[k] *= radius / sqrt(t);
   }
-  const double s = fmax(0, (x[0] + mu * t) / (1 + mu * mu));
-  for (int k = 1; k <= dim; k++) {
-    x[k] *= (t > 0) ? mu * s / t : 0;
-  }
-  x[0] = s;
 }
 
-/* One projection z <- P_K(z - (w + mu |w_t| e_n) / a) of a cone block. */
+/* lambda_n <- max(0, lambda_n - w_n / a), then each part onto its disc mu lambda_n: fixed points are
+ * Coulomb's law. */
 static double cone_update(const lcp_problem *p, const double *M, const lcp_block *b, double *z) {
   const int n = p->M.n;
-  double w[4] = {0};
-  double x[4] = {0};
-  double speed = 0;
-  double a = 0;
-  for (int k = 0; k < b->size; k++) {
-    w[k] = row_product(M, n, p->q, z, b->start + k);
-    a = fmax(a, M[(ptrdiff_t)(b->start + k) * n + b->start + k]);
-    speed += (k > 0) ? w[k] * w[k] : 0;
-  }
-  for (int k = 0; k < b->size; k++) {
-    x[k] = z[b->start + k] - (w[k] + ((k == 0) ? b->part_mu[0] * sqrt(speed) : 0)) / (1.5 * a);
-  }
-  cone_project(b->part_mu[0], b->size - 1, x);
-  double change = 0;
-  for (int k = 0; k < b->size; k++) {
-    change = fmax(change, a * fabs(x[k] - z[b->start + k]));
-    z[b->start + k] = x[k];
+  int row = b->start;
+  const double own = M[(ptrdiff_t)row * n + row];
+  const double normal = fmax(0, z[row] - row_product(M, n, p->q, z, row) / own);
+  double change = own * fabs(normal - z[row]);
+  z[row++] = normal;
+  for (int part = 0; part < b->n_part; part++) {
+    double x[2];
+    double a = 0;
+    for (int k = 0; k < b->part_dim[part]; k++) {
+      a = fmax(a, 1.5 * M[(ptrdiff_t)(row + k) * n + row + k]);
+    }
+    for (int k = 0; k < b->part_dim[part]; k++) {
+      x[k] = z[row + k] - row_product(M, n, p->q, z, row + k) / a;
+    }
+    disc_project(b->part_mu[part] * normal, b->part_dim[part], x);
+    for (int k = 0; k < b->part_dim[part]; k++, row++) {
+      change = fmax(change, a * fabs(x[k] - z[row]));
+      z[row] = x[k];
+    }
   }
   return change;
 }

@@ -1,5 +1,5 @@
 /* tests/support/relax.h - a slow, independent solver for the tests: Gauss-Seidel by blocks with
- * projections, for orthants, boxes, free rows and friction cones of one part. */
+ * projections, for orthants, boxes, free rows and friction cones. */
 #pragma once
 
 #include "lcp/lcp_outcome.h"
