@@ -126,6 +126,13 @@ static base_status sample_lcp(measured *m, record *r, double *seconds, base_erro
   BASE_TRY(start_points(m, err));
   BASE_TRY(m->replay != NULL ? replay(m, &once, err) : solve_measured(m, r, &once, err));
   fill_solve(&once, m->solver.solver, r);
+  if (once.has_claim && problem_source_has_cone(&m->source)) {
+    lcp_verdict v;
+    const double *z = m->z + (size_t)p->M.n * (size_t)(m->replay != NULL ? 0 : m->n_inner - 1);
+    BASE_TRY(problem_source_judge_cone(&m->source, z, &v, err));
+    r->res_ncp = v.natural;
+    r->res_ncp_rel = v.natural_rel;
+  }
   r->lcp_dim = p->M.n;
   r->nnz = lcp_matrix_entries(&p->M);
   r->density = (n > 0) ? (double)r->nnz / (n * n) : (double)NAN;

@@ -1,5 +1,6 @@
 #include "harness/plan.h"
 
+#include "harness/problem_source.h"
 #include "harness/registry.h"
 #include "harness/sha256.h"
 #include "harness/versions.h"
@@ -35,17 +36,23 @@ static base_status expand_variable(const char *text, char *buf, size_t cap, base
 /* File patterns become the files that match, in order; other texts stay. */
 static base_status expand_files(const char *text, text_list *out, base_error *err) {
   char path[512];
+  char pattern[512];
+  char one[600];
   BASE_TRY(expand_variable(text, path, sizeof path, err));
   if (strpbrk(path, "*?[") == NULL) {
     return text_list_add(out, path, err);
   }
+  const char *tail =
+      strstr(path, ":facets="); /* stands behind the pattern, and behind every file */
+  (void)snprintf(pattern, sizeof pattern, "%.*s", (int)(tail != NULL ? tail - path : 511), path);
   glob_t found;
   base_status done = BASE_OK;
-  if (glob(path, 0, NULL, &found) != 0) {
+  if (glob(pattern, 0, NULL, &found) != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "problem '%s': no file matches", path);
   }
   for (size_t i = 0; done == BASE_OK && i < found.gl_pathc; i++) {
-    done = text_list_add(out, found.gl_pathv[i], err);
+    (void)snprintf(one, sizeof one, "%s%s", found.gl_pathv[i], tail != NULL ? tail : "");
+    done = text_list_add(out, one, err);
   }
   globfree(&found);
   return done;
@@ -90,7 +97,10 @@ static bool is_file(const char *problem) {
 /* Files by content (a Matrix Market M with its q), scenes by their text and source. */
 static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *err) {
   char path[512];
-  (void)snprintf(path, sizeof path, "%.*s", (int)strcspn(c->problem, "#"), c->problem);
+  char file[512];
+  int facets;
+  (void)snprintf(file, sizeof file, "%.*s", (int)strcspn(c->problem, "#"), c->problem);
+  BASE_TRY(problem_file(file, path, sizeof path, &facets, err));
   if (!is_file(path)) {
     char name[64];
     (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(c->problem, ":"), c->problem);
@@ -111,6 +121,13 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
     sha256_begin(&s);
     sha256_text(&s, hex);
     sha256_text(&s, q);
+    sha256_end(&s, hex);
+  }
+  if (facets != 0) {
+    sha256 s;
+    sha256_begin(&s);
+    sha256_text(&s, hex);
+    sha256_text(&s, strrchr(file, ':'));
     sha256_end(&s, hex);
   }
   return BASE_OK;

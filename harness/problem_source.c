@@ -1,5 +1,6 @@
 #include "harness/problem_source.h"
 
+#include "lcp/base/fields.h"
 #include "problems/family.h"
 #include "problems/import/import.h"
 
@@ -10,6 +11,10 @@ static bool ends_with(const char *text, const char *tail) {
   const size_t n = strlen(text);
   const size_t m = strlen(tail);
   return n >= m && strcmp(text + n - m, tail) == 0;
+}
+
+static bool is_import(const char *path) {
+  return ends_with(path, ".dat") || ends_with(path, ".hdf5") || ends_with(path, ".h5");
 }
 
 /* NAME.M.mtx -> NAME.q.mtx */
@@ -41,8 +46,44 @@ static base_status open_import(const char *text, int facets, problem_source *out
     out->p = &out->file.p;
     return lcp_read_siconos(text, &out->file, err);
   }
-  out->p = &out->known.p;
-  return import_problem(text, facets, &out->known, err);
+  out->p = &out->import.posed.p;
+  return import_pose(text, facets, &out->import, err);
+}
+
+base_status problem_file(const char *text, char *path, size_t cap, int *facets, base_error *err) {
+  static const char key[] = ":facets=";
+  const char *at = strstr(text, key);
+  *facets = 0;
+  (void)snprintf(path, cap, "%.*s", (int)(at != NULL ? at - text : (ptrdiff_t)strlen(text)), text);
+  if (at == NULL || !is_import(path)) {
+    (void)snprintf(path, cap, "%s", text);
+    return BASE_OK;
+  }
+  if (!base_parse_int(at + strlen(key), facets) || *facets < 2) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: facets: need at least 2", text);
+  }
+  return BASE_OK;
+}
+
+static base_status open_file(const char *text, int facets, problem_source *out, base_error *err) {
+  char path[1024];
+  int own;
+  BASE_TRY(problem_file(text, path, sizeof path, &own, err));
+  if (own != 0 && facets != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: facets are given twice", text);
+  }
+  return open_import(path, own + facets, out, err);
+}
+
+bool problem_source_has_cone(const problem_source *s) {
+  return s->import.cone.p.M.n > 0 ||
+         (s->p == &s->import.posed.p && lcp_problem_sets(s->p) == 1u << LCP_CONE);
+}
+
+base_status problem_source_judge_cone(const problem_source *s, const double *z, lcp_verdict *out,
+                                      base_error *err) {
+  return (s->import.cone.p.M.n > 0) ? import_judge_cone(&s->import, z, out, err)
+                                    : lcp_judge(s->p, z, out, err);
 }
 
 base_status problem_source_open(const char *text, const char *q_path, int facets,
@@ -52,8 +93,9 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
   if (ends_with(text, ".mtx")) {
     return open_mtx(text, q_path, out, err);
   }
-  if (ends_with(text, ".dat") || ends_with(text, ".hdf5") || ends_with(text, ".h5")) {
-    return open_import(text, facets, out, err);
+  if (is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
+      strstr(text, ".h5:") != NULL) {
+    return open_file(text, facets, out, err);
   }
   char name[64];
   (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(text, ":"), text);
@@ -70,5 +112,6 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
 void problem_source_close(problem_source *s) {
   lcp_file_problem_free(&s->file);
   known_lcp_free(&s->known);
+  import_posed_free(&s->import);
   s->p = NULL;
 }

@@ -58,6 +58,22 @@ static void put_verdict(json_t *o, const solve_record *r) {
   json_out_real(o, "res_comp", judged ? v->comp : HUGE_VAL);
 }
 
+/* Of a friction problem: how far the answer is from the true cone, whatever it was posed on. */
+static base_status put_cone(json_t *o, const problem_source *src, const solve_record *r,
+                            const double *z, base_error *err) {
+  lcp_verdict v = {.natural = HUGE_VAL, .natural_rel = HUGE_VAL, .infeasible_z = HUGE_VAL};
+  if (!problem_source_has_cone(src)) {
+    return BASE_OK;
+  }
+  if (r->has_claim) {
+    BASE_TRY(problem_source_judge_cone(src, z, &v, err));
+  }
+  json_out_real(o, "res_ncp", v.natural);
+  json_out_real(o, "res_ncp_rel", v.natural_rel);
+  json_out_real(o, "cone_violation_Ns", v.infeasible_z);
+  return BASE_OK;
+}
+
 static json_t *to_json(const problem_source *src, const solver_choice *s, const solve_record *r) {
   assert(s->solver != NULL);
   json_t *o = json_object();
@@ -116,9 +132,15 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
   if (done == BASE_OK && o->z != NULL && r.has_claim) {
     done = lcp_write_mtx_vector(o->z, n, z, err);
   }
-  free(z);
+  json_t *report = (done == BASE_OK) ? to_json(src, s, &r) : NULL;
   if (done == BASE_OK) {
-    const bool printed = json_out_print(to_json(src, s, &r), stdout);
+    done = put_cone(report, src, &r, z, err);
+  }
+  free(z);
+  if (done != BASE_OK) {
+    json_decref(report);
+  } else {
+    const bool printed = json_out_print(report, stdout);
     *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && r.verified) ? CLI_OK : CLI_HONEST;
   }
   return done;

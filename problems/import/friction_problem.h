@@ -52,8 +52,9 @@ base_status friction_condense(friction_problem *p, base_error *err);
 base_status friction_pose_cone(const friction_problem *p, known_lcp *out, base_error *err);
 
 /* The polyhedral LCP with nd facets (2 in the plane), inscribed, unknowns contact by contact
- * (r_n, beta_1 .. beta_nd, sigma). Rolling problems: BASE_EUNSUPPORTED. p must be local. */
+ * (r_n, beta_1 .. beta_nd, sigma), and with rolling gamma_1 .. gamma_nd [N m s] and a sigma of their
+ * own. p must be local. */
 base_status friction_pose_facets(const friction_problem *p, int nd, known_lcp *out,
                                  base_error *err);
 /* Impulses r (rows * n_contact) of a solution z of that LCP. */
-void friction_facet_impulse(const friction_problem *p, int nd, const double *z, double *r);
+void friction_facet_impulse(int rows, int n_contact, int nd, const double *z, double *r);

@@ -3,6 +3,7 @@
 #include "lcp/io/lcp_read.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* LCPs begin "n 0 n n", friction problems "d nc type size size" with d = 2, 3 or 5, mixed LCPs
@@ -54,21 +55,24 @@ static base_status adopt(const char *path, known_lcp *out, base_error *err) {
   return BASE_OK;
 }
 
-static base_status pose(friction_problem *p, int facets, known_lcp *out, base_error *err) {
+static base_status pose(friction_problem *p, int facets, import_posed *out, base_error *err) {
   const bool global = p->global;
   BASE_TRY(friction_condense(p, err));
+  known_lcp *exact = (facets == 0) ? &out->posed : &out->cone;
+  BASE_TRY(friction_pose_cone(p, exact, err));
+  exact->p.traits |= global ? (LCP_SYMMETRIC | LCP_PSD) : 0u; /* H' M^-1 H */
   if (facets == 0) {
-    BASE_TRY(friction_pose_cone(p, out, err));
-    out->p.traits |= global ? (LCP_SYMMETRIC | LCP_PSD) : 0u; /* H' M^-1 H */
     return BASE_OK;
   }
-  BASE_TRY(friction_pose_facets(p, (p->rows == 2) ? 2 : facets, out, err));
-  out->p.traits |= global ? LCP_COPOSITIVE : 0u;
+  out->rows = p->rows;
+  out->facets = (p->rows == 2) ? 2 : facets;
+  BASE_TRY(friction_pose_facets(p, out->facets, &out->posed, err));
+  out->posed.p.traits |= global ? LCP_COPOSITIVE : 0u;
   return BASE_OK;
 }
 
-static base_status import_friction(const char *path, import_kind kind, int facets, known_lcp *out,
-                                   base_error *err) {
+static base_status import_friction(const char *path, import_kind kind, int facets,
+                                   import_posed *out, base_error *err) {
   friction_problem p;
   base_error inner = {0};
   BASE_TRY(kind == IMPORT_FCLIB ? friction_read_fclib(path, &p, err)
@@ -78,15 +82,14 @@ static base_status import_friction(const char *path, import_kind kind, int facet
   return (status == BASE_OK) ? BASE_OK : BASE_FAIL(err, status, "%s: %s", path, inner.text);
 }
 
-base_status import_problem(const char *path, int facets, known_lcp *out, base_error *err) {
+static base_status import_kinds(const char *path, int facets, import_posed *out, base_error *err) {
   import_kind kind;
-  memset(out, 0, sizeof *out);
   BASE_TRY(import_detect(path, &kind, err));
   switch (kind) {
   case IMPORT_LCP:
-    return adopt(path, out, err);
+    return adopt(path, &out->posed, err);
   case IMPORT_MLCP:
-    return import_mlcp(path, out, err);
+    return import_mlcp(path, &out->posed, err);
   case IMPORT_FRICTION:
   case IMPORT_FCLIB:
     return import_friction(path, kind, facets, out, err);
@@ -95,4 +98,44 @@ base_status import_problem(const char *path, int facets, known_lcp *out, base_er
                      "%s: neither a Siconos text problem (LCP, mixed LCP, friction) nor FCLIB HDF5",
                      path);
   }
+}
+
+base_status import_pose(const char *path, int facets, import_posed *out, base_error *err) {
+  memset(out, 0, sizeof *out);
+  const base_status status = import_kinds(path, facets, out, err);
+  if (status != BASE_OK) {
+    import_posed_free(out);
+  }
+  return status;
+}
+
+void import_posed_free(import_posed *p) {
+  known_lcp_free(&p->posed);
+  known_lcp_free(&p->cone);
+  memset(p, 0, sizeof *p);
+}
+
+base_status import_problem(const char *path, int facets, known_lcp *out, base_error *err) {
+  import_posed both;
+  memset(out, 0, sizeof *out);
+  BASE_TRY(import_pose(path, facets, &both, err));
+  *out = both.posed;
+  known_lcp_free(&both.cone);
+  return BASE_OK;
+}
+
+base_status import_judge_cone(const import_posed *p, const double *z, lcp_verdict *out,
+                              base_error *err) {
+  const int n = p->cone.p.M.n;
+  if (n == 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "not a friction problem with facets");
+  }
+  double *r = malloc((size_t)n * sizeof *r);
+  if (r == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d impulses", n);
+  }
+  friction_facet_impulse(p->rows, n / p->rows, p->facets, z, r);
+  const base_status status = lcp_judge(&p->cone.p, r, out, err);
+  free(r);
+  return status;
 }

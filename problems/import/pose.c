@@ -66,24 +66,34 @@ base_status friction_pose_cone(const friction_problem *p, known_lcp *out, base_e
 
 /* ---- facets --------------------------------------------------------------------------------- */
 
-/* Row `row` (0 normal, 1.. tangents) of a contact in terms of its LCP unknowns: the normal impulse
- * itself, or the sum of beta_k d_k[row-1]. Coefficient of unknown u (0 normal, 1..nd facets). */
+/* Unknowns of a contact: n, beta_1 .. beta_nd, sigma, and with rolling gamma_1 .. gamma_nd and its
+ * own sigma. */
+static int unknowns(int nd, int rows) {
+  return (rows == 5) ? 2 * nd + 3 : nd + 2;
+}
+
+/* Row `row` (0 normal, 1.. tangents, 3.. rolling) of a contact in terms of its LCP unknowns: the
+ * normal impulse itself, or the sum of beta_k d_k[row-1]. Coefficient of unknown u. */
 static double facet(int nd, int rows, int row, int u) {
   if (row == 0 || u == 0) {
     return (row == 0 && u == 0) ? 1.0 : 0.0;
   }
   if (rows == 2) {
-    return (u == 1) ? 1.0 : -1.0;
+    return (u == 1) ? 1.0 : (u == 2) ? -1.0 : 0.0;
   }
-  const double angle = 2.0 * pi * (u - 1) / nd;
-  return (row == 1) ? cos(angle) : sin(angle);
+  const int k = (row >= 3) ? u - nd - 2 : u - 1; /* 0 .. nd - 1 on the facets of the row's part */
+  if (k < 0 || k >= nd) {
+    return 0.0;
+  }
+  const double angle = 2.0 * pi * k / nd;
+  return (row % 2 == 1) ? cos(angle) : sin(angle);
 }
 
 /* Row a of what entry W_ij becomes between the facets of its two contacts. */
 static void spread(int nd, int rows, int i, int j, int a, double value, triplets *t) {
-  const int size = nd + 2;
+  const int size = unknowns(nd, rows);
   const double left = facet(nd, rows, i % rows, a);
-  for (int b = 0; b <= nd && left != 0.0; b++) {
+  for (int b = 0; b < size && left != 0.0; b++) {
     const double right = facet(nd, rows, j % rows, b);
     if (right != 0.0) {
       triplets_add(t, i / rows * size + a, j / rows * size + b, left * value * right);
@@ -91,30 +101,39 @@ static void spread(int nd, int rows, int i, int j, int a, double value, triplets
   }
 }
 
-/* M = [F' W F, sigma rows and columns]: contact by contact (n, beta_1.. beta_nd, sigma). */
+/* The rows and columns of a cone |r_part| <= mu r_n whose facets start at `first`; n: r_n. */
+static void bound(int n, int first, int nd, double mu, triplets *t) {
+  const int sigma = first + nd;
+  triplets_add(t, sigma, n, mu);
+  for (int b = 0; b < nd; b++) {
+    triplets_add(t, first + b, sigma, 1.0);
+    triplets_add(t, sigma, first + b, -1.0);
+  }
+}
+
+/* M = [F' W F, sigma rows and columns], contact by contact. */
 static void collect(const friction_problem *p, int nd, triplets *t) {
-  const int size = nd + 2, rows = p->rows;
+  const int rows = p->rows, size = unknowns(nd, rows);
   for (int j = 0; j < p->W.n_col; j++) {
     for (int at = p->W.colptr[j]; at < p->W.colptr[j + 1]; at++) {
       const int i = p->W.rowind[at];
-      for (int a = 0; a <= nd; a++) {
+      for (int a = 0; a < size; a++) {
         spread(nd, rows, i, j, a, p->W.val[at], t);
       }
     }
   }
   for (int c = 0; c < p->n_contact; c++) {
-    const int sigma = c * size + nd + 1;
-    triplets_add(t, sigma, c * size, p->mu[c]);
-    for (int b = 1; b <= nd; b++) {
-      triplets_add(t, c * size + b, sigma, 1.0);
-      triplets_add(t, sigma, c * size + b, -1.0);
+    const int n = c * size;
+    bound(n, n + 1, nd, p->mu[c], t);
+    if (rows == 5) {
+      bound(n, n + nd + 2, nd, p->mu_r[c], t);
     }
   }
 }
 
 static base_status fill_vectors(const friction_problem *p, int nd, known_lcp *out,
                                 base_error *err) {
-  const int size = nd + 2, n = size * p->n_contact;
+  const int size = unknowns(nd, p->rows), n = size * p->n_contact;
   double *q = KNOWN_ARRAY(out, double, n);
   lcp_block *block = KNOWN_ARRAY(out, lcp_block, p->n_contact);
   if (q == NULL || block == NULL) {
@@ -122,7 +141,7 @@ static base_status fill_vectors(const friction_problem *p, int nd, known_lcp *ou
   }
   for (int c = 0; c < p->n_contact; c++) {
     block[c] = (lcp_block){.start = c * size, .size = size, .set = LCP_ORTHANT};
-    for (int u = 0; u <= nd; u++) {
+    for (int u = 0; u < size; u++) {
       for (int row = 0; row < p->rows; row++) {
         q[c * size + u] += facet(nd, p->rows, row, u) * p->q[c * p->rows + row];
       }
@@ -139,20 +158,18 @@ base_status friction_pose_facets(const friction_problem *p, int nd, known_lcp *o
                                  base_error *err) {
   memset(out, 0, sizeof *out);
   BASE_TRY(need_local(p, err));
-  if (p->rows == 5) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "rolling friction has no polyhedral posing here");
-  }
   if (p->rows == 2 ? nd != 2 : (nd < 3 || nd > 64)) {
     return BASE_FAIL(err, BASE_EINVAL, "%d facets: need %s", nd,
                      p->rows == 2 ? "2 in the plane" : "3 to 64");
   }
   /* an entry of W makes at most nd^2 entries (tangent with tangent) */
-  const double cap = (double)p->W.colptr[p->W.n_col] * nd * nd + (2.0 * nd + 1.0) * p->n_contact;
+  const double cap =
+      (double)p->W.colptr[p->W.n_col] * nd * nd + 2.0 * (2.0 * nd + 1.0) * p->n_contact;
   triplets t;
   if (cap > 5e8) {
     return BASE_FAIL(err, BASE_EINVAL, "%d facets: more than 5e8 entries", nd);
   }
-  const int n = (nd + 2) * p->n_contact;
+  const int n = unknowns(nd, p->rows) * p->n_contact;
   BASE_TRY(triplets_open(&t, n, n, (int)cap, err));
   collect(p, nd, &t);
   base_status status = triplets_compress(&t, out, err);
@@ -166,14 +183,15 @@ base_status friction_pose_facets(const friction_problem *p, int nd, known_lcp *o
   return status;
 }
 
-void friction_facet_impulse(const friction_problem *p, int nd, const double *z, double *r) {
-  for (int c = 0; c < p->n_contact; c++) {
-    for (int row = 0; row < p->rows; row++) {
+void friction_facet_impulse(int rows, int n_contact, int nd, const double *z, double *r) {
+  const int size = unknowns(nd, rows);
+  for (int c = 0; c < n_contact; c++) {
+    for (int row = 0; row < rows; row++) {
       double sum = 0.0;
-      for (int u = 0; u <= nd; u++) {
-        sum += facet(nd, p->rows, row, u) * z[c * (nd + 2) + u];
+      for (int u = 0; u < size; u++) {
+        sum += facet(nd, rows, row, u) * z[c * size + u];
       }
-      r[c * p->rows + row] = sum;
+      r[c * rows + row] = sum;
     }
   }
 }

@@ -1,4 +1,5 @@
 """Bad input gives one line on stderr that names the culprit and the rule, and exit code 2."""
+import csv
 import json
 import pathlib
 
@@ -207,6 +208,31 @@ def export_reads_back(d):
             assert o["status"] == "ok" and o["solution_hash"] == run_json("solve", name, "--solver", "nsgs")["solution_hash"], kind
 
 
+def friction_stays_physical(d):
+    """A friction problem on facets is judged on the true cone too: more facets, less error; rolling included."""
+    seeds = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds"
+    for seed in ("rolling", "fc2d_dense", "global"):
+        exact = run_json("solve", seeds / f"{seed}.dat", "--solver", "nsgs:tol=1e-12")
+        assert exact["res_ncp"] < 1e-10, exact
+        for facets in (4, 8, 16):
+            o = run_json("solve", f"{seeds / seed}.dat:facets={facets}", "--solver", "lemke")
+            assert o["status"] == "ok" and o["n"] == {"rolling": 2 * facets + 3}.get(seed, 4) and o["res_ncp"] is not None, o
+    # friction that points between the facets: 4 facets leave it out, 16 hardly
+    (d / "oblique.dat").write_text("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 -1 2 1 0.5")
+    error = [run_json("solve", f"{d}/oblique.dat:facets={n}", "--solver", "lemke")["res_ncp"] for n in (4, 8, 16)]
+    assert error[0] > 0.05 and error[0] > error[1] > error[2] > 1e-4 and error[2] < 0.2 * error[0], error
+    for bad in (":facets=1", ":facets=x", ":facets=", ":nosuch=3"):
+        one_line_error("solve", f"{d}/oblique.dat{bad}", "--solver", "lemke", names=["oblique.dat"])
+    one_line_error("solve", f"{d}/oblique.dat:facets=4", "--facets", "8", "--solver", "lemke", names=["twice"])
+    (d / "c.yaml").write_text(f"name: c\nparts:\n  - name: p\n    problems: ['{d}/*.dat:facets={{4,8}}', '{d}/*.dat']\n    solvers: [lemke, nsgs]\n"
+                              "sampling: {processes: 1, samples: 1, max_samples: 1}\n")
+    run("run", d / "c.yaml", "--out", d / "out")
+    rows = list(csv.DictReader((d / "out" / "results.csv").read_text().splitlines()))
+    judged = {(r["problem"][-8:], r["solver"]): float(r["res_ncp"]) for r in rows if r["status"] == "ok"}
+    assert abs(judged["facets=4", "lemke"] - error[0]) < 1e-12 and abs(judged["facets=8", "lemke"] - error[1]) < 1e-12, judged
+    assert judged["ique.dat", "nsgs"] < 1e-6 and len({r["problem_sha256"] for r in rows}) == 3, judged
+
+
 def steps_are_dumped(d):
     """Problems of chosen steps: consecutive, read back with the same answer, bit for bit; cones too."""
     scene = ("simulate", "stack:n=2", "--formulation", "velocity:facets=4", "--solver", "lemke")
@@ -238,4 +264,4 @@ def environment_gives_options(d):
 tap([usage_errors, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
-     certificates_are_written, export_reads_back, steps_are_dumped])
+     certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])

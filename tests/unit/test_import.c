@@ -188,14 +188,50 @@ static void facets_follow_the_formula(void **state) {
     check_close(k.p.q[i], q[i], 2e-15);
   }
   known_lcp_free(&k);
-  friction_problem p;
-  check_ok(friction_read_siconos(scratch(".dat"), &p, &err), &err);
   double r[3];
-  friction_facet_impulse(&p, 4, (const double[]){2, 0, 0.5, 0.25, 0, 9}, r);
+  friction_facet_impulse(3, 1, 4, (const double[]){2, 0, 0.5, 0.25, 0, 9}, r);
   check_close(r[0], 2.0, 0.0);
   check_close(r[1], -0.25, 1e-15);
   check_close(r[2], 0.5, 1e-15);
-  friction_free(&p);
+}
+
+/* One contact that rolls and slides along x: the facets hold that direction, so the polyhedral answer
+ * is the one on the true cone, r = (1, -mu, 0, -mu_r, 0) times the normal impulse. */
+static void rolling_facets_hold_the_cone_along_them(void **state) {
+  (void)state;
+  FILE *f = fopen(scratch(".dat"), "wb");
+  assert_non_null(f);
+  assert_true(fputs("5\n1\n0\n5\n5\n5 5\n1 0 0 0 0 0 1 0 0 0 0 0 1 0 0 0 0 0 2 0 0 0 0 0 2\n"
+                    "-1 3 0 2 0\n0.5\n0.1\n",
+                    f) >= 0);
+  assert_int_equal(fclose(f), 0);
+  for (int nd = 4; nd <= 16; nd *= 2) {
+    import_posed p;
+    lcp_verdict v;
+    base_error err = {0};
+    double z[35] = {0}, r[5];
+    check_ok(import_pose(scratch(".dat"), nd, &p, &err), &err);
+    assert_int_equal(p.posed.p.M.n, 2 * nd + 3);
+    assert_int_equal(p.cone.p.M.n, 5);
+    z[0] = 1.0;               /* r_n */
+    z[1 + nd / 2] = 0.5;      /* friction against +x */
+    z[1 + nd] = 3.0 - 0.5;    /* its sigma: the speed left */
+    z[2 + nd + nd / 2] = 0.1; /* rolling against +x */
+    z[2 + 2 * nd] = 2.0 - 0.2;
+    friction_facet_impulse(5, 1, nd, z, r);
+    static const double want[5] = {1.0, -0.5, 0.0, -0.1, 0.0};
+    for (int i = 0; i < 5; i++) {
+      check_close(r[i], want[i], 1e-15);
+    }
+    check_ok(lcp_judge(&p.posed.p, z, &v, &err), &err);
+    check_close(v.rho, 0.0, 1e-14);
+    check_ok(import_judge_cone(&p, z, &v, &err), &err);
+    check_close(v.natural, 0.0, 1e-14);
+    z[2 + nd + nd / 2] = 0.2; /* outside the rolling cone: the judge must see it */
+    check_ok(import_judge_cone(&p, z, &v, &err), &err);
+    assert_true(v.natural > 0.05 && v.infeasible_z > 0.05);
+    import_posed_free(&p);
+  }
 }
 
 static void refused(const char *path, const char *says) {
@@ -483,6 +519,7 @@ int main(void) {
       cmocka_unit_test(text_and_hdf5_agree),
       cmocka_unit_test(round_trips_are_exact),
       cmocka_unit_test(facets_follow_the_formula),
+      cmocka_unit_test(rolling_facets_hold_the_cone_along_them),
       cmocka_unit_test(malformed_text_is_refused),
       cmocka_unit_test(malformed_hdf5_is_refused),
       cmocka_unit_test(malformed_global_hdf5_is_refused),
