@@ -16,7 +16,7 @@ static const double pi = 3.14159265358979323846;
 
 /* Every third spatial scene also resists spinning and rolling. */
 static rig *random_set(int k) {
-  rig *r = rig_random((uint64_t)(1000 + k), 2 + k % 2, 0.5);
+  rig *r = rig_random(1000 + (uint64_t)k, 2 + k % 2, 0.5);
   for (int i = 0; i < r->n_contact && k % 3 == 0; i++) {
     r->contact[i].torsion = 0.02 * (1 + i);
     r->contact[i].rolling = 0.03;
@@ -24,8 +24,30 @@ static rig *random_set(int k) {
   return r;
 }
 
-/* Two steps of 1000 random systems at contact, the second with the memory of the first: kinetic energy
- * and that of the bristles never rises by more than 1e-10 of itself. Gaps stay closed, so b_n = 0. */
+/* Two steps of one random system at contact, the second with the memory of the first: kinetic energy
+ * and that of the bristles never rises by more than 1e-10 of itself. Gaps stay closed, so b_n = 0.
+ * False where a step was not solved, which is said. */
+static bool loses(const char *form, const char *opt, int k) {
+  rig *r = random_set(k);
+  formulation_run *run = rig_open(form, opt);
+  double before = (rig_set(r), rig_kinetic(r));
+  bool solved = true;
+  for (int step = 0; step < 2 && solved; step++) {
+    memset(r->x, 0, sizeof r->x); /* the same contacts, closed */
+    rig_step(r, run);
+    solved = r->answer.solved;
+    const double after = rig_kinetic(r) + r->answer.spring_energy;
+    if (solved && after > before * (1 + 1e-10)) {
+      fail_msg("%s:%s scene %d step %d: %.17g J before, %.17g J after", form, opt, k, step, before,
+               after);
+    }
+    before = after;
+  }
+  rig_close(run);
+  free(r);
+  return solved;
+}
+
 static void random_sets_only_lose(void **state) {
   (void)state;
   enum { SCENES = 1000 };
@@ -46,24 +68,7 @@ static void random_sets_only_lose(void **state) {
   for (int i = 0; i < BASE_COUNT(all); i++) {
     int unsolved = 0;
     for (int k = 0; k < SCENES; k++) {
-      rig *r = random_set(k);
-      formulation_run *run = rig_open(all[i].form, all[i].opt);
-      double before = (rig_set(r), rig_kinetic(r));
-      bool solved = true;
-      for (int step = 0; step < 2 && solved; step++) {
-        memset(r->x, 0, sizeof r->x); /* the same contacts, closed */
-        rig_step(r, run);
-        solved = r->answer.solved;
-        const double after = rig_kinetic(r) + r->answer.spring_energy;
-        if (solved && after > before * (1 + 1e-10)) {
-          fail_msg("%s:%s scene %d step %d: %.17g J before, %.17g J after", all[i].form, all[i].opt,
-                   k, step, before, after);
-        }
-        before = after;
-      }
-      unsolved += !solved;
-      rig_close(run);
-      free(r);
+      unsolved += !loses(all[i].form, all[i].opt, k);
     }
     if (unsolved > all[i].allowed) {
       fail_msg("%s:%s: %d of %d not solved", all[i].form, all[i].opt, unsolved, SCENES);
@@ -96,7 +101,7 @@ static void random_world(scene_spec *s, uint64_t seed) {
     b->mass = base_rng_between(&g, 0.5, 2.0);
     b->inertia[0] = 0.005 * b->mass;
     b->pos[0] = 0.3 * (i % 2) + 0.02 * base_rng_between(&g, -1, 1);
-    b->pos[1] = 0.2 + 0.32 * (i / 2);
+    b->pos[1] = (i < 2) ? 0.2 : 0.52;
     b->angle = base_rng_between(&g, -1, 1);
     b->vel[0] = (i % 2 == 0 ? 1.0 : -1.0) * base_rng_between(&g, 0, 2);
     b->vel[1] = base_rng_between(&g, -2, 0);
