@@ -1,6 +1,6 @@
 #include "lcp/lcp_farkas.h"
 
-enum { DENOMINATOR_MAX = 256 };
+enum { DENOMINATOR_MAX = 256, DOFS_AT_ONCE = 64 };
 
 /* A sum held as head + tail +- lost. */
 typedef struct exact_sum {
@@ -38,6 +38,7 @@ static int sign_of(const exact_sum *s) {
   return (v > 0) - (v < 0);
 }
 
+/* Of a factored M: of S alone. */
 static int column_sign(const lcp_matrix *M, int j, const double *y) {
   exact_sum s = {0, 0, 0};
   if (M->storage == LCP_DENSE) {
@@ -45,11 +46,50 @@ static int column_sign(const lcp_matrix *M, int j, const double *y) {
       add_product(&s, M->val[(ptrdiff_t)j * M->n + i], y[i]);
     }
   } else {
-    for (int k = M->csc.colptr[j]; k < M->csc.colptr[j + 1]; k++) {
-      add_product(&s, M->csc.val[k], y[M->csc.rowind[k]]);
+    const lcp_csc *C = (M->storage == LCP_CSC) ? &M->csc : M->factored->shift;
+    for (int k = (C != NULL) ? C->colptr[j] : 0; C != NULL && k < C->colptr[j + 1]; k++) {
+      add_product(&s, C->val[k], y[C->rowind[k]]);
     }
   }
   return sign_of(&s);
+}
+
+/* Adds row i of one side of a group: `dof` entries for the velocities from `at` on, which may lie outside
+ * the window of sums. */
+static void add_row(const double *jac, int dof, int at, double y, exact_sum *sum) {
+  for (int c = 0; c < dof; c++) {
+    if (at + c >= 0 && at + c < DOFS_AT_ONCE) {
+      add_product(&sum[at + c], jac[c], y);
+    }
+  }
+}
+
+/* Sums (J'y)_c of the velocities first .. first + DOFS_AT_ONCE - 1. */
+static void add_forces(const lcp_factored *f, const double *y, int first, exact_sum *sum) {
+  for (int g = 0; g < f->n_group; g++) {
+    const double *jac = f->jac + f->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * g + side];
+      const int dof = (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
+      for (int i = f->row_start[g]; i < f->row_start[g + 1] && b >= 0; i++, jac += dof) {
+        add_row(jac, dof, f->dof_start[b] - first, y[i], sum);
+      }
+    }
+  }
+}
+
+/* M = J W J' + S: a y that moves no body, J'y = 0, leaves M'y = S'y. */
+static bool moves_nothing(const lcp_factored *f, const double *y) {
+  for (int first = 0; first < f->dof_start[f->n_body]; first += DOFS_AT_ONCE) {
+    exact_sum sum[DOFS_AT_ONCE] = {{0}};
+    add_forces(f, y, first, sum);
+    for (int c = 0; c < DOFS_AT_ONCE; c++) {
+      if (sign_of(&sum[c]) != 0) {
+        return false;
+      }
+    }
+  }
+  return true;
 }
 
 static bool holds(const lcp_matrix *M, const double *q, const unsigned char *kind,
@@ -62,7 +102,7 @@ static bool holds(const lcp_matrix *M, const double *q, const unsigned char *kin
     }
     add_product(&value, q[i], y[i]);
   }
-  if (sign_of(&value) != -1) {
+  if (sign_of(&value) != -1 || (M->storage == LCP_FACTORED && !moves_nothing(M->factored, y))) {
     return false;
   }
   for (int j = 0; j < M->n; j++) {
@@ -94,7 +134,7 @@ bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char 
   for (int i = 0; i < M->n; i++) {
     top = fmax(top, fabs(y[i]));
   }
-  if (!(top > 0) || !isfinite(top) || M->storage == LCP_FACTORED) {
+  if (!(top > 0) || !isfinite(top)) {
     return false;
   }
   const int k = denominator(y, M->n, top);

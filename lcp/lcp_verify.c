@@ -35,7 +35,7 @@ static const char *farkas_fault(const lcp_problem *p, const lcp_csc *M, const un
     fault = (y[i] < 0 && !is_free(p, set, i)) ? "y has a negative entry" : fault;
   }
   fault = (mpq_sgn(sum) >= 0) ? "q'y is not negative" : fault;
-  for (int j = 0; j < p->M.n && fault == NULL; j++) {
+  for (int j = 0; j < M->n_col && fault == NULL; j++) {
     mpq_set_si(sum, 0, 1);
     for (int k = M->colptr[j]; k < M->colptr[j + 1]; k++) {
       add_product(sum, a, b, M->val[k], y[M->rowind[k]]);
@@ -206,13 +206,63 @@ static base_status verify_basis(const lcp_problem *p, const lcp_certificate_file
 
 /* ---- all kinds ----------------------------------------------------------------------------- */
 
+/* *still: J'y = 0 in rational arithmetic. M'y is then S'y, where the rounded entries of J W J' would not
+ * cancel. */
+static base_status moves_nothing(const lcp_factored *f, const double *y, bool *still,
+                                 base_error *err) {
+  const int n_dof = f->dof_start[f->n_body];
+  mpq_t *force = malloc(((size_t)n_dof + 2) * sizeof *force);
+  if (force == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d velocities", n_dof);
+  }
+  for (int c = 0; c < n_dof + 2; c++) {
+    mpq_init(force[c]);
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    const double *jac = f->jac + f->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * g + side];
+      const int dof = (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
+      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, jac += dof) {
+        for (int c = 0; c < dof; c++) {
+          add_product(force[f->dof_start[b] + c], force[n_dof], force[n_dof + 1], jac[c], y[i]);
+        }
+      }
+    }
+  }
+  *still = true;
+  for (int c = 0; c < n_dof + 2; c++) {
+    *still = *still && (c >= n_dof || mpq_sgn(force[c]) == 0);
+    mpq_clear(force[c]);
+  }
+  free(force);
+  return BASE_OK;
+}
+
+/* What M'y is the product of: M, or S alone where that is exact. */
+static base_status farkas_matrix(const lcp_problem *p, const double *y, lcp_csc *own,
+                                 const lcp_csc **M, base_error *err) {
+  static const lcp_csc nothing = {0};
+  bool still = false;
+  if (p->M.storage == LCP_FACTORED) {
+    BASE_TRY(moves_nothing(p->M.factored, y, &still, err));
+  }
+  if (still) {
+    *M = (p->M.factored->shift != NULL) ? p->M.factored->shift : &nothing;
+    return BASE_OK;
+  }
+  *M = own;
+  return lcp_matrix_to_csc(&p->M, own, err);
+}
+
 static base_status verify_farkas(const lcp_problem *p, const lcp_certificate_file *f,
                                  const unsigned char *set, lcp_certificate_verdict *out,
                                  base_error *err) {
-  lcp_csc M;
-  BASE_TRY(lcp_matrix_to_csc(&p->M, &M, err));
-  const char *fault = farkas_fault(p, &M, set, f->vector);
-  lcp_csc_free(&M);
+  lcp_csc own = {0};
+  const lcp_csc *M;
+  BASE_TRY(farkas_matrix(p, f->vector, &own, &M, err));
+  const char *fault = farkas_fault(p, M, set, f->vector);
+  lcp_csc_free(&own);
   long double gain = 0;
   long double size = 0;
   for (int i = 0; i < p->M.n; i++) {

@@ -39,15 +39,13 @@ static void read_ray(const lemke_path *t, const lemke_system *s, double *y) {
 }
 
 bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y) {
-  if (p->M.storage != LCP_FACTORED) { /* entries of J W J' are not given, so nothing is exact */
-    if (hopeless_row(s, p, y)) {
-      return true;
-    }
-    read_ray(t, s, y);
-    if (lcp_farkas_prove(&p->M, p->q, s->is_free, y)) {
-      return true;
-    }
+  if (p->M.storage != LCP_FACTORED && hopeless_row(s, p, y)) {
+    return true;
   }
   read_ray(t, s, y);
+  if (lcp_farkas_prove(&p->M, p->q, s->is_free, y)) {
+    return true;
+  }
+  read_ray(t, s, y); /* undo the rounding */
   return false;
 }

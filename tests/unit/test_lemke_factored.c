@@ -1,6 +1,7 @@
 /* lemke on the factored form J W J' + S: against the formed matrix, sliding and sifted first bases. */
 #include "tests/support/check.h"
 
+#include "lcp/lcp_certificate.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "tests/support/few_bodies.h"
@@ -171,8 +172,8 @@ static void sifting_keeps_joints(void **state) {
   known_lcp_free(&k);
 }
 
-/* A body of one velocity that two walls approach: no solution, and none is claimed. */
-static void squeezed_body_is_not_solved(void **state) {
+/* A body of one velocity that two walls approach: no solution, and y >= 0 with J'y = 0 shows it. */
+static void squeezed_body_is_proved_infeasible(void **state) {
   (void)state;
   enum { CONTACTS = 8 };
   static const int dof_start[] = {0, 1}, weight_start[] = {0, 1};
@@ -202,9 +203,19 @@ static void squeezed_body_is_not_solved(void **state) {
                          .traits = LCP_SYMMETRIC | LCP_PSD};
   lcp_verdict v;
   const lcp_result res = run_few(&p, "", z, &v);
-  assert_int_equal(res.outcome, LCP_RAY);
-  assert_int_equal(res.certificate.kind, LCP_CERT_RAY);
+  assert_int_equal(res.outcome, LCP_INFEASIBLE);
+  assert_int_equal(res.certificate.kind, LCP_CERT_FARKAS);
   assert_true(res.work.fallbacks > 0); /* sifting gave way to the path on all contacts */
+  double y[CONTACTS] = {0};
+  lcp_certificate_file c = {.kind = LCP_CERT_FARKAS, .n = CONTACTS, .vector = y};
+  lcp_certificate_verdict proof;
+  base_error err = {0};
+  y[0] = y[3] = 1; /* one wall each */
+  check_ok(lcp_certificate_verify(&p, &c, &proof, &err), &err);
+  assert_true(proof.holds && proof.exact);
+  y[3] = 1 + 0x1p-52;
+  check_ok(lcp_certificate_verify(&p, &c, &proof, &err), &err);
+  assert_false(proof.holds);
 }
 
 int main(void) {
@@ -214,7 +225,7 @@ int main(void) {
       cmocka_unit_test(sifting_takes_pivots_by_bodies),
       cmocka_unit_test(sifting_solves_grasps),
       cmocka_unit_test(sifting_keeps_joints),
-      cmocka_unit_test(squeezed_body_is_not_solved),
+      cmocka_unit_test(squeezed_body_is_proved_infeasible),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
