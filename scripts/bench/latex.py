@@ -8,6 +8,9 @@ HEAD = r"""\documentclass[10pt]{article}
 \usepackage{lmodern}
 \usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
 \usepackage{graphicx,booktabs,tabularx,amsmath}
+\usepackage{pgf} % figures/NAME.pgf (scripts/report --pgf) can stand in for figures/NAME.pdf: \input{figures/NAME.pgf}
+\newcommand{\mathdefault}[1]{#1}
+\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}
 \newcolumntype{Y}{>{\raggedright\arraybackslash}X}
 \renewcommand{\topfraction}{0.95}
 \renewcommand{\floatpagefraction}{0.8}
@@ -25,8 +28,8 @@ def macros(facts):
     return "".join(f"\\newcommand{{\\{name}}}{{{tex(value)}}}\n" for name, value in sorted(facts.items()))
 
 
-def write(folder, facts, sections):
-    """folder/{main.tex,macros.tex,tables/NAME.tex,figures/NAME.{pdf,png,dat}}; returns the files."""
+def write(folder, facts, sections, pgf=False):
+    """folder/{main.tex,macros.tex,tables/NAME.tex,figures/NAME.{pdf,png,dat}}, with pgf also NAME.pgf for \\input."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "tables").mkdir(exist_ok=True)
     (folder / "figures").mkdir(exist_ok=True)
@@ -37,7 +40,7 @@ def write(folder, facts, sections):
             continue
         body.append(f"\\section{{{tex(s.title)}}}\n{tex(s.lead)}\n")
         for c in charts:
-            style.save(chart_.draw(c), folder / "figures", c.name)
+            style.save(chart_.draw(c), folder / "figures", c.name, pgf)
             (folder / "figures" / f"{c.name}.dat").write_text(chart_.table(c))
             body.append(f"\\begin{{figure}}[htbp]\\centering\\includegraphics[width={c.width if c.width < style.PAGE else 7.08}in]{{figures/{c.name}.pdf}}\n"
                         f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure}}\n")

@@ -24,7 +24,20 @@ def matrix(cells, column="cost"):
     return cost, problems, families, solvers
 
 
-def profiles(cost, families, solvers, noise):
+def data_profile(products, solvers):
+    """More & Wild (2009): share of all problems solved within so many products with the matrix, for the solvers that are counted in them."""
+    lines = []
+    if products is None:
+        return lines
+    for j, s in enumerate(solvers):
+        mine = products[:, j]
+        if np.isfinite(mine).any() and mine[np.isfinite(mine)].max() > 0:
+            grid = np.unique(np.maximum(mine[np.isfinite(mine)], 1.0))
+            lines.append(Line(s, grid.tolist(), stats.absolute_profile(mine[:, None], grid)[:, 0].tolist(), kind="steps", variant=j // 9))
+    return lines
+
+
+def profiles(cost, families, solvers, noise, products=None):
     finite = stats.ratios(cost)
     finite = finite[np.isfinite(finite)]
     top = max(4.0, float(finite.max()) * 1.1) if len(finite) else 4.0
@@ -35,14 +48,19 @@ def profiles(cost, families, solvers, noise):
     grid = np.geomspace(times[0], times[-1], 120) if len(times) else np.array([1.0])
     absolute = stats.absolute_profile(cost, grid)
     left, right = [], []
+    most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[:3]  # a band for each would hide the lines
     for j, s in enumerate(solvers):
         name = s
-        left.append(Line(name, tau.tolist(), rel[:, j].tolist(), low[:, j].tolist(), high[:, j].tolist(), kind="steps", variant=j // 9))
+        left.append(Line(name, tau.tolist(), rel[:, j].tolist(), low[:, j].tolist() if j in most else None, high[:, j].tolist() if j in most else None, kind="steps", variant=j // 9))
         right.append(Line(name, (grid * 1e3).tolist(), absolute[:, j].tolist(), kind="steps", variant=j // 9))
-    return Chart("profiles", f"Performance profiles over {len(cost)} problems: share solved within τ times the best (left; ties within {100 * (noise - 1):.0f} %, band: "
-                 "95 % bootstrap by family) and within a time (right). Failures stay in the denominator.",
-                 [Panel(left, title="relative", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
-                  Panel(right, title="absolute", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))], columns=2, height=2.3)
+    panels = [Panel(left, title="relative", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
+              Panel(right, title="absolute", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
+    counted = data_profile(products, solvers)
+    if counted:
+        panels.append(Panel(counted, title="data", xlabel="matrix products", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02)))
+    return Chart("profiles", f"Performance profiles over {len(cost)} problems: share solved within τ times the best (left; ties within {100 * (noise - 1):.0f} %, band of the "
+                 "three best: 95 % bootstrap by family) within a time, and within so many products with the matrix (data profile; only solvers that are counted in them). Failures stay in the denominator.",
+                 panels, columns=len(panels), height=2.3)
 
 
 def summary(cells, cost, solvers, noise):
@@ -70,6 +88,7 @@ def section(cells, noise=NOISE):
     if own.empty or own["combination"].nunique() < 2:
         return None
     cost, _, families, solvers = matrix(own)
-    charts = [profiles(cost, families, solvers, noise)] if np.isfinite(cost).any() else []
+    products = matrix(own, "n_matvec")[0]
+    charts = [profiles(cost, families, solvers, noise, products)] if np.isfinite(cost).any() else []
     return Section("library", "Solvers on the problem library", "Complementarity problems by themselves: families, imported files, contact problems.",
                    charts, [summary(own, cost, solvers, noise)])

@@ -70,6 +70,7 @@ def main():
     parser = argparse.ArgumentParser(prog="scripts/report", description="One HTML page and a LaTeX document from the rows under DIR.")
     parser.add_argument("folder", metavar="DIR", help="campaign, or folder of campaigns")
     parser.add_argument("--out", help="where the report goes (default: DIR/report)")
+    parser.add_argument("--pgf", action="store_true", help="also the figures as PGF (slow; needs pdflatex)")
     parser.add_argument("--pdf", action="store_true", help="build the LaTeX document")
     args = parser.parse_args()
     out = pathlib.Path(args.out or pathlib.Path(args.folder) / "report")
@@ -97,7 +98,7 @@ def main():
     out.mkdir(parents=True, exist_ok=True)
     text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", cards, advice, sections)
     (out / "index.html").write_text(text)
-    latex.write(out / "latex", facts(all_rows, cells, sections, title), ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections)
+    latex.write(out / "latex", facts(all_rows, cells, sections, title), ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections, args.pgf)
     print(out / "index.html")
     if len(text.encode()) > LIMIT:
         print(f"report: the page has {len(text.encode())} bytes, more than {LIMIT}", file=sys.stderr)

@@ -17,7 +17,7 @@ TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "f
         "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
         "solver_config", "missed", "effects_auto"]
 NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
-           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s"]
+           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec"]
 
 
 class BadRows(Exception):
@@ -27,6 +27,8 @@ class BadRows(Exception):
 def load(folder):
     """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an empty figure."""
     path = pathlib.Path(folder) / "results.csv"
+    if not path.exists() and path.with_name("results.csv.xz").exists():  # as results/reference keeps them
+        path = path.with_name("results.csv.xz")
     if not path.exists():
         raise BadRows(f"{path}: no such file; run the campaign first")
     rows = pd.read_csv(path, dtype={c: "string" for c in TEXT}, low_memory=False)
@@ -39,7 +41,7 @@ def load(folder):
         if c in rows:
             rows[c] = rows[c].fillna("").astype(object)
     absent = {c: np.nan for c in set(NUMBERS + TIMES) - set(rows.columns)} | {c: "" for c in set(TEXT) - set(rows.columns)}
-    rows = rows.assign(**absent)
+    rows = pd.concat([rows, pd.DataFrame(absent, index=rows.index)], axis=1)
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
 
@@ -47,10 +49,10 @@ def load(folder):
 def load_all(folder):
     """Rows and manifests of a campaign folder, or of every campaign folder below it (by name)."""
     folder = pathlib.Path(folder)
-    if (folder / "results.csv").exists():
+    if any(folder.glob("results.csv*")):
         found = [folder]
     else:
-        found = sorted(p.parent for p in folder.glob("*/results.csv"))
+        found = sorted({p.parent for p in folder.glob("*/results.csv*")})
     if not found:
         raise BadRows(f"{folder}: no results.csv here or one level below")
     return pd.concat([load(f) for f in found], ignore_index=True), {f.name: manifest(f) for f in found}

@@ -1,4 +1,4 @@
-"""Cost against contacts, with fitted exponents."""
+"""Cost against contacts, with fitted exponents, memory, and what ends each ladder."""
 import math
 
 from bench import stats
@@ -6,38 +6,64 @@ from bench.chart import Chart, Panel, from_cells
 from bench.paper import variants
 from bench.section import Cell, Section, Table, interval, si
 
-SIZES_MIN = 4
+SIZES_MIN = 3  # of verified sizes, for an exponent
+OWN = "scaling"
 
 
 def ladders(cells):
-    some = cells[(cells["p"] > 0) & (cells["formulation"] != "")]
-    for (family, combo, step), g in some.groupby(["problem_family", "combination", "step_s"]):
-        if g[g["good"]]["p"].nunique() >= SIZES_MIN:
+    """(family, combination, its cells) of every ladder of sizes that was asked for and is defined somewhere."""
+    some = cells[(cells["formulation"] != "") & ~cells["status"].isin(["unsupported", "skipped"])]
+    for (family, combo), g in some.groupby(["problem_family", "combination"]):
+        if g["problem"].nunique() >= SIZES_MIN:
             yield family, combo, g
 
 
+def ends(g):
+    """Why the ladder ends: the smallest problem that was not solved, and how; nothing when all were."""
+    bad = g[~g["good"]]
+    if bad.empty:
+        return Cell("all sizes verified", "good")
+    top = g[g["good"]]["p"].max()
+    first = bad.sort_values("p", na_position="last").iloc[0]
+    at = f" at {first['p']:g}" if first["p"] == first["p"] else ""
+    beyond = "" if not top == top or not first["p"] <= top else f" (larger ones to {top:g} are solved)"
+    return Cell(f"{first['status']}{at}{beyond}", "bad", f"{first['problem']}: {first.get('note', '')}")
+
+
+def line(family, combo, g):
+    good = g[g["good"]]
+    half = good[good["p"] >= good["p"].median()]
+    fit = stats.fit_exponent(half["p"], half["t_total_step_s"])
+    if math.isnan(fit[0]):
+        fit = stats.fit_exponent(good["p"], good["t_total_step_s"])
+    memory = stats.fit_exponent(good["p"], good["rss_peak_B"].clip(lower=1)) if "rss_peak_B" in good else (math.nan,) * 4
+    if good.empty:
+        return [family, combo, "none", "", "", "", "", ends(g)]
+    top = good.loc[good["p"].idxmax()]
+    return [family, combo, f"{good['p'].min():g} to {top['p']:g}", Cell(interval(*fit[:3]) or "too few sizes", sort=fit[0] if fit[0] == fit[0] else None),
+            Cell(si(top["t_total_step_s"], "s"), sort=top["t_total_step_s"]), Cell(si(top.get("rss_peak_B"), "B"), sort=top.get("rss_peak_B")),
+            interval(*memory[:3]) if memory[0] == memory[0] else "", ends(g)]
+
+
 def section(cells):
-    own = cells[cells["campaign"].str.startswith("scaling")]
+    own = cells[cells["campaign"].str.startswith(OWN)]
     cells = own if len(own) else cells
     table, lines = [], {}
     index = variants(cells)
     for family, combo, g in ladders(cells):
+        table.append(line(family, combo, g))
         good = g[g["good"]]
-        half = good[good["p"] >= good["p"].median()]
-        fit = stats.fit_exponent(half["p"], half["t_total_step_s"])
-        if math.isnan(fit[0]):
-            fit = stats.fit_exponent(good["p"], good["t_total_step_s"])
-        memory = stats.fit_exponent(good["p"], good["workspace_B"]) if "workspace_B" in good else (math.nan,) * 4
-        top = good.loc[good["p"].idxmax()]
-        table.append([family, combo, f"{g['n_contacts'].min():g} to {top['n_contacts']:g}", Cell(interval(*fit[:3]), sort=fit[0]),
-                      Cell(si(top["t_total_step_s"], "s"), sort=top["t_total_step_s"]), interval(*memory[:3]) if memory[0] == memory[0] else ""])
-        lines.setdefault((family, g["solver"].iloc[0]), []).append(
-            from_cells(good.assign(ms=good["t_total_step_s"] * 1e3), g[~g["good"]].assign(ms=g["t_total_step_s"] * 1e3), "p", "ms",
-                       g["label"].iloc[0], variant=index[g["label"].iloc[0]]))
+        if good["p"].nunique() >= SIZES_MIN:
+            lines.setdefault((family, g["solver"].iloc[0]), []).append(
+                from_cells(good.assign(ms=good["t_total_step_s"] * 1e3), g[~g["good"]].assign(ms=g["t_total_step_s"] * 1e3), "p", "ms",
+                           g["label"].iloc[0], variant=index[g["label"].iloc[0]]))
     if not table:
         return None
-    panels = [Panel(l, title=f"{f.replace('_', ' ')}, {s}", xlabel="contacts", ylabel="time per step [ms]", xlog=10) for (f, s), l in sorted(lines.items())][:6]
+    panels = [Panel(l, title=f"{f.replace('_', ' ')}, {s}", xlabel="contacts", ylabel="time per step [ms]", xlog=10) for (f, s), l in sorted(lines.items())][:9]
+    largest = max((float(g[g["good"]]["p"].max()) for _, _, g in ladders(cells) if g["good"].any()), default=math.nan)
     return Section("scaling", "Cost against contacts",
-                   "Exponents b of time per step = a p^b over the larger half of the sizes, with 95 % bootstrap intervals.",
-                   [Chart("scaling", "Time per step against contacts.", panels, columns=3, height=1.95)],
-                   [Table("scaling", "Fitted exponents of time and of solver memory.", ["scene", "combination", "contacts", "exponent of time", "at the largest", "exponent of memory"], table)])
+                   f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the larger half of the verified sizes, with 95 % bootstrap intervals; memory is the peak of the process.",
+                   [Chart("scaling", "Time per step against contacts; a cross is a size that was not solved.", panels, columns=3, height=1.95)] if panels else [],
+                   [Table("scaling", "Fitted exponents, cost and memory at the largest verified size, and what ends the ladder.",
+                          ["scene", "combination", "contacts", "exponent of time", "time per step at the largest", "memory there", "exponent of memory", "ends"], table)],
+                   {"ScalingLargest": f"{largest:g}"})

@@ -86,5 +86,11 @@ def save(figure, folder, name, pgf=False):
     figure.savefig(folder / f"{name}.pdf", metadata={"CreationDate": None, "Creator": "lcpbench", "Producer": "matplotlib"})
     figure.savefig(folder / f"{name}.png", metadata={"Software": "lcpbench"})
     if pgf:
-        figure.savefig(folder / f"{name}.pgf")
+        with matplotlib.rc_context({"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "font.family": "sans-serif", "axes.unicode_minus": False,
+                                    "pgf.preamble": r"\usepackage[T1]{fontenc}\usepackage[utf8]{inputenc}\usepackage{lmodern}\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}"}):
+            for text in figure.findobj(matplotlib.text.Text):  # the backend leaves names as they are
+                text.set_text(text.get_text().replace("_", r"\_"))
+            for named in [f for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if hasattr(f := axis.get_major_formatter(), "seq")]:
+                named.seq = [str(label).replace("_", r"\_") for label in named.seq]
+            figure.savefig(folder / f"{name}.pgf", backend="pgf")
     plt.close(figure)

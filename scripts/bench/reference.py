@@ -1,0 +1,168 @@
+"""reference [DIR] - the committed reference run and the README's words about it, from the rows under DIR."""
+import argparse
+import lzma
+import math
+import pathlib
+import re
+import shutil
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from bench import accuracy, chart, effects, paper, rows, section, stability, style  # noqa: E402
+from bench.section import Cell, Table, si  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+BEGIN, END = "<!-- begin: scripts/reference -->\n", "<!-- end: scripts/reference -->\n"
+EXTRA = ("limits.csv", "calibration.jsonl")
+
+
+def pack(source, target):
+    """Rows and manifests of every campaign; packed rows have the same bytes for the same rows."""
+    for old in target.glob("*/"):
+        if old.is_dir() and old.name != "figures":
+            shutil.rmtree(old)
+    for found in sorted(source.glob("*/results.csv")):
+        out = target / found.parent.name
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "results.csv.xz").write_bytes(lzma.compress(found.read_bytes(), preset=9))
+        for name in ("manifest.json", *EXTRA):
+            if (found.parent / name).exists():
+                shutil.copyfile(found.parent / name, out / name)
+
+
+def figures(cells, target):
+    """The pictures of the README."""
+    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    asked = cells[~cells["command"].str.contains("--effects")]
+    stable = stability.section(asked)
+    effect = effects.section(cells)
+    made = [paper.dimension(own), paper.time_and_error(own), accuracy.chart(accuracy.own(cells)), stable and stable.charts[0], effect and effect.charts and effect.charts[0]]
+    shutil.rmtree(target, ignore_errors=True)
+    for one in filter(None, made):
+        style.save(chart.draw(one), target, one.name)
+        (target / f"{one.name}.pdf").unlink()
+    return {one.name for one in filter(None, made)}
+
+
+def picture(name, title, have, words):
+    return f"![{title}](results/reference/figures/{name}.png)\n\n{words}\n\n" if name in have else ""
+
+
+def advice_words(cells):
+    """The answer as a table: what the first screen of the page says."""
+    body = []
+    for a in accuracy.advise(cells):
+        if not a["use"]:
+            continue
+        slower = a["other"][0][1] / a["slower"] if a["other"] else math.nan
+        other = f"{a['other'][1]}, {slower:.2g} times" if a["other"] else ""
+        body.append([a["situation"], Cell(f"`{a['use']}`"), f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)", f"{a['reached']} of {a['scenes']}", other])
+    return section.table_md(Table("", "", ["scene", "use", "a step takes", "scenes within 0.01", "next formulation"], body)) if body else ""
+
+
+def accuracy_words(cells):
+    own = accuracy.own(cells)
+    found = accuracy.scenes(own)
+    votes = {}
+    for _, g in found:
+        best = accuracy.cheapest(g, 1e-2)
+        if best is not None:
+            votes.setdefault(best["formulation"], []).append(best)
+    ranked = sorted(votes.items(), key=lambda kv: -len(kv[1]))
+    first = ", ".join(f"`{name}` in {len(v)}" for name, v in ranked[:3])
+    tenth = []  # times as long for a tenth of the error, along the front
+    for _, g in accuracy.trades(found):
+        fit = accuracy.usable(g)
+        fit = fit[fit["err_ref"] > accuracy.ROUNDING]
+        front = fit.iloc[accuracy.stats.pareto_front(fit["err_ref"], fit["cost"])]
+        decades = math.log10(front["err_ref"].max() / front["err_ref"].min()) if len(front) > 1 else 0.0
+        if decades >= 1:
+            tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
+    price = f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)" if tenth else "no front spans a decade"
+    return (f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below 0.01 "
+            f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}.")
+
+
+def stability_words(cells):
+    some = cells[cells["campaign"].str.startswith("stability")]
+    falls = stability.falls(cells)
+    fields = sum(of for _, of, _ in falls.values())
+    stands = sum(n for n, _, _ in falls.values())
+    full = [(n / of, f, s) for (f, s), (n, of, _) in falls.items() if of >= 15]
+    best = sorted(full, reverse=True)[:3]
+    causes = {}
+    for _, _, fell in falls.values():
+        for word, parts in fell.items():
+            causes[word] = causes.get(word, 0) + len(parts)
+    worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
+    names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
+    return (f"What breaks first: {some['part'].nunique()} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
+            f"brings most others down. Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
+            + ", ".join(f"{word} ({n})" for word, n in worst) + ".")
+
+
+def effects_words(cells):
+    found = list(effects.groups(cells[cells["campaign"].str.startswith("effects")]))
+    ratios = {}
+    for _, _, by in found:
+        declared = by.get("as declared")
+        for name, c in by.items():
+            if declared is not None and declared["good"] and c["good"]:
+                ratios.setdefault(name, []).append(effects.shortest(c) / effects.shortest(declared))
+    dropped = [r for r in ratios.get("auto", []) if r < 0.9]
+    compared = effects.compare(found)
+    noise = effects.noise_of(compared)
+    dearer = sum(not same and r > 1 + noise for _, _, r, same, _ in compared)
+    return (f"What an effect is worth: time with everything on, with the effects that a pilot chose (`--effects auto:1e-6`), and with one declared effect dropped, over the time as declared. "
+            f"As declared is dearer than everything on in {dearer} of {len(compared)} scenes (noise of this run: {noise:.0%}); without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
+            f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}.")
+
+
+def words(cells, have, manifests):
+    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    table = paper.summary(own)
+    commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
+    load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
+    out = [advice_words(cells), "\n",
+           picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
+           picture("stability", "Stability map", have, stability_words(cells)),
+           picture("effects", "Effects", have, effects_words(cells)),
+           picture("dimension", "Unknowns of the LCP against contacts", have, "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
+                   "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many."),
+           f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
+           f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
+           "manifests. The rows are in `results/reference` (packed with xz); `scripts/reference` writes this part of the page from them.\n"]
+    return "".join(out)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="scripts/reference", description=__doc__)
+    parser.add_argument("folder", nargs="?", default=str(ROOT / "results" / "runs"), help="folder of campaigns (default: results/runs)")
+    parser.add_argument("--out", default=str(ROOT), help="where results/reference and README.md are (default: this project)")
+    args = parser.parse_args()
+    source, root = pathlib.Path(args.folder), pathlib.Path(args.out)
+    try:
+        all_rows, manifests = rows.load_all(source)
+    except rows.BadRows as error:
+        print(error, file=sys.stderr)
+        return 2
+    readme = (root / "README.md").read_text()
+    if BEGIN not in readme or END not in readme:
+        print(f"{root / 'README.md'}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing", file=sys.stderr)
+        return 2
+    cells = rows.cells(all_rows)
+    target = root / "results" / "reference"
+    target.mkdir(parents=True, exist_ok=True)
+    if source.resolve() != target.resolve():
+        pack(source, target)
+    have = figures(cells, target / "figures")
+    text = words(cells, have, manifests)
+    (root / "README.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, readme, flags=re.S))
+    print(target)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
