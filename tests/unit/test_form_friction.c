@@ -3,6 +3,7 @@
 
 #include "tests/support/rig.h"
 
+#include <stdio.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
@@ -17,53 +18,90 @@ static rig *puck(int dim, double h, double mass, double weight, double mu_s, dou
   return r;
 }
 
-/* Stopping from 3 m/s in a direction between facets: a circular cone keeps the direction, an
- * inscribed polygon bends the path (README of the cases, B07: travel along a facet direction is
- * exact, all error is sideways). */
-static void sliding_keeps_its_direction(void **state) {
+/* Where a puck of 3 m/s in direction (c, s) comes to rest with mu = 0.4, h = 0.001. */
+static void slide(const char *form, const char *opt, const double dir[2], double end[2]) {
+  rig *r = puck(3, 0.001, 1, 9.81, 0.4, 0.4);
+  formulation_run *run = rig_open(form, opt);
+  r->v[0] = 3 * dir[0];
+  r->v[1] = 3 * dir[1];
+  for (int k = 0; k < 1200; k++) {
+    rig_step(r, run);
+    assert_true(r->answer.solved);
+  }
+  end[0] = r->x[0][0];
+  end[1] = r->x[0][1];
+  rig_close(run);
+  free(r);
+}
+
+/* Distance of a slide along the friction's own axis: v^2/(2 mu g) - v h/2. */
+static const double reach = 9 / (2 * 0.4 * 9.81);
+static const double lost = 3 * 0.001 / 2;
+
+/* A circular cone keeps the direction, whatever it is, to 1e-9 of the way. */
+static void circles_are_straight(void **state) {
   (void)state;
   static const struct {
     const char *form, *opt;
-  } straight[] = {{"regularized", ""}, {"regularized", "model=viscous"}, {"coulomb", ""}};
+  } straight[] = {{"regularized", ""},
+                  {"regularized", "model=viscous"},
+                  {"regularized", "form=mass"},
+                  {"coulomb", ""}};
   static const double angles[] = {0, 11.25, 22.5, 45};
-  const double v0 = 3;
-  const double mu = 0.4;
-  const double h = 0.001;
-  for (int a = 0; a < 4; a++) {
-    const double c = cos(angles[a] * pi / 180);
-    const double s = sin(angles[a] * pi / 180);
+  for (int a = 0; a < BASE_COUNT(angles); a++) {
+    const double d[2] = {cos(angles[a] * pi / 180), sin(angles[a] * pi / 180)};
     for (int f = 0; f < BASE_COUNT(straight); f++) {
-      rig *r = puck(3, h, 1, 9.81, mu, mu);
-      formulation_run *run = rig_open(straight[f].form, straight[f].opt);
-      r->v[0] = v0 * c;
-      r->v[1] = v0 * s;
-      for (int k = 0; k < 900; k++) {
-        rig_step(r, run);
-        assert_true(r->answer.solved);
-      }
-      check_close(r->x[0][1] * c - r->x[0][0] * s, 0, 1e-9);
-      check_close(r->x[0][0] * c + r->x[0][1] * s, v0 * v0 / (2 * mu * 9.81) - v0 * h / 2, 1e-4);
-      rig_close(run);
-      free(r);
+      double x[2];
+      slide(straight[f].form, straight[f].opt, d, x);
+      check_close(x[1] * d[0] - x[0] * d[1], 0, 1e-9);
+      check_close(x[0] * d[0] + x[1] * d[1], reach - lost, 1e-4);
     }
-    rig *r = puck(3, h, 1, 9.81, mu, mu);
-    formulation_run *run = rig_open("velocity", "facets=4");
-    r->v[0] = v0 * c;
-    r->v[1] = v0 * s;
-    for (int k = 0; k < 1200; k++) {
-      rig_step(r, run);
-    }
-    check_close(r->x[0][0], v0 * v0 / (2 * mu * 9.81), 3 * v0 * h);
-    const double bent = atan2(r->x[0][1], r->x[0][0]) * 180 / pi - angles[a];
+  }
+}
+
+/* An inscribed polygon of nd facets brakes along its nearest facet direction alone until the velocity has
+ * turned to the bisector, and from there by mu cos(pi/nd) (README of the cases, B07): the path bends
+ * (nd = 4: from 11.25 to 20.98 degrees) unless it starts along a facet or midway between two. */
+static void polygons_bend_the_path(void **state) {
+  (void)state;
+  static const int facets[] = {4, 4, 4, 4, 8, 8, 16};
+  static const double angles[] = {0, 11.25, 22.5, 45, 11.25, 22.5, 11.25};
+  const double brake = 0.4 * 9.81;
+  for (int a = 0; a < BASE_COUNT(angles); a++) {
+    const double half = pi / facets[a];
+    const double d[2] = {cos(angles[a] * pi / 180), sin(angles[a] * pi / 180)};
+    const double turn = 3 * (d[0] - d[1] / tan(half)) / brake; /* time until the bisector */
+    const double late = 3 * d[1] / sin(half);                  /* speed there */
+    const double along = late * late / (2 * brake * cos(half));
+    const double side = 3 * d[1] * turn + along * sin(half);
+    char opt[16];
+    double x[2];
+    (void)snprintf(opt, sizeof opt, "facets=%d", facets[a]);
+    slide("velocity", opt, d, x);
+    check_close(x[0], reach, 3e-3);
+    check_close(x[1], side, 3e-3);
+    const double bent = atan2(x[1], x[0]) * 180 / pi;
     if (a == 1) {
-      check_close(bent, 20.98 - 11.25, 0.2); /* MATH 2.1 */
-    } else if (a == 3) {
-      check_close(sqrt(r->x[0][0] * r->x[0][0] + r->x[0][1] * r->x[0][1]) * 2 * mu * 9.81 /
-                      (v0 * v0),
-                  1 / cos(pi / 4), 5e-3);
+      check_close(bent, 20.98, 0.1);
+    } else if (fabs(angles[a] * pi / 180 - half) < 1e-9) {
+      check_close(hypot(x[0], x[1]), reach / cos(half), 3e-3); /* cos(pi/nd) of the friction */
+      check_close(bent, angles[a], 1e-6);
     }
-    rig_close(run);
-    free(r);
+  }
+}
+
+/* Each side of a box acts alone: the two components of the velocity fall at mu g each, and the puck
+ * rests at (c^2, s^2) v^2/(2 mu g): straight at 0 and 45 degrees only, and there sqrt(2) too short. */
+static void boxes_resist_by_components(void **state) {
+  (void)state;
+  static const double angles[] = {0, 11.25, 22.5, 45};
+  for (int a = 0; a < BASE_COUNT(angles); a++) {
+    const double d[2] = {cos(angles[a] * pi / 180), sin(angles[a] * pi / 180)};
+    double x[2];
+    slide("boxed", "", d, x);
+    for (int k = 0; k < 2; k++) {
+      check_close(x[k], d[k] * d[k] * reach - d[k] * lost, 1e-4);
+    }
   }
 }
 
@@ -202,7 +240,9 @@ static void limits_of_the_law(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(sliding_keeps_its_direction),
+      cmocka_unit_test(circles_are_straight),
+      cmocka_unit_test(polygons_bend_the_path),
+      cmocka_unit_test(boxes_resist_by_components),
       cmocka_unit_test(ellipse_of_coefficients),
       cmocka_unit_test(belt_stick_slip),
       cmocka_unit_test(lugre_slips_and_drifts),
