@@ -7,28 +7,6 @@
 
 static const double pi = 3.14159265358979323846;
 
-static void dimensions_of_four_contacts(void **state) {
-  (void)state;
-  const struct {
-    const char *form, *opt;
-    long dim;
-  } want[] = {{"regularized", "", 4},
-              {"velocity", "facets=4", 24},
-              {"velocity", "facets=8", 40},
-              {"position", "facets=16", 72},
-              {"normal", "", 4}};
-  for (int i = 0; i < BASE_COUNT(want); i++) {
-    rig *r = rig_box(3, 0.01, 0.5, 0);
-    formulation_run *run = rig_open(want[i].form, want[i].opt);
-    rig_step(r, run);
-    assert_int_equal(r->answer.lcp_dim, want[i].dim);
-    assert_int_equal(r->answer.n_active, 4);
-    assert_true(r->answer.solved);
-    rig_close(run);
-    free(r);
-  }
-}
-
 /* slides with g (sin - mu cos), or sticks */
 static void block_on_incline(void **state) {
   (void)state;
@@ -172,7 +150,6 @@ static void both_forms_agree(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(dimensions_of_four_contacts),
       cmocka_unit_test(block_on_incline),
       cmocka_unit_test(joints_in_and_out),
       cmocka_unit_test(both_forms_agree),
