@@ -29,7 +29,7 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
     BASE_FIELD(options, mode_iter, BASE_INT, "1", 1000, 1, 1e6, "most solves in a step"),
-    BASE_FIELD(options, prox, BASE_REAL, "1", 1e-6, 0, 1, "proximal term from the third solve on"),
+    BASE_FIELD(options, prox, BASE_REAL, "1", 1e-4, 0, 1, "proximal term from the third solve on"),
     BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the first secants"),
     BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),

@@ -59,9 +59,9 @@ static void random_sets_only_lose(void **state) {
              {"velocity", "facets=7,cone=circumscribed", 0},
              {"velocity", "restitution=poisson", 0},
              {"position", "facets=8", 0},
-             {"regularized", "", 20},
-             {"regularized", "model=viscous", 20},
-             {"regularized", "bias=position", 20},
+             {"regularized", "", 0},
+             {"regularized", "model=viscous", 0},
+             {"regularized", "bias=position", 0},
              {"boxed", "", 100},
              {"coulomb", "", 5},
              {"acceleration", "", 10}};
