@@ -67,9 +67,9 @@ static void add_verdict(sim_result *r, const lcp_verdict *v) {
 
 static base_status start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err) {
   const int n = p->M.n;
-  if (n > s->z_cap) {
+  if (n > s->z_cap || s->z == NULL) { /* a problem without unknowns has a start point too */
     free(s->z);
-    s->z_cap = 2 * n;
+    s->z_cap = 2 * n + 1;
     s->z = malloc((size_t)s->z_cap * sizeof *s->z);
     if (s->z == NULL) {
       s->z_cap = 0;

@@ -154,11 +154,11 @@ def kinds_of_cells(d):
     more = """
   - name: variants
     problems: ["stack:n=2,duration=0.03"]
-    formulations: [velocity, boxed, coulomb]
+    formulations: [velocity, coulomb]
     solvers: [nsgs]
     effects: [declared, all, "-friction"]
     starts: [cold, previous]
-    steps: [0.01, 0.005]
+    steps: [0.005]
   - name: integrators
     problems: ["drop:duration=0.05"]
     formulations: [penalty, event]
@@ -225,7 +225,7 @@ def commands_rerun_their_cells(d):
         got = [o["status"], o["solution_hash"] or "", str(o["n_iter"]), str(o["n_pivot"]), str(o["n_factor"]), str(o["n_matvec"])]
         want = [r[k] for k in ("status", "solution_hash", "n_iter", "n_pivot", "n_factor", "n_matvec")]
         assert got == want or not r["solution_hash"] and got[0] == want[0], (r["command"], got, want)
-    assert len(seen) > 25, seen
+    assert len(seen) > 20, len(seen)
 
 
 def histories_come_from_twins(d):

@@ -56,7 +56,7 @@ sampling: {processes: 30, samples: 1, max_samples: 1, inner: 0.0001s}
 parts:
   - name: a
     problems: ["%s"]
-    solvers: ["faulty_steady:seconds={0.15,0.151}"]
+    solvers: ["faulty_sleeper:seconds={0.6,0.61}"]
 """
 
 
