@@ -85,3 +85,20 @@ bool lemke_path_settle(lemke_path *t, const lemke_system *s);
 /* y >= 0, M'y <= 0, q'y < 0 from the ray of the path, into y (by row of the problem). True only when the
  * three hold exactly for the binary numbers of the problem. */
 bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y);
+
+/* lemke_ratio.c */
+
+static inline double lemke_larger(double a, double b) { /* fmax, without its care for NaN */
+  return (a > b) ? a : b;
+}
+
+double lemke_largest(const double *x, int n); /* max |x_i| */
+
+/* Drops from t->tied[0..count) all but the lexicographically smallest row of [delta, B^-1 B_first] / d, which
+ * it returns: any matrix with lexicographically positive rows ends the path (Cottle, Pang & Stone 1992,
+ * 4.9). The generic column delta, used on larger problems, decides almost every tie in one comparison. */
+int lemke_break_ties(lemke_path *t, int count);
+
+/* Position of the basic variable that blocks the entering one, or -1 for a ray. Ratios that agree
+ * up to the round-off in x are ties (the bound of Harris 1973). */
+int lemke_ratio_test(lemke_path *t);

@@ -10,10 +10,7 @@
 enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
 enum { REPAIRS = 64 };      /* rounds of repairing a singular first basis */
 enum { GENERIC_FROM = 16 }; /* rows from which ties are first compared by the generic column */
-static const double doubtful = 1e-7;   /* a pivot this small is computed afresh before use [1] */
-static const double lex_noise = 1e-12; /* round-off of a lexicographic column [1] */
-static const double keep_share =
-    1e-10; /* among ties, pivots below this share of the largest go [1] */
+static const double doubtful = 1e-7; /* a pivot this small is computed afresh before use [1] */
 
 void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a) {
   const size_t n = (size_t)rows;
@@ -40,25 +37,6 @@ static bool bounded(const lemke_path *t, int pos) {
   const int n = t->sys.n;
   const int var = t->basis.head[pos];
   return var == 2 * n || !t->system->is_free[var % n];
-}
-
-static double larger(double a, double b) { /* fmax, without its care for NaN */
-  return (a > b) ? a : b;
-}
-
-static double largest(const double *x, int n) {
-  double top[4] = {0, 0, 0, 0}; /* four chains run side by side */
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    top[0] = larger(fabs(x[i]), top[0]);
-    top[1] = larger(fabs(x[i + 1]), top[1]);
-    top[2] = larger(fabs(x[i + 2]), top[2]);
-    top[3] = larger(fabs(x[i + 3]), top[3]);
-  }
-  for (; i < n; ++i) {
-    top[0] = larger(fabs(x[i]), top[0]);
-  }
-  return larger(larger(top[0], top[1]), larger(top[2], top[3]));
 }
 
 /* y <- y - t x */
@@ -91,91 +69,6 @@ static bool refactor(lemke_path *t) {
     lin_basis_solve(&t->basis, t->delta);
   }
   return true;
-}
-
-/* Keeps those ties whose row of v has the smallest v/d up to round-off; returns how many are left. */
-static int keep_smallest(lemke_path *t, const double *v, int count) {
-  const double noise = lex_noise * largest(v, t->sys.n);
-  double low = HUGE_VAL;
-  int keep = 0;
-  for (int k = 0; k < count; ++k) {
-    low = -larger(-low, -(v[t->tied[k]] + noise) / t->d[t->tied[k]]);
-  }
-  for (int k = 0; k < count; ++k) {
-    if (v[t->tied[k]] <= low * t->d[t->tied[k]]) {
-      t->tied[keep++] = t->tied[k];
-    }
-  }
-  return keep;
-}
-
-/* Drops position `at` from the ties. */
-static int keep_others(lemke_path *t, int at, int count) {
-  int keep = 0;
-  for (int k = 0; k < count; ++k) {
-    if (t->tied[k] != at) {
-      t->tied[keep++] = t->tied[k];
-    }
-  }
-  return keep;
-}
-
-/* Drops from the ties all but the lexicographically smallest row of [delta, B^-1 B_first] / d: any
- * matrix with lexicographically positive rows ends the path (Cottle, Pang & Stone 1992, 4.9). The
- * generic column delta, used on larger problems, decides almost every tie in one comparison. */
-static int break_ties(lemke_path *t, int count) {
-  const int n = t->sys.n;
-  count = t->generic ? keep_smallest(t, t->delta, count) : count;
-  for (int j = 0; j < n && count > 1; ++j) {
-    const int var = t->first[j];
-    const int at = t->basis.where[var];
-    if (at >= 0) { /* a basic column is a unit vector: only its own row has the entry 1/d > 0 */
-      count = keep_others(t, at, count);
-    } else {
-      lin_basis_column(&t->basis, var, t->lex);
-      lin_basis_solve(&t->basis, t->lex);
-      count = keep_smallest(t, t->lex, count);
-    }
-  }
-  return t->tied[0];
-}
-
-/* Position of the basic variable that blocks the entering one, or -1 for a ray. Ratios that agree
- * up to the round-off in x are ties (the bound of Harris 1973). */
-static int ratio_test(lemke_path *t) {
-  const int n = t->sys.n;
-  const double small = t->tol.pivot * t->size_d;
-  const double slack = t->tol.tie * larger(1, largest(t->x, n));
-  int *tied = t->tied;
-  double bound = HUGE_VAL;
-  int count = 0;
-  for (int i = 0; i < n; ++i) {
-    if (t->d[i] > small && t->may_leave[i]) {
-      const double room = larger(t->x[i], 0) + slack;
-      bound = (room < bound * t->d[i]) ? room / t->d[i] : bound;
-      tied[count++] = i;
-    }
-  }
-  double top = 0;
-  int keep = 0;
-  for (int k = 0; k < count; ++k) {
-    const int i = tied[k];
-    if (t->x[i] <= bound * t->d[i]) {
-      if (t->basis.head[i] == 2 * n) {
-        return i;
-      }
-      top = larger(t->d[i], top);
-      tied[keep++] = i;
-    }
-  }
-  count = keep;
-  keep = 0;
-  for (int k = 0; k < count; ++k) {
-    if (t->d[tied[k]] >= keep_share * top) {
-      tied[keep++] = tied[k];
-    }
-  }
-  return (keep == 0) ? -1 : (keep == 1) ? tied[0] : break_ties(t, keep);
 }
 
 /* Enters `entering` at position p; returns the variable that left. */
@@ -213,7 +106,7 @@ static bool covered(const lemke_path *t, int i) {
 static bool enter_cover(lemke_path *t) {
   const int n = t->sys.n;
   int count = 0;
-  double low = -t->tol.tie * larger(1, largest(t->x, n));
+  double low = -t->tol.tie * lemke_larger(1, lemke_largest(t->x, n));
   const double slack = -low;
   bool any = false;
   for (int i = 0; i < n; ++i) {
@@ -238,7 +131,7 @@ static bool enter_cover(lemke_path *t) {
   for (int i = 0; i < n; ++i) { /* the smallest of equals: -d is 1 in every row that can leave */
     t->d[i] = -t->d[i];
   }
-  const int p = break_ties(t, count);
+  const int p = lemke_break_ties(t, count);
   for (int i = 0; i < n; ++i) {
     t->d[i] = -t->d[i];
   }
@@ -253,8 +146,8 @@ static bool choose(lemke_path *t, int *p) {
   for (int again = 0; again < 2; ++again) {
     lin_basis_column(&t->basis, t->entering, t->d);
     lin_basis_solve(&t->basis, t->d);
-    t->size_d = largest(t->d, n);
-    *p = ratio_test(t);
+    t->size_d = lemke_largest(t->d, n);
+    *p = lemke_ratio_test(t);
     const bool sure = *p >= 0 && t->d[*p] > doubtful * t->size_d;
     if (sure || t->basis.n_eta == 0) {
       return true;
