@@ -17,15 +17,6 @@ SCOPE = ("Times hold for this machine and this build; errors and counters hold e
          "trusts the solver, verified every solve of it. Differences inside the noise of the clock are ties. Nothing here says anything about scenes that are not in the tables.")
 
 
-def svg(figure):
-    """Text stays text: smaller, and it can be searched."""
-    out = io.BytesIO()
-    with style.plt.rc_context({"svg.fonttype": "none", "font.family": ["DejaVu Sans", "Verdana", "sans-serif"]}):
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": "lcpbench"})
-    style.plt.close(figure)
-    return base64.b64encode(out.getvalue()).decode()
-
-
 def png(figure):
     out, small = io.BytesIO(), io.BytesIO()
     figure.savefig(out, format="png", dpi=160, metadata={"Software": "lcpbench"})
@@ -36,9 +27,8 @@ def png(figure):
 
 def picture(chart):
     """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their tables follow."""
-    if isinstance(chart, chart_.Heat):
-        return {"name": chart.name, "caption": chart.caption, "format": "png", "data": png(chart_.draw(chart)), "json": ""}
-    return {"name": chart.name, "caption": chart.caption, "format": "svg+xml", "data": svg(chart_.draw(chart)), "json": Markup(chart_.plotly(chart).replace("</", "<\\/"))}
+    spec = "" if isinstance(chart, chart_.Heat) else Markup(chart_.plotly(chart).replace("</", "<\\/"))
+    return {"name": chart.name, "caption": chart.caption, "data": png(chart_.draw(chart)), "json": spec}
 
 
 def library():

@@ -70,7 +70,7 @@ def table_html(table):
         out.append("<tr>")
         for i, value in enumerate(row):
             cell = as_cell(value)
-            text = html.escape(cell.text).replace("\n", "<br>")
+            text = html.escape(cell.text, quote=False).replace("\n", "<br>")
             if table.code == i and text:
                 text = f"<code>{text}</code>"
             attributes = f' class="{cell.mark}"' if cell.mark else ""

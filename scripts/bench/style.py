@@ -90,7 +90,9 @@ def save(figure, folder, name, pgf=False):
                                     "pgf.preamble": r"\usepackage[T1]{fontenc}\usepackage[utf8]{inputenc}\usepackage{lmodern}\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}"}):
             for text in figure.findobj(matplotlib.text.Text):  # the backend leaves names as they are
                 text.set_text(text.get_text().replace("_", r"\_"))
-            for named in [f for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) if hasattr(f := axis.get_major_formatter(), "seq")]:
-                named.seq = [str(label).replace("_", r"\_") for label in named.seq]
+            for axis in [a for ax in figure.axes for a in (ax.xaxis, ax.yaxis)]:
+                names = [label.get_text() for label in axis.get_ticklabels()]
+                if any("_" in name.replace(r"\_", "") for name in names):
+                    axis.set_ticks(axis.get_ticklocs(), [name.replace(r"\_", "_").replace("_", r"\_") for name in names])
             figure.savefig(folder / f"{name}.pgf", backend="pgf")
     plt.close(figure)

@@ -203,7 +203,7 @@ class Page(unittest.TestCase):
 
     def test_failures_and_commands_are_in_the_page_without_a_script(self):
         self.assertIn("false claims", self.page)
-        self.assertIn("lcpbench simulate &#x27;slide:speed=5&#x27;", self.page)
+        self.assertIn("<code>lcpbench simulate 'slide:speed=5'", self.page)
         self.assertIn("fails honestly 2/3", self.page)
 
     @unittest.skipUnless(shutil.which("chromium"), "no chromium")
