@@ -1,8 +1,10 @@
 /* form_position.c - position-level LCP with a faceted friction cone: the linearised gap at the end
  * of the step stays non-negative, gap + h (J_n v+ + drift) >= 0, over all contacts within the
- * margin (Stewart & Trinkle 1996). A fall ends on the surface; restitution is ignored, an impact
- * takes two steps. An overlap is pushed out in one step, which adds energy; `push` and
- * `push_speed` bound that. */
+ * margin (Stewart & Trinkle 1996). A fall ends on the surface. An impact takes two steps: the first
+ * closes the gap; the second comes to rest, or with restitution=two_steps rebounds with e times the
+ * speed of the approach (Newton's law, one step late; MATH 2.2). Energy then falls in the first and is
+ * given back in the second, which an observer of single steps sees as a gain. An overlap is pushed
+ * out in one step, which adds energy; `push` and `push_speed` bound that. */
 #include "formulations/polyhedral.h"
 
 typedef poly_options options;
@@ -10,10 +12,13 @@ typedef poly_options options;
 static const base_field fields[] = {
     BASE_FIELD(options, facets, BASE_INT, "1", 4, 3, POLY_FACETS_MAX, "directions of friction"),
     BASE_FIELD_CHOICE(options, cone, "inscribed|circumscribed", 0, "facets inside the circle"),
+    BASE_FIELD_CHOICE(options, restitution, "none|two_steps", 0,
+                      "rebound in the step after impact"),
     BASE_FIELD_CHOICE(options, planar, "four|three", 0, "unknowns of a planar contact"),
     BASE_FIELD_CHOICE(options, storage, "auto|dense|csc", 0, "matrix handed to the solver"),
     BASE_FIELD(options, push, BASE_REAL, "1", 1, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
+    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
     BASE_FIELD_CHOICE(options, joints, "eliminated|mixed", 0, "or free rows of a mixed problem"),
     BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
 };
@@ -22,9 +27,8 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   poly_options o = *(const options *)opt;
   o.level = FORM_LEVEL_POSITION;
-  o.restitution = POLY_INELASTIC;
+  o.restitution = (o.restitution == 1) ? POLY_TWO_STEPS : POLY_INELASTIC;
   o.activation = FORM_CLOSED;
-  o.rest = 0;
   return poly_begin(state, c, &o, FORM_ROWS_ALL, start, err);
 }
 

@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* A memory entry: closed, slipping, lambda_n, then the unknowns of the block. */
-enum { PAST_CLOSED, PAST_SLIP, PAST_Z };
+enum { PAST_CLOSED, PAST_SLIP, PAST_APPROACH, PAST_Z };
 
 long poly_dimension(int dim, int p, const void *opt) {
   const poly_options *o = opt;
@@ -134,6 +134,24 @@ static base_status number_unknowns(polyhedral *s, base_error *err) {
   return BASE_OK;
 }
 
+/* Speed at which active contact i was met in the step before and that it has not given back, <= 0. */
+static double owed(const polyhedral *s, int i) {
+  const double *past = contact_memory_old(&s->memory, s->a.group[i]);
+  const bool waits = s->opt.restitution == POLY_TWO_STEPS && s->a.set->restitution != NULL;
+  return (waits && past != NULL) ? past[PAST_APPROACH] : 0;
+}
+
+/* Rebound of the contacts that the step before brought to rest: u_n+ >= -e u_n-. */
+static void rebound(polyhedral *s) {
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double speed = owed(s, i);
+    if (speed < 0) {
+      s->a.bias[g] = fmin(s->a.bias[g], s->a.set->restitution[g] * speed);
+    }
+  }
+}
+
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
                        formulation_start start, base_error *err) {
   const form_rule rule = {.level = opt->level,
@@ -149,6 +167,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
   BASE_TRY(contact_memory_begin(&s->memory, PAST_Z + widest, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, rows, &rule, &s->memory, err));
+  rebound(s);
   if (opt->joints == 0) {
     BASE_TRY(form_assembly_eliminate(&s->a, err));
   }
@@ -221,6 +240,12 @@ base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool
   return BASE_OK;
 }
 
+/* Speed won in this step by the applied forces, of contact g of the set. */
+static double gained(const polyhedral *s, int g) {
+  const contact_set *c = s->a.set;
+  return fmax(0.0, c->u_before[c->row_start[g]] - s->a.r_normal[g]);
+}
+
 /* Poisson: adds e lambda_n of the compression to the impulses and to the friction bounds. Of
  * lambda_n only the share that stopped the approach is given back, not what carried the loads of
  * the step; a single contact without friction then bounces as with Newton's law. True if there is
@@ -231,7 +256,7 @@ static bool decompress(polyhedral *s) {
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i];
     const double u = c->u_before[c->row_start[g]];
-    const double gain = fmax(0.0, u - s->a.r_normal[g]);
+    const double gain = gained(s, g);
     double *lambda = s->base + s->a.row[i];
     if (c->restitution[g] > 0 && lambda[0] > 0 && -u > s->opt.rest * gain) {
       s->cone[i] = c->restitution[g] * lambda[0] * u / (u - gain);
@@ -256,6 +281,9 @@ static void note_modes(polyhedral *s, const double *z) {
     const bool slips = friction && zi[shape->n_column] > 0;
     s->a.mode[g] = (unsigned char)((s->base[s->a.row[i]] > 0) ? (slips || !friction) + 1 : 0);
     now[PAST_SLIP] = slips;
+    const double u = s->a.set->u_before[s->a.set->row_start[g]];
+    const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.rest * gained(s, g);
+    now[PAST_APPROACH] = (met && !(owed(s, i) < 0)) ? fmin(u, 0) : 0;
     memcpy(now + PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
   }
 }

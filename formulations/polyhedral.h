@@ -18,7 +18,12 @@
 enum { POLY_FACETS_MAX = 64, POLY_PARTS = 3 };
 enum { POLY_COLUMNS = 1 + 2 * POLY_FACETS_MAX + 2 };
 
-typedef enum poly_restitution { POLY_NEWTON, POLY_POISSON, POLY_INELASTIC } poly_restitution;
+typedef enum poly_restitution {
+  POLY_NEWTON,
+  POLY_POISSON,
+  POLY_INELASTIC,
+  POLY_TWO_STEPS /* position level: the gap closes in one step, the next one rebounds */
+} poly_restitution;
 typedef enum poly_planar { POLY_FOUR, POLY_THREE } poly_planar;
 typedef enum poly_storage { POLY_AUTO, POLY_DENSE, POLY_CSC } poly_storage;
 

@@ -148,10 +148,51 @@ static void both_forms_agree(void **state) {
   assert_true(compared > 100); /* of 144, some end at the rounding */
 }
 
+/* Position level: no overlap at any step, the bounce one step late, and as high as Newton's law says
+ * (e^2 H, first order in h); friction of the rebound is that of e lambda_n, so an oblique impact that
+ * slips loses mu (1 + e) of its normal speed (MATH B6). */
+static void position_rebounds_a_step_later(void **state) {
+  (void)state;
+  static const double law[] = {0, 0.5, 0.8, 1};
+  for (int i = 0; i < BASE_COUNT(law); i++) {
+    const double e = law[i];
+    const double high = 1;
+    const double h = 0.0005;
+    rig *r = rig_new(2, h);
+    const double zero[3] = {0, 0, 0};
+    const double up[3] = {0, 1, 0};
+    r->gravity[1] = -9.81;
+    rig_body(r, 2, 1, 1, 1);
+    rig_touch(r, 0, -1, zero, zero, up, 0.1)->e = e;
+    r->x[0][1] = high;
+    r->v[0] = 5;
+    formulation_run *run = rig_open("position", "restitution=two_steps");
+    double apex = 0;
+    double along = 0;
+    bool met = false;
+    for (int k = 0; k * h < 0.95; k++) {
+      rig_step(r, run);
+      assert_true(r->answer.solved && r->x[0][1] > -1e-12);
+      met = met || r->x[0][1] < 1e-9;
+      apex = (met && r->x[0][1] > apex) ? r->x[0][1] : apex;
+      along = (r->t < 0.6) ? r->v[0] : along;
+    }
+    const double fall = sqrt(2 * 9.81 * high);
+    assert_true(met);
+    check_close(apex, e * e * high, 8 * h);
+    if (e > 0) { /* at e = 0 it goes on sliding under its weight */
+      check_close(along, 5 - 0.1 * (1 + e) * fall, 10 * h);
+    }
+    rig_close(run);
+    free(r);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(block_on_incline),
       cmocka_unit_test(joints_in_and_out),
+      cmocka_unit_test(position_rebounds_a_step_later),
       cmocka_unit_test(both_forms_agree),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
