@@ -152,7 +152,7 @@ def table(rows):
                 line.append(Cell(text, "" if r["stands"] else "bad", f"{r['reason']}\n{r['command']}", float(r["stands"] or 0)))
         body.append(line)
     return Table("limits", f"How far each stressor can be turned up: the last value that stands and, within {CLOSE:g} times that, the first that does not and what it does "
-                 "(bisection; lcpbench simulate at each value).", ["formulation", "solver"] + names, body)
+                 "(bisection; lcpbench simulate at each value).", ["formulation", "solver"] + names, body, paper=False)
 
 
 def main():

@@ -99,12 +99,27 @@ def tex(text):
 SHORT, MANY = 20, 8  # characters of a column that need no wrapping; columns that fit on a page
 
 
-def table_tex(table, most=40):
-    """A booktabs table; columns of long text wrap, a wide table is scaled, a long one is cut at `most` rows and says so."""
+LINES, WRAP = 62, 24  # lines of a page; characters of a line in a column that wraps
+
+
+def fitting(rows):
+    """How many of the rows fit on a page when long texts wrap."""
+    left = LINES
+    for n, row in enumerate(rows):
+        left -= max(1, *(sum(-(-max(len(part), 1) // WRAP) for part in as_cell(c).text.split("\n")) for c in row))
+        if left < 0:
+            return n
+    return len(rows)
+
+
+def table_tex(table):
+    """A booktabs table; columns of long text wrap, a wide table is scaled, one longer than a page is cut and says so."""
     keep = [i for i in range(len(table.header)) if i != table.code]
-    body = [[as_cell(row[i]) for i in keep] for row in table.rows[:most]]
-    wraps = [max([len(c[k].text) for c in body] + [0]) > SHORT for k in range(len(keep))]
+    rows = [[as_cell(row[i]) for i in keep] for row in table.rows]
+    wraps = [max([len(row[k].text) for row in rows] + [0]) > SHORT for k in range(len(keep))]
     wide = len(keep) > MANY or not any(wraps)
+    most = 40 if wide else fitting(rows)
+    body = rows[:most]
     columns = "l" * len(keep) if wide else "".join("Y" if w else "l" for w in wraps)
     start = (["\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%", f"\\begin{{tabular}}{{{columns}}}"] if wide
              else [f"\\begin{{tabularx}}{{\\textwidth}}{{{columns}}}"])

@@ -1,5 +1,7 @@
 """The report on made-up rows: the same bytes twice, self-contained, honest about failures, and alive in a browser."""
+import contextlib
 import csv
+import io
 import pathlib
 import re
 import shutil
@@ -7,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 import unittest
+from unittest import mock
 
 import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, claims, effects, library, limits, paper, rows, stability  # noqa: E402
+from bench import accuracy, claims, effects, library, limits, paper, reference, report, rows, stability  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
@@ -191,10 +194,25 @@ class Page(unittest.TestCase):
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
 
     def test_the_same_bytes_twice(self):
-        files = sorted(p.relative_to(self.folder / "one") for p in (self.folder / "one").rglob("*") if p.is_file())
+        files = sorted(p.relative_to(self.folder / "two") for p in (self.folder / "two").rglob("*") if p.is_file())  # one is also compiled
         self.assertGreater(len(files), 10)
         for f in files:
             self.assertEqual((self.folder / "one" / f).read_bytes(), (self.folder / "two" / f).read_bytes(), f)
+
+    def test_the_reference_is_written_between_its_markers(self):
+        root = self.folder / "project"
+        root.mkdir()
+        (root / "README.md").write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
+        with mock.patch.object(sys, "argv", ["reference", str(self.folder / "runs"), "--out", str(root)]), contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(reference.main(), 0)
+        text = (root / "README.md").read_text()
+        self.assertTrue(text.startswith("before\n" + reference.BEGIN) and text.endswith(reference.END + "after\n"))
+        self.assertNotIn("stale", text)
+        self.assertIn("`regularized + lemke`", text)
+        for name in re.findall(r"\]\((results/reference/[^)]*)\)", text):
+            self.assertTrue((root / name).exists(), name)
+        packed = rows.load(root / "results/reference/all")
+        self.assertTrue(packed.equals(rows.load(self.folder / "runs/all")))
 
     def test_nothing_is_fetched(self):
         text = re.sub(r'<script type="text/plain" id="plotly">.*?</script>', "", self.page, flags=re.S)
@@ -205,6 +223,14 @@ class Page(unittest.TestCase):
         self.assertIn("false claims", self.page)
         self.assertIn("<code>lcpbench simulate 'slide:speed=5'", self.page)
         self.assertIn("fails honestly 2/3", self.page)
+
+    @unittest.skipUnless(shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex")
+    def test_the_document_compiles(self):
+        self.assertEqual(report.build(self.folder / "one/latex"), 0)
+        self.assertGreater((self.folder / "one/latex/main.pdf").stat().st_size, 10_000)
+        main = (self.folder / "one/latex/main.tex").read_text()
+        for name in re.findall(r"\\input\{tables/(\w+)\}", main):
+            self.assertIn("\\toprule", (self.folder / f"one/latex/tables/{name}.tex").read_text())
 
     @unittest.skipUnless(shutil.which("chromium"), "no chromium")
     def test_filters_filter(self):
