@@ -63,6 +63,121 @@ static void undeclared_effects_cost_nothing(void **state) {
   }
 }
 
+/* Dofs that a plan of these effects leaves: 2 or 3 translations, 1 or 3 rotations where declared, less
+ * what the body's own data lock or prescribe. */
+static int planned_dofs(const scene_spec *s, unsigned effects) {
+  const bool turns = (effects & EFFECT_ROTATION) != 0;
+  const unsigned move = (s->dim == 2) ? SPEC_X | SPEC_Y : SPEC_X | SPEC_Y | SPEC_Z;
+  const unsigned spin = (s->dim == 2) ? SPEC_RZ : SPEC_ROT;
+  int n = 0;
+  for (int b = 0; b < s->n_body; b++) {
+    const spec_body *body = &s->body[b];
+    const unsigned all = (move | (turns ? spin : 0u)) & ~(body->lock | body->prescribed);
+    for (unsigned bit = 1; bit <= SPEC_RZ && !body->kinematic; bit <<= 1) {
+      n += (all & bit) != 0;
+    }
+  }
+  return n;
+}
+
+/* Rows exist for declared effects with a coefficient above zero, and for nothing else. */
+static void check_rows(const char *name, const contact_set *c, unsigned effects) {
+  const bool joints = (effects & EFFECT_JOINTS) != 0;
+  assert_true((c->restitution == NULL) || (effects & EFFECT_RESTITUTION) != 0);
+  assert_true((c->mu_torsion == NULL) || (effects & EFFECT_TORSION) != 0);
+  assert_true((c->mu_rolling == NULL) || (effects & EFFECT_ROLLING) != 0);
+  assert_true(joints || c->n_group == c->n_contact);
+  for (int i = 0; i < c->n_contact; i++) {
+    const contact_rows r = c->rows[i];
+    const bool rubs = (effects & EFFECT_FRICTION) != 0 && c->mu_static[i] > 0;
+    const bool drills = c->mu_torsion != NULL && c->mu_torsion[i] > 0;
+    const bool rolls = c->mu_rolling != NULL && c->mu_rolling[i] > 0;
+    const int rolling = rolls ? c->dim - 1 : 0;
+    if (r.tangent != (rubs ? c->dim - 1 : 0) || r.torsion != drills || r.rolling != rolling ||
+        c->row_start[i + 1] - c->row_start[i] != 1 + r.tangent + r.torsion + r.rolling) {
+      fail_msg("%s: contact %d has rows %d %d %d", name, i, r.tangent, r.torsion, r.rolling);
+    }
+  }
+}
+
+enum { FACETS = 6 };
+
+static int facets_of(int rows) {
+  return (rows == 0) ? 0 : ((rows == 1) ? 2 : FACETS) + 1; /* and a sigma */
+}
+
+/* Unknowns of a contact with these rows. */
+static int unknowns(const formulation *f, contact_rows r) {
+  if ((f->model & FORM_CONE_POLYHEDRAL) != 0) {
+    return 1 + facets_of(r.tangent) + facets_of(r.torsion) + facets_of(r.rolling);
+  }
+  const bool rows = (f->model & (FORM_CONE_EXACT | FORM_BOUNDS_LAGGED)) != 0;
+  return (rows && (f->model & FORM_REGULARISED) == 0) ? 1 + r.tangent + r.torsion + r.rolling : 1;
+}
+
+static void check_unknowns(const char *name, const formulation *f, const contact_set *c) {
+  const bool facets = (f->model & FORM_CONE_POLYHEDRAL) != 0;
+  formulation_run *run = rig_open(f->name, facets ? "facets=6" : "");
+  base_error err = {0};
+  lcp_problem p = {0};
+  formulation_answer a = {0};
+  const double *z0;
+  bool pending;
+  check_ok(formulation_begin(run, c, FORM_COLD, &err), &err);
+  check_ok(formulation_assemble(run, &p, &z0, &pending, &err), &err);
+  formulation_answer_of(run, &a);
+  int want = 0;
+  for (int i = 0; i < c->n_contact; i++) {
+    want += (a.bias[i] < HUGE_VAL) ? unknowns(f, c->rows[i]) : 0;
+  }
+  if ((pending ? p.M.n : 0) != want) {
+    fail_msg("%s, %s: %d unknowns, want %d", name, f->name, pending ? p.M.n : 0, want);
+  }
+  rig_close(run);
+}
+
+/* A scene with the given effects: its dofs, rows, and the unknowns of every formulation that poses a
+ * problem of contacts on their own (`acceleration` counts its sliding ones as one: see its tests). */
+static void check_plan(const char *name, const scene_spec *s, unsigned effects) {
+  base_error err = {0};
+  world *w;
+  contact_set c;
+  int n;
+  const formulation *const *all = formulations(&n);
+  check_ok(world_open(&w, s, effects, &err), &err);
+  check_ok(world_contacts(w, s->h[0], -1, &c, &err), &err);
+  if (s->model == NULL) {
+    assert_int_equal(c.n_dof, planned_dofs(s, effects));
+  }
+  check_rows(name, &c, effects);
+  for (int f = 0; f < n; f++) {
+    if ((all[f]->model & (FORM_NO_LCP | FORM_ACCELERATION)) == 0) {
+      check_unknowns(name, all[f], &c);
+    }
+  }
+  world_close(w);
+}
+
+/* Every scene as declared, and with each effect of contact or rotation dropped in turn. */
+static void every_scene_costs_what_it_declares(void **state) {
+  (void)state;
+  static const unsigned dropped[] = {
+      0, EFFECT_FRICTION, EFFECT_RESTITUTION, EFFECT_ROTATION, EFFECT_ROLLING, EFFECT_TORSION};
+  int n;
+  const scene *const *all = scenes(&n);
+  for (int i = 0; i < n; i++) {
+    for (int k = 0; k < BASE_COUNT(dropped); k++) {
+      base_error err = {0};
+      scene_spec s;
+      check_ok(scene_load(all[i]->name, &s, &err), &err);
+      if (k == 0 || (s.effects & dropped[k]) != 0) {
+        check_plan(all[i]->name, &s, s.effects & ~dropped[k]);
+      }
+      spec_free(&s);
+    }
+  }
+}
+
 /* After the sets have been met once, a step allocates nothing. */
 static void steps_do_not_allocate(void **state) {
   (void)state;
@@ -167,6 +282,7 @@ static void dimensions_in_closed_form(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(undeclared_effects_cost_nothing),
+      cmocka_unit_test(every_scene_costs_what_it_declares),
       cmocka_unit_test(steps_do_not_allocate),
       cmocka_unit_test(frictionless_velocity_is_normal),
       cmocka_unit_test(dimensions_in_closed_form),
