@@ -8,7 +8,8 @@ typedef poly_options options;
 static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, restitution, "newton|poisson|none", 0, "law of impact"),
     BASE_FIELD_CHOICE(options, level, "velocity|position", 0, "closed contacts, or all in margin"),
-    BASE_FIELD_CHOICE(options, storage, "auto|dense|csc", 0, "matrix handed to the solver"),
+    BASE_FIELD_CHOICE(options, storage, "auto|dense|csc|factored", 0,
+                      "matrix handed to the solver"),
     BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
     BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),

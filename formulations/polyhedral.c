@@ -36,12 +36,20 @@ static void layout_values(void *state, base_arena *m) {
   s->val = BASE_ARRAY(m, double, s->cap_val);
 }
 
+static void layout_factors(void *state, base_arena *m) {
+  polyhedral *s = state;
+  s->jac = BASE_ARRAY(m, double, s->cap_jac);
+  s->jac_start = BASE_ARRAY(m, int, s->cap_group + 1);
+  s->body = BASE_ARRAY(m, int, 2 * (size_t)s->cap_group);
+}
+
 void poly_close(void *state) {
   polyhedral *s = state;
   form_assembly_close(&s->a);
   contact_memory_close(&s->memory);
   free(s->mem);
   free(s->val_mem);
+  free(s->jac_mem);
 }
 
 void poly_forget(void *state) {
@@ -93,7 +101,7 @@ static void set_parts(polyhedral *s, int i) {
   }
 }
 
-static base_status number_unknowns(polyhedral *s, base_error *err) {
+static void number_unknowns(polyhedral *s) {
   const form_assembly *a = &s->a;
   s->first[0] = 0;
   for (int i = 0; i < a->n_group; i++) {
@@ -109,11 +117,17 @@ static base_status number_unknowns(polyhedral *s, base_error *err) {
         .start = s->first[i], .size = poly_width(s, i), .set = contact ? LCP_ORTHANT : LCP_FREE};
   }
   s->n = s->first[a->n_group];
-  const size_t nnz = poly_nnz(s);
+}
+
+static poly_storage storage_of(const polyhedral *s, size_t nnz) {
   const size_t all = (size_t)s->n * (size_t)s->n;
-  const bool small = s->n <= 64 || nnz > all / 4;
-  const bool dense = s->opt.storage == POLY_DENSE || (s->opt.storage == POLY_AUTO && small);
-  const size_t need = dense ? all : nnz;
+  if (s->opt.storage != POLY_AUTO) {
+    return (poly_storage)s->opt.storage;
+  }
+  return (s->n <= 64 || nnz > all / 4) ? POLY_DENSE : POLY_CSC;
+}
+
+static base_status room_for(polyhedral *s, size_t need, base_error *err) {
   if (need > (size_t)INT32_MAX) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "polyhedral LCP: %zu stored entries, more than 2^31",
                      need);
@@ -123,6 +137,33 @@ static base_status number_unknowns(polyhedral *s, base_error *err) {
     s->cap_val = (need > s->cap_val) ? need + need / 2 : s->cap_val;
     BASE_TRY(form_memory(&s->val_mem, layout_values, s, err));
   }
+  return BASE_OK;
+}
+
+static base_status fill_factored(polyhedral *s, base_error *err) {
+  const size_t jac = poly_jac_size(s);
+  BASE_TRY(room_for(s, poly_shift_nnz(s), err));
+  if (jac > (size_t)INT32_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "polyhedral LCP: %zu entries of J, more than 2^31",
+                     jac);
+  }
+  if (s->jac_mem == NULL || jac > s->cap_jac || s->cap_group > s->jac_groups) {
+    s->cap_jac = (jac > s->cap_jac) ? jac + jac / 2 : s->cap_jac;
+    s->jac_groups = s->cap_group;
+    BASE_TRY(form_memory(&s->jac_mem, layout_factors, s, err));
+  }
+  poly_fill_factored(s);
+  s->M = (lcp_matrix){.storage = LCP_FACTORED, .n = s->n, .factored = &s->factored};
+  return BASE_OK;
+}
+
+static base_status fill_matrix(polyhedral *s, base_error *err) {
+  if (s->opt.storage == POLY_FACTORED) {
+    return fill_factored(s, err);
+  }
+  const size_t nnz = poly_nnz(s);
+  const bool dense = storage_of(s, nnz) == POLY_DENSE;
+  BASE_TRY(room_for(s, dense ? (size_t)s->n * (size_t)s->n : nnz, err));
   s->M = (lcp_matrix){.storage = dense ? LCP_DENSE : LCP_CSC, .n = s->n};
   if (dense) {
     poly_fill_dense(s);
@@ -152,6 +193,26 @@ static void rebound(polyhedral *s) {
   }
 }
 
+/* Contacts and C; a factored problem needs no more of C than the own blocks. */
+static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows rows,
+                                  const form_rule *rule, base_error *err) {
+  const poly_options *o = &s->opt;
+  if (o->storage != POLY_FACTORED) {
+    BASE_TRY(form_assembly_begin(&s->a, c, rows, rule, &s->memory, err));
+    rebound(s);
+    return (o->joints == 0) ? form_assembly_eliminate(&s->a, err) : BASE_OK;
+  }
+  if (o->restitution == POLY_POISSON) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with restitution=poisson");
+  }
+  if (o->planar == POLY_THREE && c->dim == 2 && rows != FORM_ROWS_NORMAL) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with planar=three");
+  }
+  BASE_TRY(form_assembly_begin_own(&s->a, c, rows, rule, &s->memory, err));
+  rebound(s);
+  return BASE_OK;
+}
+
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
                        formulation_start start, base_error *err) {
   const form_rule rule = {.level = opt->level,
@@ -166,11 +227,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   s->start = start;
   const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
   BASE_TRY(contact_memory_begin(&s->memory, PAST_Z + widest, c, err));
-  BASE_TRY(form_assembly_begin(&s->a, c, rows, &rule, &s->memory, err));
-  rebound(s);
-  if (opt->joints == 0) {
-    BASE_TRY(form_assembly_eliminate(&s->a, err));
-  }
+  BASE_TRY(begin_assembly(s, c, rows, &rule, err));
   if (s->joint.n_column == 0) {
     poly_shape_identity(&s->joint, 6);
   }
@@ -179,7 +236,8 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
     s->cap_row = c->n_row + c->n_row / 2;
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
   }
-  BASE_TRY(number_unknowns(s, err));
+  number_unknowns(s);
+  BASE_TRY(fill_matrix(s, err));
   memset(s->base, 0, (size_t)s->a.n_row * sizeof *s->base);
   s->phase = 0;
   s->answer = (formulation_answer){

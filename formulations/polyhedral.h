@@ -9,6 +9,9 @@
  * (Anitescu & Potra 1997; Stewart & Trinkle 1996). sigma and its row are scaled by a_i = C_nn of
  * the contact, so that every unknown is an impulse and every row a velocity. Torsion and rolling
  * resistance are further facets with a sigma of their own, scaled by their coefficient [m].
+ * storage=factored hands out M = J W J' + S with J the rows F' J, sigma alone in S; joints then stay in as
+ * free rows, and what needs C of a whole step (Poisson's law) or is not symmetric in F (the planar
+ * three-unknown form) is refused.
  * A contact without friction has the unknown lambda_n alone. The matrix is copositive: with b_n >=
  * 0 Lemke's method always finds a solution; with b_n < 0 it may end on a ray. */
 #pragma once
@@ -25,7 +28,7 @@ typedef enum poly_restitution {
   POLY_TWO_STEPS /* position level: the gap closes in one step, the next one rebounds */
 } poly_restitution;
 typedef enum poly_planar { POLY_FOUR, POLY_THREE } poly_planar;
-typedef enum poly_storage { POLY_AUTO, POLY_DENSE, POLY_CSC } poly_storage;
+typedef enum poly_storage { POLY_AUTO, POLY_DENSE, POLY_CSC, POLY_FACTORED } poly_storage;
 
 typedef struct poly_options {
   int facets;      /* directions of the tangent plane; planar contacts always have 2 */
@@ -71,14 +74,18 @@ typedef struct polyhedral {
   double *u;                   /* n_row: r + C base */
   lcp_block *block;            /* n_group */
   double *q, *z0;              /* n */
-  double *val;                 /* dense n*n, or CSC values */
+  double *val;                 /* dense n*n, or CSC values: of M, or of the S of a factored M */
   int *colptr, *rowind, *at;
+  double *jac;           /* factored: F_i' J_i of every group, as lcp_factored wants it */
+  int *jac_start, *body; /* n_group+1; 2 n_group */
+  lcp_csc shift;         /* S: the rows and columns of sigma */
+  lcp_factored factored;
   lcp_matrix M;
   formulation_answer answer;
 
-  int cap_group, cap_row, cap_n;
-  size_t cap_val;
-  void *mem, *val_mem; /* owned */
+  int cap_group, cap_row, cap_n, jac_groups;
+  size_t cap_val, cap_jac;
+  void *mem, *val_mem, *jac_mem; /* owned */
 } polyhedral;
 
 long poly_dimension(int dim, int p, const void *opt);

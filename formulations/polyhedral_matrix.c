@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-enum { MOST_ROWS = 8 }; /* rows of one group: at most 6 of a contact or joint */
-
 static void add_part(poly_shape *s, int kind, int row, int dim, int facets) {
   const int p = s->n_part++;
   s->part_kind[p] = kind;
@@ -60,16 +58,16 @@ void poly_shape_identity(poly_shape *s, int rows) {
   }
 }
 
-static int columns(const polyhedral *s, int i) {
+int poly_columns(const polyhedral *s, int i) {
   return (i < s->a.n_contact) ? s->shape_of[i]->n_column : form_rows_of(&s->a, i);
 }
 
-static int parts(const polyhedral *s, int i) {
+int poly_parts(const polyhedral *s, int i) {
   return (i < s->a.n_contact) ? s->shape_of[i]->n_part : 0;
 }
 
 int poly_width(const polyhedral *s, int i) {
-  return columns(s, i) + parts(s, i);
+  return poly_columns(s, i) + poly_parts(s, i);
 }
 
 static bool is_three(const polyhedral *s) {
@@ -78,7 +76,7 @@ static bool is_three(const polyhedral *s) {
 
 /* Part of column b of group i, -1 for lambda_n and joint rows. */
 static int part_of(const polyhedral *s, int i, int b) {
-  for (int p = 0; p < parts(s, i); p++) {
+  for (int p = 0; p < poly_parts(s, i); p++) {
     if (b >= s->shape_of[i]->part_start[p] && b < s->shape_of[i]->part_start[p + 1]) {
       return p;
     }
@@ -91,15 +89,14 @@ static double unit_of(const polyhedral *s, int i, int b) {
   return (p < 0) ? 1 : s->scale[POLY_PARTS * i + p];
 }
 
-/* The impulse of group i, row by row, that a unit of its unknown b stands for. */
-static void direction(const polyhedral *s, int i, int b, double *f) {
+void poly_direction(const polyhedral *s, int i, int b, double *f) {
   const struct poly_column *col = &s->shape_of[i]->column[b];
   memset(f, 0, (size_t)form_rows_of(&s->a, i) * sizeof *f);
   const double unit = unit_of(s, i, b);
   for (int k = 0; k < col->n; k++) {
     f[col->row + k] = unit * col->c[k];
   }
-  if (b == 0 && parts(s, i) > 0 && is_three(s)) {
+  if (b == 0 && poly_parts(s, i) > 0 && is_three(s)) {
     f[1] = -s->bound[POLY_PARTS * i];
   }
 }
@@ -110,9 +107,9 @@ static void project(const polyhedral *s, int i, const double *v, double *out) {
   int part = -1;
   int part_end = 1;
   double unit = 1;
-  const int n = columns(s, i);
+  const int n = poly_columns(s, i);
   for (int a = 0; a < n; a++) {
-    if (a >= part_end && part + 1 < parts(s, i)) {
+    if (a >= part_end && part + 1 < poly_parts(s, i)) {
       part++;
       part_end = shape->part_start[part + 1];
       unit = s->scale[POLY_PARTS * i + part];
@@ -142,15 +139,11 @@ size_t poly_nnz(const polyhedral *s) {
   for (int j = 0; j < s->a.n_group; j++) {
     size_t height = 0;
     for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
-      height += (size_t)columns(s, s->a.near[k]);
+      height += (size_t)poly_columns(s, s->a.near[k]);
     }
-    nnz += height * (size_t)columns(s, j);
-    for (int p = 0; p < parts(s, j); p++) {
-      const int facets = s->shape_of[j]->part_start[p + 1] - s->shape_of[j]->part_start[p];
-      nnz += 1 + 2 * (size_t)facets;
-    }
+    nnz += height * (size_t)poly_columns(s, j);
   }
-  return nnz;
+  return nnz + poly_shift_nnz(s);
 }
 
 /* Column b of group j in the rows of group i = near[k]: F_i' C_ij f. The stored block is C_ji. */
@@ -159,7 +152,7 @@ static void coupled_column(const polyhedral *s, int j, int k, const double *f, d
   const int ri = form_rows_of(&s->a, i);
   const int rj = form_rows_of(&s->a, j);
   const double *block = s->a.block + s->a.block_at[k];
-  double v[MOST_ROWS] = {0};
+  double v[POLY_ROWS_MAX] = {0};
   for (int q = 0; q < rj; q++) {
     for (int p = 0; p < ri; p++) {
       v[p] += block[q * ri + p] * f[q];
@@ -172,17 +165,17 @@ void poly_fill_dense(polyhedral *s) {
   const ptrdiff_t n = s->n;
   memset(s->val, 0, (size_t)(n * n) * sizeof *s->val);
   for (int j = 0; j < s->a.n_group; j++) {
-    const int nj = columns(s, j);
+    const int nj = poly_columns(s, j);
     for (int b = 0; b < nj; b++) {
-      double f[MOST_ROWS];
-      direction(s, j, b, f);
+      double f[POLY_ROWS_MAX];
+      poly_direction(s, j, b, f);
       double *column = s->val + (s->first[j] + b) * n;
       for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
         coupled_column(s, j, k, f, column + s->first[s->a.near[k]]);
       }
     }
     const double a = normal_mass(s, j);
-    for (int p = 0; p < parts(s, j); p++) {
+    for (int p = 0; p < poly_parts(s, j); p++) {
       const int sigma = s->first[j] + nj + p;
       s->val[s->first[j] * n + sigma] = a * cone_entry(s, j, p);
       for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
@@ -199,12 +192,11 @@ static int put(polyhedral *s, int at, int row, double value) {
   return at + 1;
 }
 
-/* The sigma rows of group j in its column b. */
-static int put_cone_rows(polyhedral *s, int at, int j, int b) {
+int poly_put_cone_rows(polyhedral *s, int at, int j, int b) {
   const double a = normal_mass(s, j);
-  const int sigma = s->first[j] + columns(s, j);
+  const int sigma = s->first[j] + poly_columns(s, j);
   const int own = part_of(s, j, b);
-  for (int p = 0; p < parts(s, j); p++) {
+  for (int p = 0; p < poly_parts(s, j); p++) {
     if (b == 0) {
       at = put(s, at, sigma + p, a * cone_entry(s, j, p));
     } else if (p == own) {
@@ -214,18 +206,26 @@ static int put_cone_rows(polyhedral *s, int at, int j, int b) {
   return at;
 }
 
+int poly_put_sigma_column(polyhedral *s, int at, int j, int p) {
+  const double a = normal_mass(s, j);
+  for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
+    at = put(s, at, s->first[j] + b, a);
+  }
+  return at;
+}
+
 /* Column b of group j through all its neighbours, with the sigma rows after the own rows. */
 static int put_coupled(polyhedral *s, int at, int j, int b) {
-  double f[MOST_ROWS];
-  direction(s, j, b, f);
+  double f[POLY_ROWS_MAX];
+  poly_direction(s, j, b, f);
   for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
     const int i = s->a.near[k];
     coupled_column(s, j, k, f, s->val + at);
-    for (int row = 0; row < columns(s, i); row++) {
+    for (int row = 0; row < poly_columns(s, i); row++) {
       s->rowind[at++] = s->first[i] + row;
     }
     if (i == j) {
-      at = put_cone_rows(s, at, j, b);
+      at = poly_put_cone_rows(s, at, j, b);
     }
   }
   return at;
@@ -235,16 +235,13 @@ void poly_fill_csc(polyhedral *s) {
   int at = 0;
   int column = 0;
   for (int j = 0; j < s->a.n_group; j++) {
-    for (int b = 0; b < columns(s, j); b++) {
+    for (int b = 0; b < poly_columns(s, j); b++) {
       s->colptr[column++] = at;
       at = put_coupled(s, at, j, b);
     }
-    const double a = normal_mass(s, j);
-    for (int p = 0; p < parts(s, j); p++) {
+    for (int p = 0; p < poly_parts(s, j); p++) {
       s->colptr[column++] = at;
-      for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
-        at = put(s, at, s->first[j] + b, a);
-      }
+      at = poly_put_sigma_column(s, at, j, p);
     }
   }
   s->colptr[column] = at;
@@ -254,16 +251,16 @@ void poly_fill_q(const polyhedral *s, int i, double bias, double *q) {
   project(s, i, s->u + s->a.row[i], q);
   if (i < s->a.n_contact) {
     q[0] += bias;
-    for (int p = 0; p < parts(s, i); p++) {
-      q[columns(s, i) + p] = normal_mass(s, i) * cone_entry(s, i, p) * s->cone[i];
+    for (int p = 0; p < poly_parts(s, i); p++) {
+      q[poly_columns(s, i) + p] = normal_mass(s, i) * cone_entry(s, i, p) * s->cone[i];
     }
   }
 }
 
 void poly_expand(const polyhedral *s, int i, const double *z, double *lambda) {
-  double f[MOST_ROWS];
-  for (int b = 0; b < columns(s, i); b++) {
-    direction(s, i, b, f);
+  double f[POLY_ROWS_MAX];
+  for (int b = 0; b < poly_columns(s, i); b++) {
+    poly_direction(s, i, b, f);
     for (int p = 0; p < form_rows_of(&s->a, i); p++) {
       lambda[p] += f[p] * z[b];
     }

@@ -16,6 +16,21 @@ size_t poly_nnz(const polyhedral *s);
 void poly_fill_dense(polyhedral *s);
 void poly_fill_csc(polyhedral *s);
 
+/* polyhedral_factored.c: M = J W J' + S. */
+size_t poly_shift_nnz(const polyhedral *s); /* entries of S */
+size_t poly_jac_size(const polyhedral *s);  /* entries of J, zero rows of the sigmas included */
+void poly_fill_factored(polyhedral *s);
+
+/* What the three share. */
+int poly_columns(const polyhedral *s, int i); /* unknowns of group i without the sigmas */
+int poly_parts(const polyhedral *s, int i);   /* its sigmas */
+/* The impulse of group i, row by row, that a unit of its unknown b stands for. */
+void poly_direction(const polyhedral *s, int i, int b, double *f);
+/* The sigma rows of group j in its column b, and the column of its sigma p, from val[at] on; the new at. */
+int poly_put_cone_rows(polyhedral *s, int at, int j, int b);
+int poly_put_sigma_column(polyhedral *s, int at, int j, int p);
+enum { POLY_ROWS_MAX = 8 }; /* rows of one group: at most 6 of a contact or joint */
+
 /* q of group i from u (rows of the group), normal bias b. */
 void poly_fill_q(const polyhedral *s, int i, double bias, double *q);
 

@@ -5,16 +5,11 @@
 
 typedef long double real;
 
-static double entry(const lcp_matrix *M, int i, int j) {
-  if (M->storage == LCP_DENSE) {
-    return M->val[(ptrdiff_t)j * M->n + i];
-  }
-  for (int k = M->csc.colptr[j]; k < M->csc.colptr[j + 1]; k++) {
-    if (M->csc.rowind[k] == i) {
-      return M->csc.val[k];
-    }
-  }
-  return 0;
+/* M column by column; to be freed. */
+static double *formed(const lcp_matrix *M) {
+  double *dense = calloc((size_t)M->n * (size_t)M->n + 1, sizeof *dense);
+  lcp_matrix_to_dense(M, dense);
+  return dense;
 }
 
 static real absolute(real x) {
@@ -149,10 +144,11 @@ lcp_outcome tableau_solve(const lcp_problem *p, double *z) {
   const int n = p->M.n;
   real *F = calloc((size_t)n * (size_t)(n + 1), sizeof *F);
   int *kept = calloc((size_t)n + 1, sizeof *kept);
+  double *M = formed(&p->M);
   int m = 0;
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
-      F[(ptrdiff_t)i * (n + 1) + j] = entry(&p->M, i, j);
+      F[(ptrdiff_t)i * (n + 1) + j] = M[(ptrdiff_t)j * n + i];
     }
     F[(ptrdiff_t)i * (n + 1) + n] = p->q[i];
     z[i] = 0;
@@ -189,6 +185,7 @@ lcp_outcome tableau_solve(const lcp_problem *p, double *z) {
       z[i] = (double)sum;
     }
   }
+  free(M);
   free(F);
   free(kept);
   free(T);
@@ -199,13 +196,15 @@ lcp_outcome tableau_solve(const lcp_problem *p, double *z) {
 double tableau_residual(const lcp_problem *p, const double *z) {
   double worst = 0;
   double scale = 1;
+  double *M = formed(&p->M);
   for (int i = 0; i < p->M.n; i++) {
     double w = p->q[i];
     for (int j = 0; j < p->M.n; j++) {
-      w += entry(&p->M, i, j) * z[j];
+      w += M[(ptrdiff_t)j * p->M.n + i] * z[j];
     }
     scale = fmax(scale, 1 + fabs(p->q[i]));
     worst = fmax(worst, is_free(p, i) ? fabs(w) : fabs(fmin(z[i], w)));
   }
+  free(M);
   return worst / scale;
 }

@@ -5,7 +5,7 @@
 #include "lcp/lcp_outcome.h"
 #include "lcp/lcp_problem.h"
 
-/* Orthant and free blocks, dense and CSC storage. z[p->M.n]. */
+/* Orthant and free blocks, any storage. z[p->M.n]. */
 lcp_outcome tableau_solve(const lcp_problem *p, double *z);
 
 /* max_i |min(z_i, w_i)| over the scale 1 + max|q|; free rows |w_i|. */

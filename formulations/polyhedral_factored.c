@@ -1,0 +1,91 @@
+/* polyhedral_factored.c - the matrix of polyhedral.h as J W J' + S. */
+#include "formulations/polyhedral_matrix.h"
+
+#include <string.h>
+
+size_t poly_shift_nnz(const polyhedral *s) {
+  size_t nnz = 0;
+  for (int j = 0; j < s->a.n_group; j++) {
+    for (int p = 0; p < poly_parts(s, j); p++) {
+      const int facets = s->shape_of[j]->part_start[p + 1] - s->shape_of[j]->part_start[p];
+      nnz += 1 + 2 * (size_t)facets;
+    }
+  }
+  return nnz;
+}
+
+static int dofs(const contact_set *c, int g, int side) {
+  const int b = c->body[2 * g + side];
+  return (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+}
+
+size_t poly_jac_size(const polyhedral *s) {
+  const contact_set *c = s->a.set;
+  size_t size = 0;
+  for (int i = 0; i < s->a.n_group; i++) {
+    const int g = s->a.group[i];
+    size += (size_t)poly_width(s, i) * (size_t)(dofs(c, g, 0) + dofs(c, g, 1));
+  }
+  return size;
+}
+
+/* The rows f' J of one side of group i, one for each unknown; those of the sigmas are zero. */
+static double *put_side(const polyhedral *s, int i, const double *jac, int n, double *out) {
+  double f[POLY_ROWS_MAX];
+  memset(out, 0, sizeof *out * (size_t)poly_width(s, i) * (size_t)n);
+  for (int b = 0; b < poly_columns(s, i); b++) {
+    poly_direction(s, i, b, f);
+    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
+      for (int d = 0; d < n; d++) {
+        out[b * n + d] += f[r] * jac[r * n + d];
+      }
+    }
+  }
+  return out + (ptrdiff_t)poly_width(s, i) * n;
+}
+
+static void fill_shift(polyhedral *s) {
+  int at = 0;
+  int column = 0;
+  for (int j = 0; j < s->a.n_group; j++) {
+    for (int b = 0; b < poly_columns(s, j); b++) {
+      s->colptr[column++] = at;
+      at = poly_put_cone_rows(s, at, j, b);
+    }
+    for (int p = 0; p < poly_parts(s, j); p++) {
+      s->colptr[column++] = at;
+      at = poly_put_sigma_column(s, at, j, p);
+    }
+  }
+  s->colptr[column] = at;
+  s->shift = (lcp_csc){s->n, s->n, s->colptr, s->rowind, s->val};
+}
+
+void poly_fill_factored(polyhedral *s) {
+  const contact_set *c = s->a.set;
+  double *out = s->jac;
+  for (int i = 0; i < s->a.n_group; i++) {
+    const int g = s->a.group[i];
+    const int all = c->row_start[g + 1] - c->row_start[g];
+    const double *jac = c->jac + c->jac_start[g];
+    s->jac_start[i] = (int)(out - s->jac);
+    for (int side = 0; side < 2; side++) {
+      const int n = dofs(c, g, side);
+      s->body[2 * i + side] = c->body[2 * g + side];
+      out = put_side(s, i, jac, n, out);
+      jac += (ptrdiff_t)all * n;
+    }
+  }
+  s->jac_start[s->a.n_group] = (int)(out - s->jac);
+  fill_shift(s);
+  s->factored = (lcp_factored){.n_body = c->n_body,
+                               .dof_start = c->dof_start,
+                               .weight_start = c->mass_start,
+                               .weight = c->inv_mass,
+                               .n_group = s->a.n_group,
+                               .row_start = s->first,
+                               .body = s->body,
+                               .jac_start = s->jac_start,
+                               .jac = s->jac,
+                               .shift = (s->colptr[s->n] > 0) ? &s->shift : NULL};
+}
