@@ -19,23 +19,34 @@ static bool usable(const record *r, const char *column) {
   return strcmp(r->status, "ok") == 0 && record_real(r, column) > 0.0;
 }
 
-static void collect(const record_table *t, const char *id, const char *column, samples *out) {
+typedef struct row_ref {
+  const record *r;
+} row_ref;
+
+/* The rows of one cell, process by process. */
+typedef struct span {
+  const row_ref *row;
+  int n;
+  const record *first; /* in the file */
+} span;
+
+static void collect(const span *cell, const char *column, samples *out) {
   int n = 0;
+  int64_t process = -1;
   out->n_process = 0;
-  for (int64_t process = 0; out->n_process < COMPARE_PROCESSES; process++) {
-    bool any = false;
-    out->start[out->n_process] = n;
-    for (int i = 0; i < t->n && n < COMPARE_SAMPLES; i++) {
-      const record *r = &t->row[i];
-      if (r->process == process && strcmp(r->cell_id, id) == 0 && usable(r, column)) {
-        out->x[n++] = record_real(r, column);
-        any = true;
+  for (int i = 0; i < cell->n && n < COMPARE_SAMPLES; i++) {
+    const record *r = cell->row[i].r;
+    if (!usable(r, column)) {
+      continue;
+    }
+    if (r->process != process) {
+      if (out->n_process == COMPARE_PROCESSES) {
+        break;
       }
+      out->start[out->n_process++] = n;
+      process = r->process;
     }
-    if (!any) {
-      break;
-    }
-    out->n_process++;
+    out->x[n++] = record_real(r, column);
   }
   out->start[out->n_process] = n;
 }
@@ -92,59 +103,151 @@ static void judge(const samples *a, const samples *b, compare_pair *out) {
   }
 }
 
-static bool same_experiment(const record *a, const record *b, bool by_solver) {
-  const bool same = strcmp(a->part, b->part) == 0 && strcmp(a->problem, b->problem) == 0 &&
-                    strcmp(a->formulation, b->formulation) == 0 &&
-                    strcmp(a->formulation_config, b->formulation_config) == 0 &&
-                    strcmp(a->start, b->start) == 0 && strcmp(a->effects, b->effects) == 0 &&
-                    (a->step_s == b->step_s || (isnan(a->step_s) && isnan(b->step_s)));
-  return same && (!by_solver || (strcmp(a->solver, b->solver) == 0 &&
-                                 strcmp(a->solver_config, b->solver_config) == 0));
+/* ---- pairing ----------------------------------------------------------------------------------*/
+
+/* The cells of one side. */
+typedef struct side {
+  row_ref *row; /* by cell, process, repetition; owned */
+  span *cell;   /* owned */
+  int n;
+} side;
+
+static int by_cell(const void *a, const void *b) {
+  const record *x = ((const row_ref *)a)->r;
+  const record *y = ((const row_ref *)b)->r;
+  const int order = strcmp(x->cell_id, y->cell_id);
+  if (order != 0) {
+    return order;
+  }
+  if (x->process != y->process) {
+    return (x->process < y->process) ? -1 : 1;
+  }
+  return (x > y) - (x < y);
 }
 
-static bool first_of_cell(const record_table *t, int i) {
-  for (int k = 0; k < i; k++) {
-    if (strcmp(t->row[k].cell_id, t->row[i].cell_id) == 0) {
-      return false;
+static int by_place(const void *a, const void *b) {
+  const record *x = ((const span *)a)->first;
+  const record *y = ((const span *)b)->first;
+  return (x > y) - (x < y);
+}
+
+static int order_of(double x, double y) {
+  const double a = isnan(x) ? -1.0 : x;
+  const double b = isnan(y) ? -1.0 : y;
+  return (a > b) - (a < b);
+}
+
+/* 0: the same experiment, whatever the solver. */
+static int experiment(const record *a, const record *b) {
+  const char *const pair[][2] = {{a->part, b->part},
+                                 {a->problem, b->problem},
+                                 {a->formulation, b->formulation},
+                                 {a->formulation_config, b->formulation_config},
+                                 {a->start, b->start},
+                                 {a->effects, b->effects}};
+  int order = order_of(a->step_s, b->step_s);
+  for (int i = 0; order == 0 && i < BASE_COUNT(pair); i++) {
+    order = strcmp(pair[i][0], pair[i][1]);
+  }
+  return order;
+}
+
+static int by_experiment(const void *a, const void *b) {
+  const int order = experiment(((const span *)a)->first, ((const span *)b)->first);
+  return (order != 0) ? order : by_place(a, b);
+}
+
+static void side_close(side *s) {
+  free(s->row);
+  free(s->cell);
+}
+
+static base_status side_open(const compare_side *from, side *s, base_error *err) {
+  const record_table *t = from->rows;
+  int n = 0;
+  *s = (side){.row = calloc((size_t)t->n + 1, sizeof *s->row),
+              .cell = calloc((size_t)t->n + 1, sizeof *s->cell)};
+  if (s->row == NULL || s->cell == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare %d rows", t->n);
+  }
+  for (int i = 0; i < t->n; i++) {
+    if (from->solver == NULL || strcmp(t->row[i].solver, from->solver) == 0) {
+      s->row[n++].r = &t->row[i];
     }
   }
-  return true;
+  qsort(s->row, (size_t)n, sizeof *s->row, by_cell);
+  for (int i = 0; i < n; i++) {
+    const record *r = s->row[i].r;
+    if (i == 0 || strcmp(r->cell_id, s->row[i - 1].r->cell_id) != 0) {
+      s->cell[s->n++] = (span){&s->row[i], 0, r};
+    }
+    span *c = &s->cell[s->n - 1];
+    c->n++;
+    c->first = (r < c->first) ? r : c->first;
+  }
+  qsort(s->cell, (size_t)s->n, sizeof *s->cell, by_place);
+  return BASE_OK;
 }
 
-static bool takes(const compare_side *s, int i) {
-  return (s->solver == NULL || strcmp(s->rows->row[i].solver, s->solver) == 0) &&
-         first_of_cell(s->rows, i);
+/* The first cell of b (sorted by experiment) that is a's partner; NULL: it has none. */
+static const span *partner(const span *a, const side *b, bool by_solver) {
+  int lo = 0;
+  int hi = b->n;
+  while (lo < hi) {
+    const int mid = lo + (hi - lo) / 2;
+    if (experiment(b->cell[mid].first, a->first) < 0) {
+      lo = mid + 1;
+    } else {
+      hi = mid;
+    }
+  }
+  for (; lo < b->n && experiment(b->cell[lo].first, a->first) == 0; lo++) {
+    const record *r = b->cell[lo].first;
+    if (!by_solver || (strcmp(r->solver, a->first->solver) == 0 &&
+                       strcmp(r->solver_config, a->first->solver_config) == 0)) {
+      return &b->cell[lo];
+    }
+  }
+  return NULL;
+}
+
+static void compare_cells(const span *a, const span *b, const char *column,
+                          const doctor_floor *noise, samples x[2], compare_pair *out, int *n) {
+  collect(a, column, &x[0]);
+  collect(b, column, &x[1]);
+  if (count(&x[0]) > 1 && count(&x[1]) > 1) {
+    compare_pair *p = &out[(*n)++];
+    *p = (compare_pair){.a = a->first, .b = b->first};
+    p->floor = doctor_floor_of(noise, fmax(p->a->workspace_B, p->b->workspace_B));
+    judge(&x[0], &x[1], p);
+  }
 }
 
 base_status compare_sides(const compare_side *a, const compare_side *b, const char *column,
                           const doctor_floor *noise, compare_pair **out, int *n, base_error *err) {
   const bool by_solver = a->solver == NULL && b->solver == NULL;
+  side sa = {0};
+  side sb = {0};
   *n = 0;
   *out = calloc((size_t)a->rows->n + 1, sizeof **out);
   samples *x = calloc(2, sizeof *x);
-  if (*out == NULL || x == NULL) {
-    free(x);
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare %d rows", a->rows->n);
+  base_status done = (*out != NULL && x != NULL)
+                         ? side_open(a, &sa, err)
+                         : BASE_FAIL(err, BASE_ENOMEM, "no memory to compare %d rows", a->rows->n);
+  if (done == BASE_OK) {
+    done = side_open(b, &sb, err);
   }
-  for (int i = 0; i < a->rows->n; i++) {
-    if (!takes(a, i)) {
-      continue;
-    }
-    for (int k = 0; k < b->rows->n; k++) {
-      if (!takes(b, k) || !same_experiment(&a->rows->row[i], &b->rows->row[k], by_solver)) {
-        continue;
-      }
-      collect(a->rows, a->rows->row[i].cell_id, column, &x[0]);
-      collect(b->rows, b->rows->row[k].cell_id, column, &x[1]);
-      if (count(&x[0]) > 1 && count(&x[1]) > 1) {
-        compare_pair *p = &(*out)[(*n)++];
-        *p = (compare_pair){.a = &a->rows->row[i], .b = &b->rows->row[k]};
-        p->floor = doctor_floor_of(noise, fmax(p->a->workspace_B, p->b->workspace_B));
-        judge(&x[0], &x[1], p);
-      }
-      break;
+  if (done == BASE_OK) {
+    qsort(sb.cell, (size_t)sb.n, sizeof *sb.cell, by_experiment);
+  }
+  for (int i = 0; done == BASE_OK && i < sa.n; i++) {
+    const span *found = partner(&sa.cell[i], &sb, by_solver);
+    if (found != NULL) {
+      compare_cells(&sa.cell[i], found, column, noise, x, *out, n);
     }
   }
+  side_close(&sa);
+  side_close(&sb);
   free(x);
-  return BASE_OK;
+  return done;
 }

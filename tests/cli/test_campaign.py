@@ -275,6 +275,35 @@ def status_counts(d):
     one_line_error("status", d / "nothing", names=["results.csv"])
 
 
+def large_tables_are_compared_at_once(d):
+    """Ten thousand rows paired and judged in seconds (it took time cubic in the cells)."""
+    run("run", campaign(d, SMALL), "--out", d / "o", "--quiet")
+    header, *lines = (d / "o/results.csv").read_text().splitlines()
+    (d / "big").mkdir()
+    with open(d / "big/results.csv", "w") as to:
+        to.write(header + "\n")
+        for k in range(140):
+            for line, r in zip(lines, csv.DictReader([header, *lines])):
+                to.write(line.replace(r["cell_id"], f"{k:04d}{r['cell_id'][4:]}").replace(r["problem"], f"{r['problem']}+{k}") + "\n")
+    from_ = time.time()
+    out = run("compare", d / "big", d / "big").stdout.splitlines()
+    took = time.time() - from_
+    print(f"# {len(lines) * 140} rows, {len(out) - 2} pairs in {took:.1f} s")
+    assert len(out) - 2 == 18 * 140 and all("no difference" in line for line in out[:-2]) and (SANITIZED or took < 20)
+
+
+def progress_is_plain_where_nobody_watches(d):
+    """One line each with done/total, percent, time left, the cell and its verdict; no escape codes; nothing under --quiet."""
+    c = campaign(d, SMALL)
+    lines = run("run", c, "--out", d / "o", "--filter", "solver=lemke").stderr.splitlines()
+    assert lines and "\x1b" not in "".join(lines) and "\r" not in "".join(lines)
+    assert re.fullmatch(r"\[18/18\] 100\.0 % ETA 00:00 \S+/\S+/lemke ok \S+ s", lines[-1]), lines[-1]
+    assert run("run", c, "--out", d / "o", "--quiet").stderr == ""
+    # what was there already is counted from the start
+    lines = run("run", c, "--out", d / "o", "--rerun", "lemke").stderr.splitlines()
+    assert re.match(r"\[(1[89]|2\d|3\d)/36\] ", lines[0]), lines[0]
+
+
 def smoke_is_quick_and_explained(d):
     """Under a minute, and a row that is not ok says why."""
     from_ = time.time()
@@ -325,4 +354,4 @@ tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_
      g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
      interrupted_runs_flush_and_go_on,
      status_counts, smoke_is_quick_and_explained, paper_prints_its_plan,
-     merged_folders_keep_their_answers])
+     merged_folders_keep_their_answers, large_tables_are_compared_at_once, progress_is_plain_where_nobody_watches])
