@@ -156,15 +156,6 @@ static bool has_answer(const record *r) {
   return r->solution_hash[0] != '\0';
 }
 
-static bool seen_before(const record_table *t, int i) {
-  for (int k = 0; k < i; k++) {
-    if (strcmp(t->row[k].cell_id, t->row[i].cell_id) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
 typedef struct verify_counts {
   int stored, rerun, bad, none;
 } verify_counts;
@@ -188,17 +179,25 @@ static void verify_row(const char *dir, const record *r, bool rerun, verify_coun
   }
 }
 
-static int verify_rows(const char *dir, const record_table *t, bool rerun) {
+static base_status verify_rows(const char *dir, const record_table *t, bool rerun, int *code,
+                               base_error *err) {
   verify_counts n = {0};
-  for (int i = 0; i < t->n; i++) {
-    if (!seen_before(t, i)) {
+  bool *first = calloc((size_t)t->n + 1, sizeof *first);
+  base_status done = (first != NULL) ? record_table_firsts(t, first, err)
+                                     : BASE_FAIL(err, BASE_ENOMEM, "no memory for %d rows", t->n);
+  for (int i = 0; done == BASE_OK && i < t->n; i++) {
+    if (first[i]) {
       verify_row(dir, &t->row[i], rerun, &n);
     }
   }
-  (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without an "
-               "answer\n",
-               n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none);
-  return (n.bad == 0) ? CLI_OK : CLI_HONEST;
+  free(first);
+  if (done == BASE_OK) {
+    (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without "
+                 "an answer\n",
+                 n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none);
+  }
+  *code = (n.bad == 0) ? CLI_OK : CLI_HONEST;
+  return done;
 }
 
 static int run(int argc, char **argv) {
@@ -228,9 +227,10 @@ static int run(int argc, char **argv) {
   if (done != BASE_OK) {
     return cli_report(&err);
   }
-  const int code = verify_rows(dir, &t, rerun);
+  int code = CLI_INTERNAL;
+  done = verify_rows(dir, &t, rerun, &code, &err);
   record_table_free(&t);
-  return code;
+  return (done == BASE_OK) ? code : cli_report(&err);
 }
 
 extern const cli_verb verb_verify;
