@@ -45,7 +45,8 @@ def dimension(cells):
     frictionless = p["lcp_dim_other"] == p["lcp_dim"]
     count = int((fits | frictionless).sum())
     smaller = float((p["lcp_dim"] <= p["lcp_dim_other"]).mean())
-    word = verdict(count / len(p), "all potential contacts are active" if smaller >= 1 else "")
+    same = p["n_active"] == p["n_active_other"]
+    word = verdict(count / len(p), "both pose the same contacts" if same.any() and (fits | frictionless)[same].all() else "")
     return word, f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); never more in {smaller:.0%}"
 
 
@@ -72,8 +73,10 @@ def faster(column, what):
             word = "does not hold"
         big = p[p["p"] == sizes[-1]] if sizes else p
         at_big = stats.paired_ratio(big[column + "_other"], big[column])
+        by_solver = {s: stats.paired_ratio(g[column + "_other"], g[column]) for s, g in p.groupby("solver") if len(g) >= 3}
+        each = ", ".join(f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3]))
         return word, (f"{what}: velocity / regularized = {interval(ratio, low, high)} (geometric mean of {n} pairs, 95 %), "
-                      f"faster in {len(wins)}; at p = {sizes[-1]:g}: {interval(*at_big[:3])}")
+                      f"faster in {len(wins)}; by solver {each}; at p = {sizes[-1]:g}: {interval(*at_big[:3])}")
     return claim
 
 

@@ -51,7 +51,7 @@ if (cells) {
 
 /* charts: the pictures in the page are replaced by interactive ones when the browser can unpack the library */
 async function charts() {
-  if (!("DecompressionStream" in window)) return;
+  if (!("DecompressionStream" in window) || window.innerWidth < 700) return; /* on a phone panels side by side are too small: the picture scrolls */
   const packed = Uint8Array.from(atob(document.getElementById("plotly").textContent.trim()), c => c.charCodeAt(0));
   const source = await new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   const script = document.createElement("script");
