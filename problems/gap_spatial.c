@@ -2,6 +2,7 @@
  *
  * Swept points and segments: closest points of the cores, and for capsules along one another both
  * ends of the overlap. */
+#include "problems/gap_round.h"
 #include "problems/shapes.h"
 #include "problems/vec.h"
 
@@ -205,7 +206,7 @@ bool gap_known(int dim, piece_kind a, piece_kind b) {
   if (lo == PIECE_POLYGON || hi == PIECE_POLYGON) {
     return false;
   }
-  return hi != PIECE_DISC || lo == PIECE_POINT;
+  return true;
 }
 
 /* First piece the simpler one: point < segment < box < disc. */
@@ -214,6 +215,9 @@ static int ordered(const piece *a, const pose *pa, const piece *b, const pose *p
   double c[3];
   if (b->kind <= PIECE_SEGMENT) {
     return cores(a, pa, b, pb, margin, out);
+  }
+  if (a->kind != PIECE_POINT && b->kind == PIECE_DISC) {
+    return gap_round(a, pa, b, pb, margin, out);
   }
   if (a->kind != PIECE_POINT) {
     return gap_boxes(a, pa, b, pb, margin, out);

@@ -60,7 +60,7 @@ double piece_bound(const piece *p);
 int gap_halfspace(const piece *p, const pose *at, const double *normal, double offset,
                   double margin, gap_point *out);
 
-/* Is there a gap function for this pair of kinds? Planar pairs always; spatial ones mostly. */
+/* Is there a gap function for this pair of kinds? Planar ones always; in space polygons have none. */
 bool gap_known(int dim, piece_kind a, piece_kind b);
 
 int gap_planar(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
