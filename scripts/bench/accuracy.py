@@ -10,7 +10,7 @@ from bench.section import Cell, Section, Table, error, si
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
 ROUNDING = 1e-12  # references are closed forms or integrations to about this: below it nothing can be read
-NOISE = 1.05  # costs closer than this are ties
+NOISE = 1.05  # costs closer than this are ties, where the machine's own noise floor was not measured
 YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
               "algebraic": ("rho", "residual of the complementarity problem")}
 

@@ -15,7 +15,7 @@ from bench.section import Cell, Table, si  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- begin: scripts/reference -->\n", "<!-- end: scripts/reference -->\n"
-EXTRA = ("limits.csv", "calibration.jsonl")
+EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
 
 
 def pack(source, target):

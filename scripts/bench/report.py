@@ -35,10 +35,10 @@ def stability_section(cells, bounds):
     return made
 
 
-def gather(cells, manifests, bounds, calibrated):
+def gather(cells, manifests, bounds, calibrated, noise):
     """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
     makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda c: stability_section(c, bounds)),
-              ("effects", effects.section), ("scaling", scaling.section), ("library", library.section)]
+              ("effects", effects.section), ("scaling", scaling.section), ("library", lambda c: library.section(c, noise))]
     sections, absent = [], []
     asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
     for name, make in makers:
@@ -80,14 +80,18 @@ def main():
         print(problem, file=sys.stderr)
         return 2
     cells = rows.cells(all_rows)
+    measured = rows.noise(args.folder)
+    noise = measured or accuracy.NOISE
+    accuracy.NOISE = noise  # ties of this report
     names = sorted(set(cells["campaign"]))
     title = "lcpbench: " + ", ".join(names)
     bounds = [r for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv")) for r in limits.load(path)]
     calibrated = [f for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl")) for f in calibration.load(path)]
-    sections = gather(cells, manifests, bounds, calibrated)
+    sections = gather(cells, manifests, bounds, calibrated, noise)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
     counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
+              f"Times closer than {noise - 1:.0%} are ties ({'noise floor, A/A' if measured else 'noise floor not measured'}). "
               f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
     advised = accuracy.scenes(accuracy.own(cells))
     advice = accuracy.advice(cells) if advised else None

@@ -58,6 +58,15 @@ def load_all(folder):
     return pd.concat([load(f) for f in found], ignore_index=True), {f.name: manifest(f) for f in found}
 
 
+def noise(folder):
+    """Ratio of times that is a tie: the A/A noise floor of small problems (doctor.json of the campaigns), at least 2 %; None if not measured."""
+    floors = []
+    for path in sorted(pathlib.Path(folder).glob("**/doctor.json")):
+        found = json.loads(path.read_text())
+        floors += [c["noise_floor"] for c in found.get("classes", []) if c.get("size") == "cache" and c.get("noise_floor") is not None]
+    return 1 + max(0.02, float(np.median(floors))) if floors else None
+
+
 def manifest(folder):
     path = pathlib.Path(folder) / "manifest.json"
     return json.loads(path.read_text()) if path.exists() else {}
