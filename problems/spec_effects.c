@@ -1,16 +1,6 @@
 /* Which effects occur in a scene's data, and what it declares of them. */
-#include "problems/spec.h"
-
-#include <math.h>
-
-static double norm3(const double *v) {
-  return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-static bool can_rotate(const scene_spec *s, const spec_body *b) {
-  const unsigned rot = (s->dim == 2) ? SPEC_RZ : SPEC_ROT;
-  return (b->lock & rot) != rot;
-}
+#include "problems/spec_check.h"
+#include "problems/vec.h"
 
 static bool occurs(const spec_coefficient *c) {
   bool any = c->dflt > 0.0;
@@ -33,13 +23,13 @@ static unsigned body_effects(const scene_spec *s, const spec_body *b) {
     return EFFECT_MOTION;
   }
   const unsigned turning = EFFECT_ROTATION | if_true(!is_round(s, b), EFFECT_GYROSCOPIC);
-  return if_true(b->prescribed != 0, EFFECT_MOTION) | if_true(can_rotate(s, b), turning);
+  return if_true(b->prescribed != 0, EFFECT_MOTION) | if_true(spec_can_rotate(s, b), turning);
 }
 
 static unsigned present_effects(const scene_spec *s) {
   const bool contact = s->n_body > 1 || (s->n_static > 0 && s->n_body > 0);
   unsigned e = if_true(s->dim == 3, EFFECT_SPATIAL) |
-               if_true(norm3(s->gravity) > 0.0, EFFECT_GRAVITY) |
+               if_true(v3_norm(s->gravity) > 0.0, EFFECT_GRAVITY) |
                if_true(s->n_joint > 0, EFFECT_JOINTS) | if_true(contact, EFFECT_CONTACT) |
                if_true(contact && occurs(&s->friction), EFFECT_FRICTION) |
                if_true(contact && occurs(&s->restitution), EFFECT_RESTITUTION) |
@@ -49,7 +39,7 @@ static unsigned present_effects(const scene_spec *s) {
     e |= body_effects(s, &s->body[i]);
   }
   for (int i = 0; i < s->n_static; i++) {
-    e |= if_true(norm3(s->fixed[i].surface_velocity) > 0.0, EFFECT_MOTION);
+    e |= if_true(v3_norm(s->fixed[i].surface_velocity) > 0.0, EFFECT_MOTION);
   }
   for (int i = 0; i < s->n_load; i++) {
     e |= EFFECT_LOADS | if_true(s->load[i].c > 0.0, EFFECT_DAMPING);
