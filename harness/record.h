@@ -36,7 +36,7 @@
   T(solution_hash, 24)                                                                             \
   T(host, 64) T(host_class, 96) T(cpu_set, 16) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
   B(throttled) R(canary_s) T(trace, 48) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty)      \
-  T(build_hash, 24)                                                                                \
+  T(build_hash, 24) T(base_hash, 24)                                                                                \
   T(command, 1200)
 /* clang-format on */
 

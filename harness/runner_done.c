@@ -2,6 +2,7 @@
 #include "harness/machine.h"
 #include "harness/runner.h"
 #include "harness/verdict.h"
+#include "harness/versions.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +49,8 @@ static base_status done_on(const plan *p, const record_table *rows, const char *
   int n = 0;
   for (int i = 0; i < rows->n; i++) {
     const record *r = &rows->row[i];
-    if (host_class == NULL || strcmp(r->host_class, host_class) == 0) {
+    const bool same_build = strcmp(r->base_hash, build_base()) == 0;
+    if (same_build && (host_class == NULL || strcmp(r->host_class, host_class) == 0)) {
       (void)snprintf(key[n].id, sizeof key[n].id, "%.16s", r->cell_id);
       key[n].process = r->process;
       key[n++].ends = runner_ends_cell(r);

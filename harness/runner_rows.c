@@ -2,6 +2,7 @@
 #include "harness/registry.h"
 #include "harness/runner_state.h"
 #include "harness/verdict.h"
+#include "harness/versions.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -82,28 +83,55 @@ static void forget(const runner *r, const char *id) {
   (void)unlink(path);
 }
 
-/* Leaves out rows that are to be measured again, and sets rows of cells of this plan's parts that
- * no longer exist (changed problem, solver or option) aside in stale.csv. */
-static base_status settle_rows(runner *r, record_table *rows, bool whole, base_error *err) {
+typedef enum fate { ROW_KEPT, ROW_STALE, ROW_AGAIN } fate;
+
+/* Stale: no cell of this campaign any more (a changed problem, component or option), or measured by
+ * other shared code. Under a filter or in a shard other cells are none of our business. */
+static fate fate_of(const runner *r, const record *row) {
+  const bool known = find_cell(r->plan, row->cell_id) != NULL;
+  if (known ? strcmp(row->base_hash, build_base()) != 0 : r->plan->whole) {
+    return ROW_STALE;
+  }
+  return (known && wanted_again(row, r->o)) ? ROW_AGAIN : ROW_KEPT;
+}
+
+/* Adds rows to stale.csv; what an earlier run set aside stays. */
+static base_status set_aside(const runner *r, const record_table *stale, base_error *err) {
+  char path[1100];
+  record_table all = {0};
+  base_status done = BASE_OK;
+  runner_path(r->o->out, "stale.csv", path, sizeof path);
+  if (access(path, F_OK) == 0) {
+    done = record_table_read(path, &all, err);
+  }
+  for (int i = 0; done == BASE_OK && i < stale->n; i++) {
+    done = record_table_append(&all, &stale->row[i], err);
+  }
+  if (done == BASE_OK) {
+    done = record_table_write(path, &all, err);
+  }
+  record_table_free(&all);
+  return done;
+}
+
+/* Leaves out rows that are to be measured again, and sets stale ones aside. */
+static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
   record_table kept = {0};
   record_table stale = {0};
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < rows->n; i++) {
     const record *row = &rows->row[i];
-    const bool known = find_cell(r->plan, row->cell_id) != NULL;
-    if (whole && !known) {
-      done = record_table_append(&stale, row, err);
-    } else if (!known || !wanted_again(row, r->o)) {
-      done = record_table_append(&kept, row, err);
-    } else {
+    const fate f = fate_of(r, row);
+    if (f != ROW_AGAIN) {
+      done = record_table_append(f == ROW_STALE ? &stale : &kept, row, err);
+    }
+    if (f != ROW_KEPT) {
       forget(r, row->cell_id);
     }
   }
   const bool changed = rows->torn || rows->foreign || kept.n != rows->n;
-  char path[1100];
   if (done == BASE_OK && stale.n > 0) {
-    runner_path(r->o->out, "stale.csv", path, sizeof path);
-    done = record_table_write(path, &stale, err);
+    done = set_aside(r, &stale, err);
   }
   if (done == BASE_OK && changed) {
     done = runner_write_rows(r->o->out, &kept, err);
@@ -121,7 +149,7 @@ base_status runner_open_rows(runner *r, record_table *rows, base_error *err) {
   runner_path(r->o->out, "results.csv", path, sizeof path);
   if (access(path, F_OK) == 0) {
     BASE_TRY(record_table_read(path, rows, err));
-    BASE_TRY(settle_rows(r, rows, r->plan->whole, err));
+    BASE_TRY(settle_rows(r, rows, err));
   }
   r->earlier = rows->n;
   r->fd = open(path, O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);

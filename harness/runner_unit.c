@@ -107,6 +107,7 @@ static void add_context(runner *r, const isolate_end *end, const surroundings *s
     SET_TEXT(row->host_class, r->machine.cpu_model);
     SET_TEXT(row->suite_commit, build_commit());
     SET_TEXT(row->build_hash, build_hash());
+    SET_TEXT(row->base_hash, build_base());
     machine_utc(row->started_utc, sizeof row->started_utc);
   }
 }

@@ -10,6 +10,7 @@
 #include "harness/json_out.h"
 #include "harness/runner.h"
 #include "harness/verify_certificate.h"
+#include "harness/versions.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -175,7 +176,9 @@ static void verify_row(const char *dir, const record *r, bool rerun, verify_coun
   n->rerun += (held && !stored) ? 1 : 0;
   n->bad += held ? 0 : 1;
   if (!held) {
-    (void)printf("DIFFERS %s %s: %s\n", r->cell_id, r->problem, why);
+    const bool same_code = strcmp(r->base_hash, build_base()) == 0;
+    (void)printf("DIFFERS %s %s: %s%s\n", r->cell_id, r->problem, why,
+                 same_code ? "" : " (the row is of another build)");
   }
 }
 

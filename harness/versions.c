@@ -52,6 +52,10 @@ const char *build_options(void) {
   return BUILD_OPTIONS;
 }
 
+const char *build_base(void) {
+  return BUILD_BASE;
+}
+
 const char *build_hash(void) {
   return BUILD_HASH;
 }

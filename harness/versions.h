@@ -1,5 +1,6 @@
-/* harness/versions.h - content keys of the components: the hash of their source file, made when the
- * build is made. A changed solver invalidates its own cells and no others. */
+/* harness/versions.h - content keys of the components: the hash of their source files (NAME.c and the
+ * files beside it that carry its name), made when the build is made. A changed solver invalidates its
+ * own cells and no others; a change of what all share invalidates all. */
 #pragma once
 
 /* 16 hex digits, or "external" for components outside lcp/solvers, formulations, problems/scenes. */
@@ -12,4 +13,5 @@ const char *build_commit(void); /* git commit, or "unknown" */
 int build_dirty(void);          /* 1: the tree had changes, 0: clean, -1: unknown */
 const char *build_compiler(void);
 const char *build_options(void);
+const char *build_base(void); /* 16 hex digits over compiler, options and shared sources */
 const char *build_hash(void); /* 16 hex digits over compiler, options and every component */

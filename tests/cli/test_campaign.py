@@ -148,6 +148,25 @@ def g6_one_bit_invalidates_its_cells_only(d):
     assert "4 measured now" in done.stdout, done.stdout
 
 
+def g6_other_shared_code_invalidates_all(d):
+    """Rows of a build whose solvers are the same, but whose matrices, residuals or step loop are not, count as unmeasured."""
+    c = campaign(d, SMALL)
+    run("run", c, "--out", d / "o", "--quiet")
+    text = (d / "o/results.csv").read_text()
+    base = {r["base_hash"] for r in rows(d / "o")}
+    assert len(base) == 1 and base != {""}
+    other = text.replace(base.pop(), "0123456789abcdef")
+    (d / "o/results.csv").write_text(other)
+    done = run("run", c, "--out", d / "o", "--quiet", "--filter", "solver=lemke")
+    assert "18 measured now" in done.stdout and "stale rows" in done.stdout, done.stdout
+    done = run("run", c, "--out", d / "o", "--quiet")
+    assert "18 measured now" in done.stdout or "0 measured now" not in done.stdout, done.stdout
+    assert cells(d / "o") == {(r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(text.splitlines())}
+    with open(d / "o/stale.csv", newline="") as f:
+        assert len(list(csv.DictReader(f))) == 72, "nothing is thrown away"
+    assert ", 0 differ" in run("verify", d / "o").stdout
+
+
 def kinds_of_cells(d):
     """A campaign with a cell of every kind: scenes, with other effects, started warm, of other steps; files and families."""
     matrix(d / "a.x", "2")
@@ -351,7 +370,7 @@ def merged_folders_keep_their_answers(d):
 
 
 tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_whole_and_resumed, manifest_is_complete,
-     g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
+     g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, g6_other_shared_code_invalidates_all, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
      interrupted_runs_flush_and_go_on,
      status_counts, smoke_is_quick_and_explained, paper_prints_its_plan,
      merged_folders_keep_their_answers, large_tables_are_compared_at_once, progress_is_plain_where_nobody_watches])
