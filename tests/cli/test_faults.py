@@ -50,7 +50,7 @@ def g2_liar_in_json(d):
 def rerun_measures_what_is_asked_for(d):
     """timeouts: what timed out; failed: every cell that is not ok; a solver: its cells; all: all. Nothing asked: nothing."""
     text = FLAGS % (1, 1, diagonal(d, 6), "[lemke, pgs, faulty_liar, faulty_crash, faulty_hang, faulty_patient]")
-    c = campaign(d, text.replace("time: 1s", "time: 0.3s"))
+    c = campaign(d, text.replace("time: 1s", "time: 0.8s"))
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
     first = {r["solver"]: r["status"] for r in rows(d / "o")}
     assert first["faulty_hang"] == "timeout" and first["faulty_patient"] == "time_limit" and first["faulty_crash"] == "crash", first
@@ -71,9 +71,9 @@ parts:
 """
 
 
-def flagged(d, solvers, samples=2):
+def flagged(d, solvers, samples=2, limit="1s"):
     out = d / f"o{len(list(d.iterdir()))}"
-    run("run", campaign(d, FLAGS % (samples, samples, diagonal(d, 6), solvers)), "--out", out, "--quiet", exe=FAULTY)
+    run("run", campaign(d, (FLAGS % (samples, samples, diagonal(d, 6), solvers)).replace("time: 1s", f"time: {limit}")), "--out", out, "--quiet", exe=FAULTY)
     return [(r["solver"], set(r["flags"].split()), r) for r in rows(out)]
 
 
@@ -97,16 +97,16 @@ def outliers_are_kept_and_measured_again(d):
     late = [r for _, flags, r in got if "outlier" in flags]
     again = [r for _, flags, r in got if "remeasured" in flags]
     assert late and again and len(got) == 11 + len(again), (len(got), len(late), len(again))
-    assert max(float(r["t_solve_s"]) for r in late) > 0.012
+    assert max(float(r["t_solve_s"]) for r in late) > 0.06
 
 
 def long_runs_keep_their_first_time(d):
     """Where no second evaluation fits before the limit, the first is the row; a solver is told the limit before it is killed."""
-    got = {s: (flags, r) for s, flags, r in flagged(d, "['faulty_sleeper:seconds=0.55', faulty_patient]")}
+    got = {s: (flags, r) for s, flags, r in flagged(d, "['faulty_sleeper:seconds=0.8', faulty_patient]", limit="1.5s")}
     flags, r = got["faulty_sleeper"]
-    assert r["status"] == "ok" and "first_run" in flags and 0.55 <= float(r["t_total_s"]) < 1.0, r
+    assert r["status"] == "ok" and "first_run" in flags and 0.8 <= float(r["t_total_s"]) < 1.5, r
     flags, r = got["faulty_patient"]
-    assert r["status"] == "time_limit" and 0.8 <= float(r["t_solve_s"]) < 1.0, r
+    assert r["status"] == "time_limit" and 1.2 <= float(r["t_solve_s"]) < 1.5, r
 
 
 def faults_are_not_in_the_release(d):

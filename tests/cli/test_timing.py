@@ -115,11 +115,11 @@ def sampling_stops_when_the_median_is_known(d):
     """Half-width 2 %: fewer samples where they agree than where they scatter; never fewer than asked, never more."""
     text = TEXT.replace("max_samples: 15", "max_samples: 25").replace("budget: 2s", "budget: 20s").replace("processes: 5", "processes: 1")
     taken = {}
-    for half in ("1.0", "1e-9"):
+    for half in ("1000", "1e-9"):
         c = campaign(d, text.replace("inner: 0.01s", f"inner: 0.001s, half_width: {half}") % (diagonal(d, 10), "['faulty_steady:seconds=0.002']"))
         run("run", c, "--out", d / half, "--quiet", exe=FAULTY)
         taken[half] = sum("remeasured" not in r["flags"] for r in rows(d / half))
-    assert taken == {"1.0": 7, "1e-9": 25}, taken
+    assert taken == {"1000": 7, "1e-9": 25}, taken
 
 
 def short_solves_are_looped(d):

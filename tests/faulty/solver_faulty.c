@@ -215,7 +215,7 @@ static base_status solve_hiccup(void *state, const lcp_problem *p, const void *o
   UNUSED_;
   const faulty_options *o = opt;
   const bool late = ++solves % 6 == 0;
-  (void)usleep((useconds_t)(1e6 * o->seconds * (late ? 8.0 : 1.0)));
+  (void)usleep((useconds_t)(1e6 * o->seconds * (late ? 40.0 : 1.0)));
   return solve_diagonal(p, z, res);
 }
 
@@ -254,7 +254,7 @@ FAULTY(idle, "solves without an iteration", solve_idle, NULL);
 FAULTY(fallback, "asks another method", solve_fallback, NULL);
 FAULTY(patient, "works until its time limit", solve_patient, NULL);
 FAULTY(fickle, "never the same answer", solve_fickle, NULL);
-FAULTY(hiccup, "every sixth solve takes eight times as long", solve_hiccup, NULL);
+FAULTY(hiccup, "every sixth solve takes forty times as long", solve_hiccup, NULL);
 
 const lcp_solver *const faulty_solvers[] = {
     &faulty_liar,    &faulty_nan,    &faulty_crash,  &faulty_hang, &faulty_hog,
