@@ -25,6 +25,7 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, impact, "keep|boost", 0, "raise G to the ratio at impacts"),
     BASE_FIELD_CHOICE(options, modes, "newton|plain|secant", 0, "iteration of stick and slip"),
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
+    BASE_FIELD_CHOICE(options, factor, "auto|envelope|cholmod", 0, "of form=mass"),
     BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
     BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),

@@ -37,6 +37,7 @@ typedef enum formulation_start { FORM_COLD, FORM_PREVIOUS } formulation_start;
 /* Work of one step (the harness adds the solver's own). */
 typedef struct formulation_work {
   long solves, mode_changes, factorizations, fallbacks, rays, evaluations;
+  long analyses; /* symbolic ones, before a factorization with a new pattern */
 } formulation_work;
 
 /* Result of one step; arrays are views into the formulation's state, valid until begin. */

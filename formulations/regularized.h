@@ -35,6 +35,7 @@ typedef struct reg_options {
   int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
   int modes;     /* reg_modes */
   int form;      /* 0 by size, 1 contact space, 2 mass matrix */
+  int factor;    /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
   double sigma0, sigma1, sigma2, v_stribeck; /* LuGre [N/m], [N s/m], [N s/m], [m/s] */
   double ellipse;                            /* mu along t2 over mu along t1 [1] */
   int activation, restitution;
@@ -73,8 +74,12 @@ typedef struct reg_row {
   double offset;     /* [m/s] */
 } reg_row;
 
-/* regularized_mass.c: M_hat in its envelope. */
+/* regularized_mass.c: M_hat and its factor, in an envelope or with CHOLMOD. */
+typedef struct reg_sparse reg_sparse;
 typedef struct reg_mass {
+  bool by_sparse;
+  reg_sparse *sparse;     /* owned */
+  long analyses;          /* symbolic ones since open */
   int *place, *order;     /* n_body: first dof in the order of elimination; bodies in that order */
   int *first;             /* n_dof: first column of each row of L */
   size_t *at;             /* n_dof+1: where the row starts */

@@ -5,16 +5,20 @@
  *
  * with the compliant directions Q, compliances g, offsets o and columns B of regularized_contact.c;
  * the two forms give the same numbers. M_hat couples only bodies that share a contact with
- * friction. It is factored as L L' inside its envelope (George & Liu 1981, ch. 4), bodies in
- * reverse Cuthill-McKee order, so that a stack or a wall costs in proportion to its size. All right
- * sides pass the forward substitution together; nothing of contact space is formed. */
-#include "formulations/regularized.h"
+ * friction. It is factored inside its envelope (regularized_envelope.c) or, where that would be
+ * wide, by CHOLMOD (regularized_sparse.c). All right sides pass the forward substitution together;
+ * nothing of contact space is formed. */
+#include "formulations/regularized_factor.h"
 
 #include <cblas.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MOST_ROWS = 8 };
+
+/* Mean entries in a row of the envelope beyond which CHOLMOD is taken. The p right sides cost more than
+ * the factor: up to a width of 500 (3840 dofs, 2080 contacts) the envelope was 1.4 to 2 times faster. */
+static const size_t wide_envelope = 1024;
 
 static void layout(void *state, base_arena *m) {
   reg_mass *s = state;
@@ -35,6 +39,7 @@ static void layout_values(void *state, base_arena *m) {
 }
 
 void reg_mass_close(reg_mass *m) {
+  reg_sparse_close(m);
   free(m->mem);
   free(m->val_mem);
 }
@@ -106,45 +111,6 @@ static void order_bodies(const contact_set *c, reg_mass *m) {
   }
 }
 
-/* Row i of the envelope holds columns first[i] .. end of its body: equally long for one body, so
- * that its rows are a matrix. What lies above the diagonal is not used. */
-static void find_envelope(const contact_set *c, reg_mass *m) {
-  for (int b = 0; b < c->n_body; b++) {
-    int least = m->place[b];
-    for (int k = m->link_start[b]; k < m->link_start[b + 1]; k++) {
-      const int other = m->place[m->link[k]];
-      least = (other < least) ? other : least;
-    }
-    const int end = m->place[b] + dofs(c, b);
-    for (int i = m->place[b]; i < end; i++) {
-      m->first[i] = least;
-      m->at[i + 1] = (size_t)(end - least);
-    }
-  }
-  m->at[0] = 0;
-  for (int i = 0; i < c->n_dof; i++) {
-    m->at[i + 1] += m->at[i];
-  }
-}
-
-/* Entry (i, j), j <= i. */
-static double *entry(const reg_mass *m, int i, int j) {
-  return m->L + m->at[i] + (j - m->first[i]);
-}
-
-static void add_mass(const contact_set *c, reg_mass *m) {
-  memset(m->L, 0, m->at[c->n_dof] * sizeof *m->L);
-  for (int b = 0; b < c->n_body; b++) {
-    const int n = dofs(c, b);
-    const double *mass = c->mass + c->mass_start[b];
-    for (int i = 0; i < n; i++) {
-      for (int j = 0; j <= i; j++) {
-        *entry(m, m->place[b] + i, m->place[b] + j) = mass[j * n + i];
-      }
-    }
-  }
-}
-
 /* f over the rows of group i times J, added to a vector of dofs with the given stride. */
 static void scatter(const regularized *s, const reg_mass *m, int i, const double *f, double *out,
                     ptrdiff_t stride) {
@@ -186,19 +152,6 @@ static void direction(const regularized *s, const reg_row *q, double *out) {
   }
 }
 
-/* Lower part of x y' / compliance into the rows of one body and the columns of another. */
-static void add_outer(const reg_mass *m, int row, const double *x, int nx, int column,
-                      const double *y, int ny, double compliance) {
-  for (int i = 0; i < nx; i++) {
-    double *to = entry(m, row + i, column);
-    const double scaled = x[i] / compliance;
-    const int end = (row == column) ? i + 1 : ny;
-    for (int j = 0; j < end; j++) {
-      to[j] += scaled * y[j];
-    }
-  }
-}
-
 /* M_hat += e e' / compliance for every compliant direction e. */
 static void add_springs(const regularized *s, reg_mass *m) {
   const contact_set *c = s->a.set;
@@ -213,68 +166,9 @@ static void add_springs(const regularized *s, reg_mass *m) {
       const int x = xy / 2;
       const int y = xy % 2;
       if (n[x] > 0 && n[y] > 0 && m->place[b[x]] >= m->place[b[y]]) {
-        add_outer(m, m->place[b[x]], part[x], n[x], m->place[b[y]], part[y], n[y], q->compliance);
+        (m->by_sparse ? reg_sparse_add : reg_envelope_add)(
+            m, m->place[b[x]], part[x], n[x], m->place[b[y]], part[y], n[y], q->compliance);
       }
-    }
-  }
-}
-
-/* L L' = M_hat in place; false if it is not positive definite. */
-static bool factor(reg_mass *m, int n) {
-  for (int i = 0; i < n; i++) {
-    double *row = entry(m, i, m->first[i]);
-    for (int j = m->first[i]; j <= i; j++) {
-      const int from = (m->first[i] > m->first[j]) ? m->first[i] : m->first[j];
-      const double *a = entry(m, i, from);
-      const double *b = entry(m, j, from);
-      double sum = row[j - m->first[i]];
-      for (int k = 0; k < j - from; k++) {
-        sum -= a[k] * b[k];
-      }
-      if (j < i) {
-        row[j - m->first[i]] = sum / *entry(m, j, j);
-      } else if (sum > 0) {
-        row[j - m->first[i]] = sqrt(sum);
-      } else {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-/* Y <- L^-1 Y, Y row-major with `width` right sides, body by body. */
-static void forward(const contact_set *c, const reg_mass *m, int width) {
-  for (int k = c->n_body - 1; k >= 0; k--) {
-    const int n = dofs(c, m->order[k]);
-    const int at = m->place[m->order[k]];
-    if (n == 0) {
-      continue;
-    }
-    const int from = m->first[at];
-    const int before = at - from;
-    const double *L = entry(m, at, from);
-    double *y = m->Y + (ptrdiff_t)at * width;
-    if (before > 0) {
-      cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, before + n,
-                  m->Y + (ptrdiff_t)from * width, width, 1, y, width);
-    }
-    for (int i = 0; i < n; i++) { /* dtrsm does not pay for so few rows */
-      const double *row = L + (ptrdiff_t)i * (before + n) + before;
-      for (int j = 0; j < i; j++) {
-        cblas_daxpy(width, -row[j], y + (ptrdiff_t)j * width, 1, y + (ptrdiff_t)i * width, 1);
-      }
-      cblas_dscal(width, 1 / row[i], y + (ptrdiff_t)i * width, 1);
-    }
-  }
-}
-
-static void backward(const reg_mass *m, int n, double *x) {
-  for (int i = n - 1; i >= 0; i--) {
-    const double *row = entry(m, i, m->first[i]);
-    x[i] /= row[i - m->first[i]];
-    for (int k = m->first[i]; k < i; k++) {
-      x[k] -= row[k - m->first[i]] * x[i];
     }
   }
 }
@@ -291,18 +185,24 @@ static base_status reserve(regularized *s, base_error *err) {
   }
   find_links(s, m);
   order_bodies(c, m);
-  find_envelope(c, m);
+  reg_envelope_plan(c, m);
+  const size_t wide = m->at[c->n_dof] / ((size_t)c->n_dof + 1);
+  m->by_sparse = s->opt.factor == 2 || (s->opt.factor == 0 && wide > wide_envelope);
   const size_t sides = (size_t)c->n_dof * (2 * (size_t)s->a.n_contact + 1);
-  if (m->val_mem == NULL || m->at[c->n_dof] > m->cap_L || sides > m->cap_Y) {
-    m->cap_L = m->at[c->n_dof] + m->at[c->n_dof] / 2;
+  const size_t entries = m->by_sparse ? 0 : m->at[c->n_dof];
+  if (m->val_mem == NULL || entries > m->cap_L || sides > m->cap_Y) {
+    m->cap_L = entries + entries / 2;
     m->cap_Y = sides + sides / 2;
     BASE_TRY(form_memory(&m->val_mem, layout_values, m, err));
   }
-  return BASE_OK;
+  return m->by_sparse ? reg_sparse_plan(c, m, err) : BASE_OK;
 }
 
 base_status reg_mass_begin(regularized *s, base_error *err) {
-  return reserve(s, err);
+  const long before = s->mass.analyses;
+  const base_status done = reserve(s, err);
+  s->answer.work.analyses += s->mass.analyses - before;
+  return done;
 }
 
 /* Right sides [c | J_n' | J' B], the last only where some part slips. */
@@ -335,14 +235,18 @@ bool reg_mass_reduce(regularized *s) {
   const int n = s->a.set->n_dof;
   const int p = s->a.n_contact;
   const int width = 1 + (s->any_slip ? 2 * p : p);
-  add_mass(s->a.set, m);
+  (m->by_sparse ? reg_sparse_mass : reg_envelope_mass)(s->a.set, m);
   add_springs(s, m);
   s->answer.work.factorizations++;
-  if (!factor(m, n)) {
+  if (!(m->by_sparse ? reg_sparse_factor(m) : reg_envelope_factor(m, n))) {
     return false;
   }
   right_sides(s, width);
-  forward(s->a.set, m, width);
+  if (!m->by_sparse) {
+    reg_envelope_forward(s->a.set, m, width);
+  } else if (!reg_sparse_forward(m, n, width)) {
+    return false;
+  }
   for (int i = 0; i < p; i++) {
     s->b[i] = s->a.r[s->a.row[i]] + s->a.bias[s->a.group[i]];
   }
@@ -393,14 +297,14 @@ static void relative(const regularized *s, const double *delta, double *u) {
 
 /* delta = v - v_free = M_hat^-1 (J' B lambda_n - c); the compliant impulses follow from u. */
 void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u) {
-  const reg_mass *m = &s->mass;
+  reg_mass *m = &s->mass;
   const int n = s->a.set->n_dof;
   const int p = s->a.n_contact;
   const int width = 1 + (s->any_slip ? 2 * p : p);
   const double *B = m->Y + 1 + (s->any_slip ? p : 0);
   cblas_dcopy(n, m->Y, width, m->delta, 1);
   cblas_dgemv(CblasColMajor, CblasTrans, p, n, 1, B, width, lambda_n, 1, -1, m->delta, 1);
-  backward(m, n, m->delta);
+  (m->by_sparse ? reg_sparse_backward : reg_envelope_backward)(m, n, m->delta);
   relative(s, m->delta, u);
   memset(lambda, 0, (size_t)s->a.n_row * sizeof *lambda);
   for (int i = 0; i < p; i++) {

@@ -1,0 +1,31 @@
+/* formulations/regularized_factor.h - the two factorisations of M_hat behind regularized_mass.c; private to
+ * it. Each takes the lower triangle by body blocks, dofs in the order reg_mass.place, and gives L^-1
+ * on many right sides and L'^-1 on one. */
+#pragma once
+
+#include "formulations/regularized.h"
+
+/* regularized_envelope.c: L in its envelope, no heap in a step. */
+void reg_envelope_plan(const contact_set *c, reg_mass *m);
+void reg_envelope_mass(const contact_set *c, reg_mass *m);
+/* M_hat += x y' / compliance, its part in the rows from `row` and the columns from `column`. */
+void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
+                      int ny, double compliance);
+/* L L' = M_hat in place; false if it is not positive definite. */
+bool reg_envelope_factor(reg_mass *m, int n);
+/* Y <- L^-1 Y, Y row-major with `width` right sides. */
+void reg_envelope_forward(const contact_set *c, reg_mass *m, int width);
+/* x <- L'^-1 x. */
+void reg_envelope_backward(reg_mass *m, int n, double *x);
+
+/* regularized_sparse.c: the same by CHOLMOD, whose ordering and symbolic analysis stand as long as the same
+ * bodies share contacts. */
+base_status reg_sparse_plan(const contact_set *c, reg_mass *m, base_error *err);
+void reg_sparse_mass(const contact_set *c, reg_mass *m);
+void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
+                    int ny, double compliance);
+bool reg_sparse_factor(reg_mass *m);
+bool reg_sparse_forward(reg_mass *m, int n, int width);
+/* NaN without memory: the step's residual then shows it. */
+void reg_sparse_backward(reg_mass *m, int n, double *x);
+void reg_sparse_close(reg_mass *m);
