@@ -44,7 +44,7 @@ void *base_arena_take_array(base_arena *a, size_t count, size_t size) {
  * is as good as any other. */
 static void *large_block(size_t bytes) {
   const size_t padded = (bytes + HUGE_PAGE - 1) / HUGE_PAGE * HUGE_PAGE;
-  void *mem = (padded < bytes) ? NULL : aligned_alloc(HUGE_PAGE, padded);
+  void *mem = aligned_alloc(HUGE_PAGE, padded);
 #ifdef MADV_HUGEPAGE
   if (mem != NULL) {
     (void)madvise(mem, padded, MADV_HUGEPAGE);
@@ -54,6 +54,9 @@ static void *large_block(size_t bytes) {
 }
 
 void *base_alloc(size_t bytes) {
+  if (bytes > PTRDIFF_MAX) { /* no object is as large */
+    return NULL;
+  }
   if (bytes >= LARGE) {
     return large_block(bytes);
   }

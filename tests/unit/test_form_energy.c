@@ -90,7 +90,7 @@ static void random_world(scene_spec *s, uint64_t seed) {
   (void)snprintf(s->id, sizeof s->id, "random");
   check_ok(spec_add_static(s, "floor", up, 0.0, &floor, &err), &err);
   for (int i = 0; i < 4; i++) {
-    char name[8];
+    char name[16];
     spec_body *b;
     (void)snprintf(name, sizeof name, "b%d", i);
     check_ok(spec_add_body(s, name, &b, &err), &err);
