@@ -150,10 +150,8 @@ static base_status solve(const friction_problem *p, pieces *k, cholmod_common *c
   return copy_out(k->S, W, err);
 }
 
-base_status friction_condense(friction_problem *p, base_error *err) {
-  if (!p->global) {
-    return BASE_OK;
-  }
+/* A global problem whose joints stand beside its contacts in H and w. */
+static base_status condense(friction_problem *p, base_error *err) {
   const double skew = asymmetry(&p->M);
   if (!(skew <= ASYMMETRY_MAX)) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "M is not symmetric: relative difference %.2g", skew);
@@ -184,4 +182,13 @@ base_status friction_condense(friction_problem *p, base_error *err) {
   p->q = q;
   p->global = false;
   return BASE_OK;
+}
+
+base_status friction_condense(friction_problem *p, base_error *err) {
+  if (p->global) {
+    BASE_TRY(friction_join_joints(p, err));
+    BASE_TRY(condense(p, err));
+    BASE_TRY(friction_split_joints(p, err));
+  }
+  return friction_eliminate_joints(p, err);
 }

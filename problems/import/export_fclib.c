@@ -83,6 +83,11 @@ static void put_problem(target *t, const friction_problem *p) {
     put_reals(t, vectors, "q", p->q, n);
     (void)snprintf(matrix, sizeof matrix, "%s/W", top);
     put_matrix(t, matrix, &p->W);
+    if (p->n_joint > 0) {
+      put_matrix(t, "/fclib_local/V", &p->V);
+      put_matrix(t, "/fclib_local/R", &p->R);
+      put_reals(t, vectors, "s", p->s, p->n_joint);
+    }
     return;
   }
   put_reals(t, vectors, "f", p->f, p->M.n_col);
@@ -91,6 +96,11 @@ static void put_problem(target *t, const friction_problem *p) {
   put_matrix(t, matrix, &p->M);
   (void)snprintf(matrix, sizeof matrix, "%s/H", top);
   put_matrix(t, matrix, &p->H);
+  if (p->n_joint > 0) {
+    (void)snprintf(matrix, sizeof matrix, "%s/G", top);
+    put_matrix(t, matrix, &p->G);
+    put_reals(t, vectors, "b", p->b, p->n_joint);
+  }
 }
 
 base_status friction_write_fclib(const char *path, const friction_problem *p, base_error *err) {

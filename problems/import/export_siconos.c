@@ -35,6 +35,9 @@ static void print_matrix(FILE *f, const lcp_csc *A) {
 base_status friction_write_siconos(const char *path, const friction_problem *p, base_error *err) {
   const int n = p->rows * p->n_contact;
   BASE_TRY(friction_check(p, err));
+  if (p->n_joint > 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: friction text has no joints", path);
+  }
   FILE *f = fopen(path, "wb");
   if (f == NULL) {
     return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));

@@ -8,6 +8,11 @@ void friction_free(friction_problem *p) {
   lcp_csc_free(&p->W);
   lcp_csc_free(&p->M);
   lcp_csc_free(&p->H);
+  lcp_csc_free(&p->V);
+  lcp_csc_free(&p->R);
+  lcp_csc_free(&p->G);
+  free(p->s);
+  free(p->b);
   free(p->q);
   free(p->f);
   free(p->w);
@@ -45,6 +50,20 @@ static base_status check_matrix(const char *what, const lcp_csc *A, int n_row, i
   return BASE_OK;
 }
 
+static base_status check_joints(const friction_problem *p, base_error *err) {
+  const int m = p->n_joint;
+  if (m == 0) {
+    return BASE_OK;
+  }
+  if (p->global) {
+    BASE_TRY(check_matrix("G", &p->G, p->M.n_row, m, err));
+    return check_vector("b", p->b, m, -HUGE_VAL, err);
+  }
+  BASE_TRY(check_matrix("V", &p->V, p->rows * p->n_contact, m, err));
+  BASE_TRY(check_matrix("R", &p->R, m, m, err));
+  return check_vector("s", p->s, m, -HUGE_VAL, err);
+}
+
 base_status friction_check(const friction_problem *p, base_error *err) {
   if (p->rows != 2 && p->rows != 3 && p->rows != 5) {
     return BASE_FAIL(err, BASE_EINVAL, "%d rows a contact: need 2, 3, or 5 with rolling", p->rows);
@@ -58,8 +77,10 @@ base_status friction_check(const friction_problem *p, base_error *err) {
     BASE_TRY(check_matrix("M", &p->M, any, any, err));
     BASE_TRY(check_matrix("H", &p->H, any, n, err));
     BASE_TRY(check_vector("f", p->f, any, -HUGE_VAL, err));
-    return check_vector("w", p->w, n, -HUGE_VAL, err);
+    BASE_TRY(check_vector("w", p->w, n, -HUGE_VAL, err));
+    return check_joints(p, err);
   }
   BASE_TRY(check_matrix("W", &p->W, n, n, err));
-  return check_vector("q", p->q, n, -HUGE_VAL, err);
+  BASE_TRY(check_vector("q", p->q, n, -HUGE_VAL, err));
+  return check_joints(p, err);
 }

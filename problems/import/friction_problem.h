@@ -3,6 +3,9 @@
  * Rows of a contact: normal, tangents (1 in the plane, 2 in space), and with rolling two more.
  *   local    u = W r + q
  *   global   M v = H r + f,  u = H' v + w      (W = H' M^-1 H, q = H' M^-1 f + w)
+ * and with joints (FCLIB only), multipliers l free:
+ *   local    u = W r + V l + q,  0 = V' r + R l + s
+ *   global   M v = H r + G l + f,  u = H' v + w,  0 = G' v + b
  * with u + (mu |u_T| [+ mu_r |u_R|]) e_n in K*, r in K, u _|_ r (Acary, Bremond & Huber 2018). */
 #pragma once
 
@@ -18,6 +21,11 @@ typedef struct friction_problem {
   lcp_csc M, H;
   double *f;    /* global, dofs */
   double *w;    /* global, rows * n_contact */
+  int n_joint;  /* rows; 0: none */
+  lcp_csc V, R; /* local, rows * n_contact x n_joint and n_joint x n_joint */
+  double *s;    /* local, n_joint */
+  lcp_csc G;    /* global, dofs x n_joint */
+  double *b;    /* global, n_joint */
   double *mu;   /* n_contact */
   double *mu_r; /* n_contact with rows = 5, else NULL [m] */
   char title[160];
@@ -43,10 +51,16 @@ base_status friction_write_siconos(const char *path, const friction_problem *p, 
 
 /* ---- problems to solve -------------------------------------------------------------------- */
 
-/* Replaces a global problem by its local one, W exactly symmetric: sparse Cholesky of M's symmetric
+/* Replaces a global problem by its local one, without joints, W exactly symmetric: sparse Cholesky of M's symmetric
  * part. An inertia matrix must be symmetric to 1e-5 of its largest entry (some files of other codes
- * are to 1.5e-6) and positive definite. Nothing to do for a local problem. */
+ * are to 1.5e-6) and positive definite. Joints are eliminated, also of local problems; they must be independent. */
 base_status friction_condense(friction_problem *p, base_error *err);
+
+/* Parts of friction_condense. [H G] and [w b] in place of H and w; the joint rows and columns of what
+ * that condenses to, cut out again; joints of a local problem eliminated. */
+base_status friction_join_joints(friction_problem *p, base_error *err);
+base_status friction_split_joints(friction_problem *p, base_error *err);
+base_status friction_eliminate_joints(friction_problem *p, base_error *err);
 
 /* The exact problem: one LCP_CONE block a contact. p must be local; *out owns copies. */
 base_status friction_pose_cone(const friction_problem *p, known_lcp *out, base_error *err);

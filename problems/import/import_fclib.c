@@ -237,25 +237,38 @@ static base_status read_sizes(const source *s, const char *group, friction_probl
   return rolling ? read_reals(s, vectors, "mu_r", n, &p->mu_r) : BASE_OK;
 }
 
+/* The right-hand side of the joints, whose length is their number. */
+static base_status read_joint_vector(const source *s, const char *g, const char *name, double **x,
+                                     int *n) {
+  char path[96];
+  void *data;
+  (void)snprintf(path, sizeof path, "%s/vectors/%s", g, name);
+  const base_status status = read_dataset(s, path, H5T_FLOAT, -1, &data, n);
+  *x = data;
+  if (status == BASE_OK && *n < 1) {
+    return BAD(s, "%s: %s: joints without rows", s->path, path);
+  }
+  return status;
+}
+
 static base_status read_local(const source *s, friction_problem *p) {
   static const char g[] = "/fclib_local";
-  if (has(s, "/fclib_local/V") || has(s, "/fclib_local/R")) {
-    return BASE_FAIL(s->err, BASE_EUNSUPPORTED, "%s: local problems with joints (V, R)", s->path);
-  }
   BASE_TRY(read_sizes(s, g, p));
   const int n = p->rows * p->n_contact;
   BASE_TRY(read_reals(s, "/fclib_local/vectors", "q", n, &p->q));
-  return read_matrix(s, "/fclib_local/W", n, n, &p->W);
+  BASE_TRY(read_matrix(s, "/fclib_local/W", n, n, &p->W));
+  if (!has(s, "/fclib_local/V") && !has(s, "/fclib_local/R")) {
+    return BASE_OK;
+  }
+  BASE_TRY(read_joint_vector(s, g, "s", &p->s, &p->n_joint));
+  BASE_TRY(read_matrix(s, "/fclib_local/V", n, p->n_joint, &p->V));
+  return read_matrix(s, "/fclib_local/R", p->n_joint, p->n_joint, &p->R);
 }
 
 static base_status read_global(const source *s, const char *g, friction_problem *p) {
   char vectors[64], group[64];
   void *f;
   int dofs;
-  (void)snprintf(group, sizeof group, "%s/G", g);
-  if (has(s, group)) {
-    return BASE_FAIL(s->err, BASE_EUNSUPPORTED, "%s: global problems with joints (G)", s->path);
-  }
   BASE_TRY(read_sizes(s, g, p));
   const int n = p->rows * p->n_contact;
   p->global = true;
@@ -268,7 +281,13 @@ static base_status read_global(const source *s, const char *g, friction_problem 
   (void)snprintf(group, sizeof group, "%s/M", g);
   BASE_TRY(read_matrix(s, group, dofs, dofs, &p->M));
   (void)snprintf(group, sizeof group, "%s/H", g);
-  return read_matrix(s, group, dofs, n, &p->H);
+  BASE_TRY(read_matrix(s, group, dofs, n, &p->H));
+  (void)snprintf(group, sizeof group, "%s/G", g);
+  if (!has(s, group)) {
+    return BASE_OK;
+  }
+  BASE_TRY(read_joint_vector(s, g, "b", &p->b, &p->n_joint));
+  return read_matrix(s, group, dofs, p->n_joint, &p->G);
 }
 
 static base_status read_any(const source *s, friction_problem *p) {

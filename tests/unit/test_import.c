@@ -234,6 +234,102 @@ static void rolling_facets_hold_the_cone_along_them(void **state) {
   }
 }
 
+/* ---- joints --------------------------------------------------------------------------------- */
+
+static lcp_csc csc_of(int n_row, int n_col, const double *by_rows) {
+  int *colptr = calloc((size_t)n_col + 1, sizeof *colptr);
+  int *rowind = malloc((size_t)(n_row * n_col) * sizeof *rowind);
+  double *val = malloc((size_t)(n_row * n_col) * sizeof *val);
+  int nnz = 0;
+  for (int j = 0; j < n_col; j++) {
+    for (int i = 0; i < n_row; i++) {
+      if (by_rows[i * n_col + j] != 0.0) {
+        rowind[nnz] = i;
+        val[nnz++] = by_rows[i * n_col + j];
+      }
+    }
+    colptr[j + 1] = nnz;
+  }
+  return (lcp_csc){n_row, n_col, colptr, rowind, val};
+}
+
+static double *copy_of(const double *x, int n) {
+  double *y = malloc((size_t)n * sizeof *y);
+  memcpy(y, x, (size_t)n * sizeof *y);
+  return y;
+}
+
+/* A unit mass that touches the ground (normal y, tangent x), welded to another one: dofs x, y of each. The
+ * contact feels both masses: W = 1/2; both fall with (0.5, -1), b lets the weld open at 0.2 along x. */
+static friction_problem welded(bool global) {
+  static const double M[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  static const double H[8] = {0, 1, 1, 0, 0, 0, 0, 0}, G[8] = {1, 0, 0, 1, -1, 0, 0, -1};
+  static const double W[4] = {1, 0, 0, 1}, V[4] = {0, 1, 1, 0}, R[4] = {2, 0, 0, 2};
+  static const double f[4] = {0.5, -1, 0.5, -1}, b[2] = {-0.2, 0}, q[2] = {-1, 0.5}, mu = 0.3;
+  friction_problem p = {.rows = 2, .n_contact = 1, .global = global, .n_joint = 2};
+  p.mu = copy_of(&mu, 1);
+  if (global) {
+    p.M = csc_of(4, 4, M);
+    p.H = csc_of(4, 2, H);
+    p.G = csc_of(4, 2, G);
+    p.f = copy_of(f, 4);
+    p.w = copy_of((const double[]){0, 0}, 2);
+    p.b = copy_of(b, 2);
+  } else {
+    p.W = csc_of(2, 2, W);
+    p.V = csc_of(2, 2, V);
+    p.R = csc_of(2, 2, R);
+    p.q = copy_of(q, 2);
+    p.s = copy_of(b, 2);
+  }
+  return p;
+}
+
+static void joints_are_eliminated(void **state) {
+  (void)state;
+  for (int global = 0; global < 2; global++) {
+    base_error err = {0};
+    friction_problem p = welded(global == 1), back, third;
+    check_ok(friction_write_fclib(scratch(".hdf5"), &p, &err), &err);
+    assert_int_equal(friction_write_siconos(scratch(".dat"), &p, &err), BASE_EUNSUPPORTED);
+    check_ok(friction_read_fclib(scratch(".hdf5"), &back, &err), &err);
+    assert_int_equal(back.n_joint, 2);
+    check_ok(friction_write_fclib(scratch(".hdf5"), &back, &err), &err);
+    check_ok(friction_read_fclib(scratch(".hdf5"), &third, &err), &err);
+    same_matrix(global == 1 ? &third.G : &third.V, global == 1 ? &p.G : &p.V);
+    same_vector(global == 1 ? third.b : third.s, global == 1 ? p.b : p.s, 2);
+    check_ok(friction_condense(&back, &err), &err);
+    assert_int_equal(back.n_joint, 0);
+    assert_int_equal(back.W.colptr[2], 2); /* diagonal */
+    check_close(back.W.val[0], 0.5, 1e-15);
+    check_close(back.W.val[1], 0.5, 1e-15);
+    /* 0 = x_A - x_B - 0.2 shares the difference: x_A = 0.5 + 0.1 */
+    check_close(back.q[0], -1.0, 1e-15);
+    check_close(back.q[1], 0.6, 1e-15);
+    friction_free(&p);
+    friction_free(&back);
+    friction_free(&third);
+  }
+}
+
+static void dependent_joints_are_refused(void **state) {
+  (void)state;
+  base_error err = {0};
+  friction_problem p = welded(false);
+  lcp_csc_free(&p.R);
+  p.R = csc_of(2, 2, (const double[]){2, 2, 2, 2});
+  assert_int_equal(friction_condense(&p, &err), BASE_EINVAL);
+  assert_non_null(strstr(err.text, "repeat each other"));
+  lcp_csc_free(&p.R);
+  p.R = csc_of(2, 2, (const double[]){2, 1, 0, 2});
+  assert_int_equal(friction_condense(&p, &err), BASE_EINVAL);
+  assert_non_null(strstr(err.text, "not symmetric"));
+  free(p.s);
+  p.s = NULL;
+  assert_int_equal(friction_check(&p, &err), BASE_EINVAL);
+  friction_free(&p);
+}
+
 static void refused(const char *path, const char *says) {
   known_lcp k;
   base_error err = {0};
@@ -519,6 +615,8 @@ int main(void) {
       cmocka_unit_test(text_and_hdf5_agree),
       cmocka_unit_test(round_trips_are_exact),
       cmocka_unit_test(facets_follow_the_formula),
+      cmocka_unit_test(joints_are_eliminated),
+      cmocka_unit_test(dependent_joints_are_refused),
       cmocka_unit_test(rolling_facets_hold_the_cone_along_them),
       cmocka_unit_test(malformed_text_is_refused),
       cmocka_unit_test(malformed_hdf5_is_refused),
