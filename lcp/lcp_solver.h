@@ -132,3 +132,8 @@ void lcp_stop_begin(lcp_stop_state *s, const lcp_problem *p);
  * Counts its product in res->work.matvecs and appends to the trace (NULL: none). */
 bool lcp_stop_test(lcp_stop_state *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                    lcp_trace *trace, lcp_result *res);
+
+/* The same residual for a method that ends by itself: true when z meets tol. Sets res->residual and
+ * counts the product; the outcome is the method's to say. */
+bool lcp_stop_met(lcp_stop_state *s, double tol, const lcp_problem *p, const double *z,
+                  lcp_result *res);

@@ -158,20 +158,26 @@ static double residual(const lcp_stop_state *s, const lcp_problem *p, const doub
   return worst;
 }
 
+bool lcp_stop_met(lcp_stop_state *s, double tol, const lcp_problem *p, const double *z,
+                  lcp_result *res) {
+  scales(s, p, z);
+  res->work.matvecs++;
+  res->residual = residual(s, p, z);
+  return res->residual <= tol;
+}
+
 bool lcp_stop_test(lcp_stop_state *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                    lcp_trace *trace, lcp_result *res) {
   const bool at_limit = res->work.iterations >= stop->max_iter;
   if (!at_limit && res->work.iterations % stop->check_every != 0) {
     return false;
   }
-  scales(s, p, z);
-  res->work.matvecs++;
-  res->residual = residual(s, p, z);
+  const bool met = lcp_stop_met(s, stop->tol, p, z, res);
   if (trace != NULL && trace->len < trace->cap) {
     trace->iteration[trace->len] = res->work.iterations;
     trace->residual[trace->len++] = res->residual;
   }
-  if (res->residual <= stop->tol) {
+  if (met) {
     res->outcome = LCP_SOLVED;
   } else if (!(res->residual < HUGE_VAL)) {
     res->outcome = LCP_NUMERICAL;

@@ -232,9 +232,7 @@ static bool accepted(block_pivoting *s, const lcp_problem *p, double tol, double
     const double v = s->is_free[i] ? s->z[i] : fmax(s->z[i], 0.0);
     z[i] = s->in[i] ? s->scale[i] * v : 0;
   }
-  const lcp_stop once = {.tol = tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
-  const bool met = lcp_stop_test(&s->stop, &once, p, z, NULL, res) && res->outcome == LCP_SOLVED;
-  return met && small_for_data(s, p, tol, z);
+  return lcp_stop_met(&s->stop, tol, p, z, res) && small_for_data(s, p, tol, z);
 }
 
 static bool proves_infeasible(block_pivoting *s, const lcp_problem *p) {

@@ -329,10 +329,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   for (int i = 0; i < s->n; i++) {
     z[i] = s->answer[i];
   }
-  const lcp_stop once = {
-      .tol = stop->tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
-  const bool ended = lcp_stop_test(&s->stop, &once, p, z, NULL, res);
-  res->outcome = (ended && res->residual <= stop->tol) ? LCP_SOLVED : LCP_NUMERICAL;
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
+  res->outcome = met ? LCP_SOLVED : LCP_NUMERICAL;
   if (res->outcome == LCP_SOLVED) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->basis};
   }

@@ -163,10 +163,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   if (ended == LCP_SOLVED && !settle(s, p, z, &res->work, &status)) {
     ended = LCP_NUMERICAL;
   }
-  const lcp_stop once = {
-      .tol = stop->tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
-  (void)lcp_stop_test(&s->stop, &once, p, z, NULL, res);
-  const bool met = res->residual <= stop->tol;
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
   res->outcome = (ended == LCP_SOLVED && !met) ? LCP_NUMERICAL : ended;
   if (res->outcome == LCP_SOLVED) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->in};

@@ -388,12 +388,9 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   if (res->outcome == LCP_SOLVED) {
     lcp_ppm_refine(s, p, z, &res->work);
   }
-  const lcp_stop once = {
-      .tol = stop->tol, .max_iter = stop->max_iter, .check_every = 1, .max_seconds = HUGE_VAL};
   const lcp_outcome ended = res->outcome;
-  const bool met = lcp_stop_test(&s->stop, &once, p, z, NULL, res) && res->outcome == LCP_SOLVED;
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
-    res->outcome = ended;
     res->certificate = (lcp_certificate){
         .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
   } else if (met && (lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {

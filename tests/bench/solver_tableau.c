@@ -26,16 +26,14 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
 
 static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
+  (void)trace; /* a pivot sequence has no residual */
   tableau *s = state;
   const lcp_stop *stop = &((const options *)opt)->stop;
   lcp_stop_begin(&s->stop, p);
   lcp_matrix_to_dense(&p->M, s->dense);
   const lcp_outcome ended = tableau_lemke(p->M.n, s->dense, p->q, z, s->work, &res->work.pivots);
   res->work.iterations = res->work.pivots;
-  const lcp_stop once = {
-      .tol = stop->tol, .max_iter = 1, .check_every = 1, .max_seconds = HUGE_VAL};
-  (void)lcp_stop_test(&s->stop, &once, p, z, trace, res);
-  const bool met = res->residual <= stop->tol;
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
   res->outcome = (ended == LCP_SOLVED && !met) ? LCP_NUMERICAL : ended;
   return BASE_OK;
 }
