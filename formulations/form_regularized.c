@@ -141,16 +141,12 @@ static void reduce(regularized *s) {
   add_proximal_term(s);
 }
 
-/* The mass matrix is the cheaper of the two from a few contacts on; contact space takes joints, and
- * friction so stiff that M_hat would lose the mass in it. */
-static base_status choose_form(regularized *s, const contact_set *c, base_error *err) {
+/* The mass matrix is the cheaper of the two from a few contacts on; contact space is, with joints, and
+ * takes friction so stiff that M_hat would lose the mass in it. */
+static void choose_form(regularized *s, const contact_set *c) {
   const bool joints = c->n_group > c->n_contact;
   const bool stiff = s->opt.stiffness == 1 || s->opt.ratio > 1e6;
   s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
-  if (s->by_mass && joints) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "regularized: form=mass has no joints, use contact");
-  }
-  return BASE_OK;
 }
 
 static void start_point(regularized *s) {
@@ -171,12 +167,25 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
                           .rest = s->opt.rest,
                           .joint_push = s->opt.joint_push};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
-  BASE_TRY(choose_form(s, c, err));
+  choose_form(s, c);
   if (s->by_mass) {
     return form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err);
   }
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
   return form_assembly_eliminate(&s->a, err);
+}
+
+/* Without contacts: a linear solve, already done where joints were eliminated. */
+static void joints_alone(regularized *s) {
+  if (s->by_mass && s->a.n_row > 0) {
+    reduce(s);
+  }
+  if (!s->done) {
+    if (s->by_mass && s->a.n_row > 0) {
+      reg_mass_expand(s, s->z0, s->lambda, s->u);
+    }
+    finish(s, true);
+  }
 }
 
 static base_status begin(void *state, const contact_set *c, const void *opt,
@@ -200,7 +209,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   }
   start_point(s);
   if (p == 0) {
-    finish(s, true); /* joints alone are a linear solve, already done */
+    joints_alone(s);
   } else {
     reduce(s);
   }

@@ -76,9 +76,18 @@ typedef struct reg_row {
 
 /* regularized_mass.c: M_hat and its factor, in an envelope or with CHOLMOD. */
 typedef struct reg_sparse reg_sparse;
+typedef struct reg_joint {
+  int n, rank;   /* joint rows, independent ones */
+  double *S, *W; /* n x n, factored; n x width */
+  double *x, *y; /* S^-1 r_b; scratch */
+  int *pivot;    /* 1-based */
+  int cap_n, cap_width;
+  void *mem; /* owned */
+} reg_joint;
 typedef struct reg_mass {
   bool by_sparse;
-  reg_sparse *sparse;     /* owned */
+  reg_sparse *sparse; /* owned */
+  reg_joint joint;
   long analyses;          /* symbolic ones since open */
   int *place, *order;     /* n_body: first dof in the order of elimination; bodies in that order */
   int *first;             /* n_dof: first column of each row of L */

@@ -29,3 +29,10 @@ bool reg_sparse_forward(reg_mass *m, int n, int width);
 /* NaN without memory: the step's residual then shows it. */
 void reg_sparse_backward(reg_mass *m, int n, double *x);
 void reg_sparse_close(reg_mass *m);
+
+/* regularized_joint.c: joints behind the contacts, after the forward substitution of all columns. width:
+ * columns before those of the joints. */
+base_status reg_joint_begin(regularized *s, int width, base_error *err);
+bool reg_joint_factor(regularized *s, int width);
+void reg_joint_project(regularized *s, int width);
+void reg_joint_impulses(const regularized *s, int first, const double *lambda_n, double *lambda);

@@ -40,6 +40,7 @@ static void layout_values(void *state, base_arena *m) {
 
 void reg_mass_close(reg_mass *m) {
   reg_sparse_close(m);
+  free(m->joint.mem);
   free(m->mem);
   free(m->val_mem);
 }
@@ -188,7 +189,8 @@ static base_status reserve(regularized *s, base_error *err) {
   reg_envelope_plan(c, m);
   const size_t wide = m->at[c->n_dof] / ((size_t)c->n_dof + 1);
   m->by_sparse = s->opt.factor == 2 || (s->opt.factor == 0 && wide > wide_envelope);
-  const size_t sides = (size_t)c->n_dof * (2 * (size_t)s->a.n_contact + 1);
+  BASE_TRY(reg_joint_begin(s, 2 * s->a.n_contact + 1, err));
+  const size_t sides = (size_t)c->n_dof * (2 * (size_t)s->a.n_contact + 1 + (size_t)m->joint.n);
   const size_t entries = m->by_sparse ? 0 : m->at[c->n_dof];
   if (m->val_mem == NULL || entries > m->cap_L || sides > m->cap_Y) {
     m->cap_L = entries + entries / 2;
@@ -205,11 +207,11 @@ base_status reg_mass_begin(regularized *s, base_error *err) {
   return done;
 }
 
-/* Right sides [c | J_n' | J' B], the last only where some part slips. */
-static void right_sides(regularized *s, int width) {
+/* Right sides [c | J_n' | J' B | J_b'] with `all` columns, the third only where some part slips. */
+static void right_sides(regularized *s, int all) {
   const reg_mass *m = &s->mass;
   const int p = s->a.n_contact;
-  memset(m->Y, 0, (size_t)s->a.set->n_dof * (size_t)width * sizeof *m->Y);
+  memset(m->Y, 0, (size_t)s->a.set->n_dof * (size_t)all * sizeof *m->Y);
   for (int i = 0; i < p; i++) {
     double f[MOST_ROWS] = {0};
     for (int k = s->row_of[i]; k < s->row_of[i + 1]; k++) {
@@ -220,50 +222,75 @@ static void right_sides(regularized *s, int width) {
         f[q->row - s->a.row[i] + x] += q->c[x] * (speed + q->offset) / q->compliance;
       }
     }
-    scatter(s, m, i, f, m->Y, width);
+    scatter(s, m, i, f, m->Y, all);
     const double one[MOST_ROWS] = {1};
-    scatter(s, m, i, one, m->Y + 1 + i, width);
+    scatter(s, m, i, one, m->Y + 1 + i, all);
     if (s->any_slip) {
       reg_slip_column(s, i, f);
-      scatter(s, m, i, f, m->Y + 1 + p + i, width);
+      scatter(s, m, i, f, m->Y + 1 + p + i, all);
+    }
+  }
+  double *column = m->Y + all - m->joint.n;
+  for (int i = p; i < s->a.n_group; i++) {
+    for (int k = 0; k < form_rows_of(&s->a, i); k++) {
+      double f[MOST_ROWS] = {0};
+      f[k] = 1;
+      scatter(s, m, i, f, column++, all);
     }
   }
 }
 
-bool reg_mass_reduce(regularized *s) {
+static int columns(const regularized *s) {
+  return 1 + (s->any_slip ? 2 : 1) * s->a.n_contact;
+}
+
+/* Factors M_hat and leaves L^-1 of the right sides in Y. */
+static bool substitute(regularized *s, int all) {
   reg_mass *m = &s->mass;
   const int n = s->a.set->n_dof;
-  const int p = s->a.n_contact;
-  const int width = 1 + (s->any_slip ? 2 * p : p);
   (m->by_sparse ? reg_sparse_mass : reg_envelope_mass)(s->a.set, m);
   add_springs(s, m);
   s->answer.work.factorizations++;
   if (!(m->by_sparse ? reg_sparse_factor(m) : reg_envelope_factor(m, n))) {
     return false;
   }
-  right_sides(s, width);
-  if (!m->by_sparse) {
-    reg_envelope_forward(s->a.set, m, width);
-  } else if (!reg_sparse_forward(m, n, width)) {
+  right_sides(s, all);
+  if (m->by_sparse) {
+    return reg_sparse_forward(m, n, all);
+  }
+  reg_envelope_forward(s->a.set, m, all);
+  return true;
+}
+
+bool reg_mass_reduce(regularized *s) {
+  reg_mass *m = &s->mass;
+  const int n = s->a.set->n_dof;
+  const int p = s->a.n_contact;
+  const int width = columns(s);
+  const int all = width + m->joint.n;
+  if (!substitute(s, all) || (m->joint.n > 0 && !reg_joint_factor(s, width))) {
     return false;
   }
   for (int i = 0; i < p; i++) {
     s->b[i] = s->a.r[s->a.row[i]] + s->a.bias[s->a.group[i]];
   }
-  /* Y row-major with `width` columns is a column-major width x n matrix */
+  /* Y row-major with `all` columns is a column-major all x n matrix */
   const double *N = m->Y + 1;
+  cblas_dgemv(CblasColMajor, CblasNoTrans, p, n, -1, N, all, m->Y, all, 1, s->b, 1);
+  if (m->joint.n > 0) {
+    reg_joint_project(s, width);
+  }
   if (s->any_slip) {
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, width, N + p, width, 0,
-                s->A, p);
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, all, N + p, all, 0, s->A,
+                p);
   } else {
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, width, 0, s->A, p);
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, s->A, p);
     for (int j = 0; j < p; j++) {
       for (int i = j + 1; i < p; i++) {
         s->A[(ptrdiff_t)i * p + j] = s->A[(ptrdiff_t)j * p + i];
       }
     }
   }
-  cblas_dgemv(CblasColMajor, CblasNoTrans, p, n, -1, N, width, m->Y, width, 1, s->b, 1);
   return true;
 }
 
@@ -300,13 +327,16 @@ void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, dou
   reg_mass *m = &s->mass;
   const int n = s->a.set->n_dof;
   const int p = s->a.n_contact;
-  const int width = 1 + (s->any_slip ? 2 * p : p);
-  const double *B = m->Y + 1 + (s->any_slip ? p : 0);
-  cblas_dcopy(n, m->Y, width, m->delta, 1);
-  cblas_dgemv(CblasColMajor, CblasTrans, p, n, 1, B, width, lambda_n, 1, -1, m->delta, 1);
+  const int all = columns(s) + m->joint.n;
+  const int first = 1 + (s->any_slip ? p : 0);
+  cblas_dcopy(n, m->Y, all, m->delta, 1);
+  cblas_dgemv(CblasColMajor, CblasTrans, p, n, 1, m->Y + first, all, lambda_n, 1, -1, m->delta, 1);
   (m->by_sparse ? reg_sparse_backward : reg_envelope_backward)(m, n, m->delta);
   relative(s, m->delta, u);
   memset(lambda, 0, (size_t)s->a.n_row * sizeof *lambda);
+  if (m->joint.n > 0) {
+    reg_joint_impulses(s, first, lambda_n, lambda);
+  }
   for (int i = 0; i < p; i++) {
     double f[MOST_ROWS];
     reg_slip_column(s, i, f);
