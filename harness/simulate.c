@@ -1,6 +1,5 @@
-#include "harness/simulate.h"
-
 #include "harness/sim_watch.h"
+#include "harness/simulate_state.h"
 #include "harness/solve_once.h"
 #include "harness/trajectory.h"
 #include "lcp/base/clock.h"
@@ -8,199 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a solve came to. */
-typedef struct solved {
-  run_status word, claimed;
-  bool verified;
-  lcp_verdict v;
-  char text[160];
-} solved;
-
-/* Everything one run owns. */
-typedef struct sim {
-  const sim_request *q;
-  sim_result *out;
-  world *w;
-  formulation_run *form;
-  lcp_instance *instance;
-  double *z;
-  int z_cap;
-  bool iterates; /* the formulation may try again where a problem has no solution */
-  solved held;   /* such a try, until the step is over; word RUN_OK: none */
-} sim;
-
 double sim_total_seconds(const sim_result *r) {
   const sim_times *t = &r->time;
   return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->advance;
-}
-
-/* Records the first trouble in words. */
-static void trouble(sim *s, run_status word, const char *text) {
-  if (s->out->note[0] == '\0') {
-    (void)snprintf(s->out->note, sizeof s->out->note, "step %ld: %.200s", s->out->steps + 1, text);
-  }
-  s->out->status = run_status_worse(s->out->status, word);
-}
-
-static void add_work(lcp_work *sum, const lcp_work *w) {
-  sum->iterations += w->iterations;
-  sum->pivots += w->pivots;
-  sum->sweeps += w->sweeps;
-  sum->matvecs += w->matvecs;
-  sum->factorizations += w->factorizations;
-  sum->backsolves += w->backsolves;
-  sum->refinements += w->refinements;
-  sum->linesearches += w->linesearches;
-  sum->fallbacks += w->fallbacks;
-}
-
-static void add_verdict(sim_result *r, const lcp_verdict *v) {
-  r->rho_max = fmax(r->rho_max, v->rho);
-  r->natural_max = fmax(r->natural_max, v->natural);
-  r->natural_rel_max = fmax(r->natural_rel_max, v->natural_rel);
-  r->feas_z_max = fmax(r->feas_z_max, v->infeasible_z);
-  r->feas_w_max = fmax(r->feas_w_max, v->infeasible_w);
-  r->comp_max = fmax(r->comp_max, v->comp);
-}
-
-/* ---- one complementarity problem --------------------------------------------------------------*/
-
-static base_status start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err) {
-  const int n = p->M.n;
-  if (n > s->z_cap || s->z == NULL) { /* a problem without unknowns has a start point too */
-    free(s->z);
-    s->z_cap = 2 * n + 1;
-    s->z = malloc((size_t)s->z_cap * sizeof *s->z);
-    if (s->z == NULL) {
-      s->z_cap = 0;
-      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d unknowns", n);
-    }
-  }
-  for (int i = 0; i < n; i++) {
-    s->z[i] = (z0 != NULL) ? z0[i] : 0.0;
-  }
-  return BASE_OK;
-}
-
-static base_status open_instance(sim *s, const lcp_problem *p, base_error *err) {
-  BASE_TRY(lcp_solver_admits(s->q->solver->solver, p, err));
-  if (s->instance == NULL) {
-    const lcp_capacity cap = lcp_problem_capacity(p);
-    BASE_TRY(lcp_instance_open(&s->instance, s->q->solver->solver, &cap, s->q->solver->opt, err));
-  }
-  return lcp_instance_prepare(s->instance, p, err);
-}
-
-static bool without_solution(run_status s) {
-  return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE;
-}
-
-/* Enters a solve into the record. */
-static void count_solve(sim *s, const solved *k) {
-  sim_result *r = s->out;
-  r->verified = r->verified && k->verified;
-  r->claimed = run_status_worse(r->claimed, k->claimed);
-  add_verdict(r, &k->v);
-  if (k->word != RUN_OK) {
-    r->n_unsolved++;
-    trouble(s, k->word, k->text);
-  }
-}
-
-/* A problem without a solution means wrong modes where the formulation goes on to one that has
- * one (MATH 2.3.7): its own method, which counts it as a fallback. Else it stands. */
-static void settle_held(sim *s) {
-  if (s->held.word != RUN_OK) {
-    count_solve(s, &s->held);
-    s->held.word = RUN_OK;
-  }
-}
-
-static void add_costs(sim *s, const lcp_problem *p, const lcp_result *claim) {
-  sim_result *r = s->out;
-  r->n_solves++;
-  r->lcp_dim_max = (p->M.n > r->lcp_dim_max) ? p->M.n : r->lcp_dim_max;
-  const long nnz = lcp_matrix_entries(&p->M);
-  r->nnz_max = (nnz > r->nnz_max) ? nnz : r->nnz_max;
-  r->storage = p->M.storage;
-  r->variant = claim->variant;
-  r->hash = sim_hash(r->hash, s->z, p->M.n);
-  add_work(&r->work, &claim->work);
-}
-
-/* Verdict of the answer in s->z; nothing here is timed. */
-static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, base_error *err) {
-  solved k = {0};
-  BASE_TRY(lcp_judge(p, s->z, &k.v, err));
-  k.word = verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &k.v, &k.verified);
-  add_costs(s, p, claim);
-  k.claimed = RUN_OK;
-  if (claim->outcome != LCP_SOLVED) {
-    k.claimed = RUN_NUMERICAL;
-    (void)run_status_find(lcp_outcome_name(claim->outcome), &k.claimed);
-  }
-  if (k.word != RUN_OK) {
-    (void)snprintf(k.text, sizeof k.text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g",
-                   s->out->n_solves, p->M.n, run_status_name(k.word),
-                   lcp_outcome_name(claim->outcome), k.v.rho);
-  }
-  if (s->iterates && without_solution(k.word)) {
-    s->held = k;
-  } else {
-    s->held.word = (k.word == RUN_OK) ? RUN_OK : s->held.word;
-    count_solve(s, &k);
-  }
-  return (s->q->dump == NULL)
-             ? BASE_OK
-             : dump_problem(s->q->dump, s->out->steps + 1, p, s->z, run_status_name(k.word), err);
-}
-
-static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
-  trace_file *t = s->q->trace;
-  BASE_TRY(open_instance(s, p, err));
-  BASE_TRY(lcp_instance_solve(s->instance, t != NULL ? trace_begin(t) : NULL, s->z, claim, err));
-  const lcp_times spent = lcp_instance_times(s->instance);
-  s->out->time.setup += spent.setup;
-  s->out->time.factor += spent.factor;
-  s->out->time.solve += spent.solve;
-  s->out->workspace = lcp_instance_bytes(s->instance);
-  return (t != NULL) ? trace_end(t, err) : BASE_OK;
-}
-
-/* The solver's answer in s->z, from the solver or from the file of an earlier run. */
-static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
-  if (s->q->replay != NULL) {
-    return answers_take(s->q->replay, p->M.n, s->z, claim, err);
-  }
-  const base_status done = solve_now(s, p, claim, err);
-  answers *store = s->q->store;
-  if (store == NULL) {
-    return done;
-  }
-  if (done == BASE_OK) {
-    return answers_put(store, p->M.n, s->z, claim, err);
-  }
-  BASE_TRY(answers_put_failure(store, p->M.n, done, err));
-  return done;
-}
-
-static base_status solve_problem(sim *s, const lcp_problem *p, lcp_outcome *claimed,
-                                 base_error *err) {
-  lcp_result claim = {.outcome = LCP_NUMERICAL};
-  BASE_TRY(answer(s, p, &claim, err));
-  BASE_TRY(judge(s, p, &claim, err));
-  *claimed = claim.outcome;
-  return BASE_OK;
-}
-
-/* The same behind formulation_solver, for formulations that step by themselves. */
-static base_status solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
-                                         lcp_outcome *claimed, base_error *err) {
-  sim *s = ctx;
-  BASE_TRY(start_point(s, p, z, err));
-  BASE_TRY(solve_problem(s, p, claimed, err));
-  memcpy(z, s->z, (size_t)p->M.n * sizeof *z);
-  return BASE_OK;
 }
 
 /* ---- one step ---------------------------------------------------------------------------------*/
@@ -216,11 +25,11 @@ static base_status solve_step(sim *s, base_error *err) {
     BASE_TRY(formulation_assemble(s->form, &p, &z0, &pending, err));
     s->out->time.assemble += base_seconds() - from;
     if (!pending) {
-      settle_held(s);
+      sim_settle_held(s);
       return BASE_OK;
     }
-    BASE_TRY(start_point(s, &p, z0, err));
-    BASE_TRY(solve_problem(s, &p, &claimed, err));
+    BASE_TRY(sim_start_point(s, &p, z0, err));
+    BASE_TRY(sim_solve(s, &p, &claimed, err));
     from = base_seconds();
     BASE_TRY(formulation_recover(s->form, s->z, claimed, err));
     s->out->time.assemble += base_seconds() - from;
@@ -244,7 +53,7 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
     char text[96];
     (void)snprintf(text, sizeof text, "the formulation's own loop ended at residual %.3g",
                    a->residual);
-    trouble(s, RUN_STALLED, text);
+    sim_trouble(s, RUN_STALLED, text);
   }
 }
 
@@ -294,7 +103,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 /* Steps of penalty and event-driven formulations, which advance the world themselves. */
 static base_status step_own(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
-  const formulation_solver solver = {solve_for_formulation, s};
+  const formulation_solver solver = {sim_solve_for_formulation, s};
   const sim_times before = s->out->time;
   const double from = base_seconds();
   BASE_TRY(formulation_step(s->form, s->w, s->q->h, &solver, &a, err));
@@ -318,7 +127,7 @@ static base_status step_own(sim *s, series *record, base_error *err) {
 
 /* After these nothing further is physics. */
 static bool hopeless(run_status s) {
-  return without_solution(s) || s == RUN_UNSUPPORTED;
+  return sim_without_solution(s) || s == RUN_UNSUPPORTED;
 }
 
 static base_status run_steps(sim *s, series *record, base_error *err) {
@@ -330,7 +139,7 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
     base_error why = {0};
     const base_status done = own ? step_own(s, record, &why) : step_lcp(s, record, &why);
     if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
-      trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
+      sim_trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
       return BASE_OK;
     }
     if (done != BASE_OK) {
@@ -343,7 +152,7 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
     record->column[SERIES_STEP][record->n_row - 1] = spent;
     if (!world_finite(s->w)) {
       r->finite = false;
-      trouble(s, RUN_NUMERICAL, "the state is not finite");
+      sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
     }
     BASE_TRY(trajectory_row(s->q->trajectory, s->w, err));
   }
