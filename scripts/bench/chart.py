@@ -140,7 +140,7 @@ def _heat_panel(ax, heat, panel, top, tall):
                 shades[i, j] = ALL if share >= 1 else LOW + (HIGH - LOW) * share
             ax.text(j, i, text, ha="center", va="center", fontsize=heat.size, color="#1c2330" if share is not None else "#9a9a9a",
                     fontweight="bold" if share is not None and share < 0.5 else "normal")
-    ax.pcolormesh(np.arange(len(heat.columns) + 1) - 0.5, np.arange(len(panel.rows) + 1) - 0.5, shades, linewidth=0)
+    ax.pcolormesh(np.arange(len(heat.columns) + 1) - 0.5, np.arange(len(panel.rows) + 1) - 0.5, shades, edgecolors="white", linewidth=0.9)
     ax.set_xticks(range(len(heat.columns)), heat.columns if top else [""] * len(heat.columns), fontsize=6.5 if heat.across == 1 else 5.5, rotation=90)
     ax.set_yticks(range(len(panel.rows)), panel.rows, fontsize=6.5)
     ax.set_ylim(tall - 0.5, -0.5)
