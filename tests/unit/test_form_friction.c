@@ -238,6 +238,49 @@ static void limits_of_the_law(void **state) {
   free(r);
 }
 
+/* The bristle's deflection, and the most it was, after 3000 steps at rest with h^2 k/m = 10^power. */
+static void deflect(const char *form, int power, double *end, double *most) {
+  const double h = 0.01;
+  const double k = 2 * pow(10, power) / (h * h);
+  char opt[160];
+  (void)snprintf(opt, sizeof opt, "form=%s,stiffness=fixed,k=%.17g,c=%.17g", form, k,
+                 2 * sqrt(2 * k));
+  rig *r = rig_box(2, h, 0.5, 20 * pi / 180);
+  formulation_run *run = rig_open("regularized", opt);
+  *most = 0;
+  for (int step = 0; step < 3000; step++) {
+    rig_step(r, run);
+    if (!r->answer.solved || !isfinite(r->v[0])) {
+      fail_msg("%s: step %d: residual %g", opt, step, r->answer.residual);
+    }
+    *most = fmax(*most, r->x[0][0]);
+  }
+  *end = r->x[0][0];
+  rig_close(run);
+  free(r);
+}
+
+/* Stiffness from h^2 k/m = 1e-3 to 1e12 (cases C07): every step solved, the bristle ends at F/(n k), never
+ * beyond mu N/k, to the rounding of the positions. In the mass form k drowns the mass from 1e6 on, which is
+ * why `auto` does not take it for given stiffness. */
+static void every_stiffness_holds(void **state) {
+  (void)state;
+  const double pull = 2 * 9.81 * sin(20 * pi / 180);
+  const double press = 2 * 9.81 * cos(20 * pi / 180);
+  for (int power = -3; power <= 12; power += 3) {
+    const double k = 2 * pow(10, power) / 1e-4;
+    double end, most;
+    deflect("auto", power, &end, &most);
+    check_close(end, pull / (2 * k), 1e-5 * pull / (2 * k) + 1e-15);
+    assert_true(most <= 0.5 * press / (2 * k) + 1e-15);
+    if (power <= 3) {
+      deflect("mass", power, &end, &most);
+      check_close(end, pull / (2 * k), 1e-5 * pull / (2 * k));
+      assert_true(most <= 0.5 * press / (2 * k));
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(circles_are_straight),
@@ -247,6 +290,7 @@ int main(void) {
       cmocka_unit_test(belt_stick_slip),
       cmocka_unit_test(lugre_slips_and_drifts),
       cmocka_unit_test(limits_of_the_law),
+      cmocka_unit_test(every_stiffness_holds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

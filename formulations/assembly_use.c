@@ -1,0 +1,94 @@
+/* assembly_use.c - what is read from an assembly: u = r + C lambda, C as one matrix, and the answer of a
+ * step in the rows of the set. */
+#include "formulations/assembly.h"
+
+#include <string.h>
+
+static int dofs(const contact_set *c, int body) {
+  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
+}
+
+/* u += block l. */
+static void add_product(const double *block, int ri, int rj, const double *l, double *u) {
+  for (int p = 0; p < ri; p++) {
+    for (int q = 0; q < rj; q++) {
+      u[p] += block[p * rj + q] * l[q];
+    }
+  }
+}
+
+void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u) {
+  memcpy(u, a->r, (size_t)a->n_row * sizeof *u);
+  for (int i = 0; i < a->n_group; i++) {
+    const int ri = form_rows_of(a, i);
+    double *ui = u + a->row[i];
+    for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
+      const int j = a->near[k];
+      add_product(a->block + a->block_at[k], ri, form_rows_of(a, j), lambda + a->row[j], ui);
+    }
+  }
+}
+
+void form_assembly_dense(const form_assembly *a, double *out) {
+  const ptrdiff_t n = a->n_row;
+  memset(out, 0, (size_t)(n * n) * sizeof *out);
+  for (int i = 0; i < a->n_group; i++) {
+    const int ri = form_rows_of(a, i);
+    for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
+      const int j = a->near[k];
+      const int rj = form_rows_of(a, j);
+      const double *block = a->block + a->block_at[k];
+      double *to = out + a->row[j] * n + a->row[i];
+      for (int e = 0; e < ri * rj; e++) {
+        to[(e % rj) * n + e / rj] = block[e];
+      }
+    }
+  }
+}
+
+/* force += J' l for the first `rows` rows of group g. */
+static void push(form_assembly *a, int g, int rows, const double *l) {
+  const contact_set *c = a->set;
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    for (int p = 0; p < rows && n > 0; p++) {
+      double *f = a->force + c->dof_start[b];
+      for (int k = 0; k < n; k++) {
+        f[k] += jac[p * n + k] * l[p];
+      }
+    }
+    jac += (ptrdiff_t)all * n;
+  }
+}
+
+void form_assembly_answer(form_assembly *a, const double *lambda) {
+  const contact_set *c = a->set;
+  if (a->n_joint_group > 0) {
+    memcpy(a->lambda, lambda, (size_t)a->n_row * sizeof *lambda);
+    form_assembly_joint_impulses(a, a->lambda);
+    lambda = a->lambda;
+  }
+  memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
+  for (int i = 0; i < a->n_group + a->n_joint_group; i++) {
+    const int g = a->group[i];
+    const int rows = form_rows_of(a, i);
+    const double *l = lambda + a->row[i];
+    memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
+    push(a, g, rows, l);
+  }
+  for (int b = 0; b < c->n_body; b++) {
+    const int n = dofs(c, b);
+    const double *w = c->inv_mass + c->mass_start[b];
+    const double *f = a->force + c->dof_start[b];
+    for (int k = 0; k < n; k++) {
+      double sum = c->v_free[c->dof_start[b] + k];
+      for (int m = 0; m < n; m++) {
+        sum += w[m * n + k] * f[m];
+      }
+      a->v_next[c->dof_start[b] + k] = sum;
+    }
+  }
+}
