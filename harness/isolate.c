@@ -132,7 +132,8 @@ static void take_items(watch *w) {
       w->ended = true;
       w->filled = 0;
     } else if (w->filled == whole) {
-      w->work->item(w->work->ctx, w->item + 1);
+      memmove(w->item, w->item + 1, w->work->item_size); /* behind its tag it is not aligned */
+      w->work->item(w->work->ctx, w->item);
       w->filled = 0;
     }
   }
