@@ -39,9 +39,9 @@ def dimension(cells):
     p = p[(p["lcp_dim"] > 0) & (p["lcp_dim_other"] > 0)]
     if p.empty:
         return None
-    planar = p["n_dof"] == 3 * p["n_bodies"]
-    nd = np.where(planar & (p["formulation_options_other"] == ""), 2, [facets(o) for o in p["formulation_options_other"]])
-    fits = (p["lcp_dim_other"] == p["lcp_dim"] * (nd + 2)) | (planar & (p["lcp_dim_other"] == 4 * p["lcp_dim"]))
+    planar = ~p["effects"].str.contains("spatial")  # two directions, whatever the facets
+    nd = np.where(planar, 2, [facets(o) for o in p["formulation_options_other"]])
+    fits = p["lcp_dim_other"] == p["lcp_dim"] * (nd + 2)
     frictionless = p["lcp_dim_other"] == p["lcp_dim"]
     count = int((fits | frictionless).sum())
     smaller = float((p["lcp_dim"] <= p["lcp_dim_other"]).mean())
@@ -190,8 +190,8 @@ def section(cells):
         found = judge(mechanical if judge is redundancy or own.empty else own)
         word, evidence = found if found else ("not measured", "no rows that could tell")
         table.append([title, Cell(word, MARK.get(word, "fair")), evidence])
-    counts = pd.Series([row[1].text.split(" ")[0] for row in table]).value_counts()
+    counts = pd.Series([row[1].text for row in table]).value_counts()
     return Section("claims", "The claims made for the regularized formulation",
                    "Each verdict is computed from the rows below; none is written by hand.", [],
                    [Table("claims", "Claims, verdicts and evidence.", ["claim", "verdict", "evidence"], table)],
-                   {"ClaimsHolding": str(int(counts.get("holds", 0)))})
+                   {"ClaimsHolding": str(int(counts.get("holds", 0))), "ClaimsJudged": str(len(table))})

@@ -25,7 +25,7 @@ HEADER = ("schema campaign part cell_id rep problem_family problem formulation f
 
 def cell(campaign, problem, form, opts, solver, step, p, dim, seconds, error, **more):
     base = {"schema": 1, "campaign": campaign, "part": "x", "problem_family": problem.split(":")[0], "problem": problem, "formulation": form,
-            "formulation_options": opts, "solver": solver, "step_s": step, "duration_s": 0.1, "start": "cold", "tol": 1e-9, "n_bodies": p,
+            "formulation_options": opts, "solver": solver, "step_s": step, "duration_s": 0.1, "start": "cold", "effects": "gravity contact friction rotation spatial", "tol": 1e-9, "n_bodies": p,
             "n_dof": 6 * p, "n_contacts": p, "n_active": p, "lcp_dim": dim, "t_solve_s": seconds / 2, "t_total_s": seconds, "n_steps": 10,
             "status": "ok", "status_claimed": "ok", "verified": "true", "rho": 1e-14, "res_ncp_rel": 1e-12, "err_ref": error, "err_worst": 0.5,
             "n_predictions": 1, "n_predictions_missed": 0, "workspace_B": 8 * dim * dim, "cell_id": f"{campaign}|{problem}|{form}|{opts}|{solver}|{step}",
