@@ -14,9 +14,25 @@ static int dofs(const contact_set *c, int body) {
   return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
 }
 
+/* Inverse radius of gyration of the bodies of group g, the larger one [1/m]. */
+static double gyration(const contact_set *c, int g) {
+  double most = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = dofs(c, b);
+    const double *w = (n > 0) ? c->inv_mass + c->mass_start[b] : NULL;
+    for (int k = 1; k < n && w[0] > 0; k++) {
+      most = fmax(most, sqrt(w[k * n + k] / w[0]));
+    }
+  }
+  return most;
+}
+
 /* u of the first `rows` rows of group g at velocity v, plus drift. A value below the rounding error
  * of the sums it comes from is zero: such noise is no sliding, and a problem whose q has it in some
- * rows is degenerate at two scales at once. `metres`: rows in m/s, which share one error. */
+ * rows is degenerate at two scales at once. `metres`: rows in m/s, which share one error; it also gives
+ * that of spins behind them, which the impulses of the step before have left, through the radius of
+ * gyration. */
 static void group_velocity(const contact_set *c, int g, int rows, int metres, const double *v,
                            double *u) {
   const int first = c->row_start[g];
@@ -44,8 +60,9 @@ static void group_velocity(const contact_set *c, int g, int rows, int metres, co
   for (int i = 0; i < metres; i++) {
     common = fmax(common, size[i]);
   }
+  const double spin = (metres > 0 && metres < rows) ? 8 * common * gyration(c, g) : 0;
   for (int i = 0; i < rows; i++) {
-    const double error = 4 * DBL_EPSILON * ((i < metres) ? common : size[i]);
+    const double error = 4 * DBL_EPSILON * ((i < metres) ? common : fmax(size[i], spin));
     u[i] = (fabs(u[i]) <= error) ? 0 : u[i];
   }
 }
