@@ -260,6 +260,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
                         formulation_answer *out, base_error *err) {
   (void)solver;
   state *s = st;
+  BASE_TRY(formulation_forces_only("penalty", world_effects(w), err));
   BASE_TRY(bind(s, w, err));
   s->err = err;
   s->evaluations = 0;

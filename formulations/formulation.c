@@ -94,3 +94,9 @@ base_status formulation_step(formulation_run *r, world *w, double h,
                              base_error *err) {
   return r->form->step(r->state, w, h, solver, out, err);
 }
+
+base_status formulation_forces_only(const char *name, unsigned effects, base_error *err) {
+  return ((effects & (EFFECT_ROLLING | EFFECT_TORSION)) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: no rolling or torsional friction", name);
+}

@@ -126,3 +126,6 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out);
 base_status formulation_step(formulation_run *r, world *w, double h,
                              const formulation_solver *solver, formulation_answer *out,
                              base_error *err);
+/* Refuses moments of friction for a formulation `name` that has only forces: BASE_EUNSUPPORTED where the
+ * EFFECT_ bits hold rolling or torsion. */
+base_status formulation_forces_only(const char *name, unsigned effects, base_error *err);

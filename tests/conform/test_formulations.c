@@ -181,6 +181,22 @@ static void check_traits(const lcp_problem *p) {
   free(M);
 }
 
+/* What moments of friction a contact asks for and the formulation has only forces of is refused. */
+static bool refused(const formulation *f, formulation_run *run, rig *r) {
+  base_error err = {0};
+  bool moments = false;
+  const contact_set *c = rig_set(r);
+  for (int i = 0; i < c->n_contact; i++) {
+    moments = moments || c->rows[i].torsion > 0 || c->rows[i].rolling > 0;
+  }
+  if (!moments || (f->model & FORM_ACCELERATION) == 0) {
+    return false;
+  }
+  assert_int_equal(formulation_begin(run, c, FORM_COLD, &err), BASE_EUNSUPPORTED);
+  assert_non_null(strstr(err.text, "rolling"));
+  return true;
+}
+
 /* Runs one step; zero: answers every problem with z = 0 and "max_iter". */
 static void run_step(const formulation *f, formulation_run *run, rig *r, bool zero,
                      const void *opt) {
@@ -244,9 +260,12 @@ static void shapes_traits_and_zero(void **state) {
       formulation_run *run;
       check_ok(formulation_open(&run, f, opt, &err), &err);
       rig *r = make(which);
-      run_step(f, run, r, true, opt);
-      assert_int_equal(r->answer.solved, r->answer.work.solves == 0);
-      for (int i = 0; i < r->set.n_dof; i++) {
+      const bool none = refused(f, run, r);
+      if (!none) {
+        run_step(f, run, r, true, opt);
+        assert_int_equal(r->answer.solved, r->answer.work.solves == 0);
+      }
+      for (int i = 0; i < r->set.n_dof && !none; i++) {
         check_close(r->answer.v_next[i], r->v_free[i], 1e-15);
       }
       formulation_close(run);
