@@ -182,7 +182,11 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
     json_out_text(o, "results_sha256", sum);
   }
   runner_path(dir, "manifest.json", path, sizeof path);
-  const int failed = json_dump_file(o, path, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+  char temporary[1110];
+  (void)snprintf(temporary, sizeof temporary, "%s.tmp", path);
+  const int failed = json_dump_file(o, temporary, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
   json_decref(o);
-  return (failed == 0) ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  return (failed == 0 && rename(temporary, path) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
 }

@@ -1,5 +1,6 @@
 /* lcpbench run: measures a campaign, or goes on with one. */
 #include "harness/cli.h"
+#include "harness/folder.h"
 #include "harness/isolate.h"
 #include "harness/manifest.h"
 #include "harness/registry.h"
@@ -168,6 +169,8 @@ static int exit_code(const runner_summary *s, bool strict) {
 static base_status measure(const plan *p, const run_options *o, const runner_options *ro, int *code,
                            base_error *err) {
   runner_summary sum;
+  BASE_TRY(folder_make(ro->out, err));
+  BASE_TRY(manifest_write(ro->out, p, &o->filter, err)); /* stays if the run is killed */
   BASE_TRY(runner_run(p, ro, &sum, err));
   BASE_TRY(manifest_write(ro->out, p, &o->filter, err));
   print_summary(&sum, ro->out);

@@ -1,6 +1,7 @@
 """Killed at random moments and started again: the same cells as an uninterrupted run, none twice, none torn."""
 import collections
 import csv
+import json
 import random
 import signal
 import subprocess
@@ -52,6 +53,7 @@ def g4_fifty_kills_lose_nothing(d):
         folders += not hit
         check_rows(out)
     before = sum(len(rows(d / f"killed{k}")) for k in range(1, folders + 1) if (d / f"killed{k}/results.csv").exists())
+    assert json.loads((d / "killed1/manifest.json").read_text())["campaign"]["seed"] == 5, "the settings stand beside the rows from the start"
     for k in range(1, folders + 1):
         out = d / f"killed{k}"
         run("run", c, "--out", out, "--quiet", exe=FAULTY)
