@@ -46,7 +46,7 @@ bool isolate_emit(isolate_channel *c, const void *item);
 typedef struct isolate_work {
   size_t item_size;
   void (*body)(void *ctx, isolate_channel *c); /* in the child */
-  void (*item)(void *ctx, const void *item);   /* in the parent, for every item */
+  void (*item)(void *ctx, const void *item);   /* in the parent, for every item; aligned */
   void *ctx;
 } isolate_work;
 

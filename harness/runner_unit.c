@@ -36,7 +36,7 @@ static void child_body(void *ctx, isolate_channel *c) {
 static void parent_item(void *ctx, const void *item) {
   runner *r = ctx;
   record row;
-  memcpy(&row, item, sizeof row); /* items arrive unaligned */
+  memcpy(&row, item, sizeof row);
   (void)record_table_append(&r->unit_rows, &row, NULL);
 }
 
