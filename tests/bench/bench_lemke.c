@@ -2,7 +2,8 @@
  * dense tableau and against Siconos' Lemke where the build has it; lemke's factored form against its
  * own dense form and its path from the origin.
  *
- * usage: bench_lemke SHARED [REPETITIONS]
+ * usage: bench_lemke SHARED [REPETITIONS [grasp]]
+ * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB.
  * CSV on stdout, one row per problem and method: seconds are set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
  * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of contacts. */
@@ -220,17 +221,25 @@ static base_status bench_all(const char *shared, int reps, base_error *err) {
   BASE_TRY(bench_growth(1, 0, 400, reps, err));
   BASE_TRY(bench_growth(1, 4, 400, reps, err));
   BASE_TRY(bench_growth(20, 0, 2000, reps, err));
-  return bench_growth(20, 4, 0, reps, err);
+  return bench_growth(20, 4, 400, reps, err);
+}
+
+/* 2000 contacts with friction among 20 bodies, the dense form against the factored one. */
+static base_status bench_grasp(int reps, base_error *err) {
+  double seconds = 0;
+  printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
+  return bench_bodies(20, 2000, 4, true, reps, &seconds, err);
 }
 
 int main(int argc, char **argv) {
   int reps = 5;
   base_error err = {0};
   if (argc < 2 || (argc > 2 && !base_parse_int(argv[2], &reps)) || reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "usage: bench_lemke SHARED [REPETITIONS, 1 to %d]\n", (int)REPS_MAX);
+    fprintf(stderr, "usage: bench_lemke SHARED [REPETITIONS, 1 to %d [grasp]]\n", (int)REPS_MAX);
     return 2;
   }
-  if (bench_all(argv[1], reps, &err) != BASE_OK) {
+  const bool grasp = argc > 3 && strcmp(argv[3], "grasp") == 0;
+  if ((grasp ? bench_grasp(reps, &err) : bench_all(argv[1], reps, &err)) != BASE_OK) {
     fprintf(stderr, "bench_lemke: %s\n", err.text);
     return 1;
   }
