@@ -223,6 +223,7 @@ const formulation form_acceleration = {
     .cite = "Glocker & Pfeiffer 1996; Baraff 1991",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_CURVED,
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

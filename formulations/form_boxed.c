@@ -124,6 +124,7 @@ const formulation form_boxed = {
     .cite = "Peiret, Gholami, Kovecses & Font-Llagunes 2016",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_BOUNDS_LAGGED,
     .stands_for = NULL,
+    .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

@@ -58,6 +58,7 @@ const formulation form_coulomb = {
     .cite = "De Saxce & Feng 1998",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT,
     .stands_for = "coulomb",
+    .sets = 1u << LCP_ORTHANT | 1u << LCP_CONE,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

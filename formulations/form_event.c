@@ -287,6 +287,7 @@ const formulation form_event = {
     .cite = "Pfeiffer & Glocker 1996",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_NO_LCP,
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(event_options),

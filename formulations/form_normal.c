@@ -39,6 +39,7 @@ const formulation form_normal = {
     .cite = "Lotstedt 1982; Moreau 1988",
     .model = FORM_UNILATERAL,
     .stands_for = NULL,
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

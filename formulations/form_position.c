@@ -39,6 +39,7 @@ const formulation form_position = {
     .cite = "Stewart & Trinkle 1996",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_POSITION,
     .stands_for = "position",
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

@@ -332,6 +332,7 @@ const formulation form_regularized = {
     .cite = "Gholami, Nasri, Kovecses & Teichmann 2016",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
     .stands_for = "regularized",
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

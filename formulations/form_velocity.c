@@ -34,6 +34,7 @@ const formulation form_velocity = {
     .cite = "Anitescu & Potra 1997",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL,
     .stands_for = "velocity",
+    .sets = 1u << LCP_ORTHANT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

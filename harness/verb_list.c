@@ -124,7 +124,25 @@ static bool campaign_row(int i, list_row *out, char *scratch, size_t cap) {
   return any;
 }
 
-/* i runs over formulation x solver; the verdict is by declared sets, without a problem. */
+/* What of the formulation's blocks the solver does not take; by declaration, without a problem. */
+static const char *compat_verdict(const formulation *f, const lcp_solver *s) {
+  const unsigned missing = f->sets & ~s->sets;
+  if (f->sets == 0) {
+    return "no: the formulation poses no problem";
+  }
+  if ((missing & 1u << LCP_CONE) != 0) {
+    return "no: needs the second-order cone";
+  }
+  if ((missing & 1u << LCP_BOX) != 0) {
+    return "no: needs boxes";
+  }
+  if (missing != 0) {
+    return "no: needs the orthant";
+  }
+  return (s->needs != 0) ? "where the problem has the traits the solver needs" : "yes";
+}
+
+/* i runs over formulation x solver. */
 static bool compat_row(int i, list_row *out, char *scratch, size_t cap) {
   int n_form;
   const formulation *const *all = formulations(&n_form);
@@ -137,19 +155,8 @@ static bool compat_row(int i, list_row *out, char *scratch, size_t cap) {
   }
   const formulation *f = all[i / n_solver];
   const lcp_solver *s = registry_solver(i % n_solver);
-  const bool cone = (f->model & FORM_CONE_EXACT) != 0;
-  const char *verdict = "yes";
-  if (f->model & FORM_NO_LCP) {
-    verdict = "no: the formulation steps by itself";
-  } else if (cone && !(s->sets & 1u << LCP_CONE)) {
-    verdict = "no: needs the second-order cone";
-  } else if (!cone && !(s->sets & 1u << LCP_ORTHANT)) {
-    verdict = "no: needs the orthant";
-  } else if (s->needs != 0) {
-    verdict = "where the problem has the traits the solver needs";
-  }
   (void)snprintf(scratch, cap, "%s x %s", f->name, s->name);
-  *out = (list_row){{scratch, f->name, s->name, verdict}};
+  *out = (list_row){{scratch, f->name, s->name, compat_verdict(f, s)}};
   return true;
 }
 

@@ -88,9 +88,14 @@ static lcp_outcome solve(const lcp_problem *p, double *z) {
   return has_cone_or_box(p) ? relax_solve(p, z, 1e-12) : tableau_solve(p, z);
 }
 
-static void check_blocks(const lcp_problem *p) {
+static unsigned posed; /* sets of the blocks of one formulation */
+
+static void check_blocks(const formulation *f, const lcp_problem *p) {
   int at = 0;
   for (int k = 0; k < p->n_block; k++) {
+    const unsigned set = 1u << p->block[k].set;
+    assert_true((set & (f->sets | 1u << LCP_FREE)) != 0); /* free: joints kept as rows */
+    posed |= set;
     assert_int_equal(p->block[k].start, at);
     assert_true(p->block[k].size > 0);
     at += p->block[k].size;
@@ -215,7 +220,7 @@ static void run_step(const formulation *f, formulation_run *run, rig *r, bool ze
     solves++;
     n_most = (p.M.n > n_most) ? p.M.n : n_most;
     check_ok(lcp_problem_check(&p, &err), &err);
-    check_blocks(&p);
+    check_blocks(f, &p);
     check_traits(&p);
     double *z = calloc((size_t)p.M.n, sizeof *z);
     for (int i = 0; i < p.M.n; i++) {
@@ -255,6 +260,7 @@ static void shapes_traits_and_zero(void **state) {
     }
     void *opt = calloc(1, f->options_size);
     base_fields_default(f->fields, f->n_fields, opt);
+    posed = 0;
     for (int which = 0; which < SETS; which++) {
       base_error err = {0};
       formulation_run *run;
@@ -271,6 +277,7 @@ static void shapes_traits_and_zero(void **state) {
       formulation_close(run);
       free(r);
     }
+    assert_int_equal(posed & ~(1u << LCP_FREE), f->sets); /* no more and no less than declared */
     free(opt);
   }
 }
