@@ -102,3 +102,6 @@ int lemke_break_ties(lemke_path *t, int count);
 /* Position of the basic variable that blocks the entering one, or -1 for a ray. Ratios that agree
  * up to the round-off in x are ties (the bound of Harris 1973). */
 int lemke_ratio_test(lemke_path *t);
+
+/* How far below zero basic variable i counts as zero; `common` where the path is not local. */
+double lemke_slack(const lemke_path *t, int i, double common);

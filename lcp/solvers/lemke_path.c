@@ -89,16 +89,8 @@ static int pivot(lemke_path *t, int p) {
   return left;
 }
 
-/* Size of the terms that basic variable i is made of, as lemke_residual left it: round-off in a body
- * that barely moves is small against its own data, not against those of the whole scene. */
-static double own_size(const lemke_path *t, int i) {
-  const int n = t->sys.n;
-  const int var = t->basis.head[i];
-  return (var < n) ? t->system->tau0[var] : t->system->zref[var - n];
-}
-
 static bool covered(const lemke_path *t, int i) {
-  return bounded(t, i) && (!t->tol.local || t->x[i] < -t->tol.tie * own_size(t, i));
+  return bounded(t, i) && (!t->tol.local || t->x[i] < -lemke_slack(t, i, 0));
 }
 
 /* Brings z0 in against the most negative basic value; false when there is none. The covering
@@ -106,8 +98,9 @@ static bool covered(const lemke_path *t, int i) {
 static bool enter_cover(lemke_path *t) {
   const int n = t->sys.n;
   int count = 0;
-  double low = -t->tol.tie * lemke_larger(1, lemke_largest(t->x, n));
-  const double slack = -low;
+  const double common = t->tol.tie * lemke_larger(1, lemke_largest(t->x, n));
+  const double slack = t->tol.local ? 0 : common;
+  double low = -slack;
   bool any = false;
   for (int i = 0; i < n; ++i) {
     t->d[i] = covered(t, i) ? -1 : 0;

@@ -66,6 +66,21 @@ int lemke_break_ties(lemke_path *t, int count) {
   return t->tied[0];
 }
 
+/* In a local path the tie tolerance goes by the size of the terms that the basic variable is made of,
+ * as lemke_residual left it: round-off in a body that barely moves is small against its own data, not
+ * against those of the whole scene. */
+double lemke_slack(const lemke_path *t, int i, double common) {
+  const int n = t->sys.n;
+  const int var = t->basis.head[i];
+  if (!t->tol.local) {
+    return common;
+  }
+  const double z0 = fabs(t->x[i]);
+  return t->tol.tie * ((var == 2 * n) ? z0
+                       : (var < n)    ? t->system->tau0[var]
+                                      : t->system->zref[var - n]);
+}
+
 int lemke_ratio_test(lemke_path *t) {
   const int n = t->sys.n;
   const double small = t->tol.pivot * t->size_d;
@@ -75,7 +90,7 @@ int lemke_ratio_test(lemke_path *t) {
   int count = 0;
   for (int i = 0; i < n; ++i) {
     if (t->d[i] > small && t->may_leave[i]) {
-      const double room = lemke_larger(t->x[i], 0) + slack;
+      const double room = lemke_larger(t->x[i], 0) + lemke_slack(t, i, slack);
       bound = (room < bound * t->d[i]) ? room / t->d[i] : bound;
       tied[count++] = i;
     }

@@ -39,7 +39,7 @@ typedef struct lemke_state {
 static const lemke_tolerance attempts[] = {
     {1e-11, 1e-12, false}, {1e-14, 1e-15, false}, {1e-8, 1e-10, false}};
 
-static const lemke_tolerance polishing = {1e-11, 1e-15, true};
+static const lemke_tolerance polishing[] = {{1e-11, 1e-15, true}, {1e-11, 1e-15, false}};
 
 /* The residual of a right basis is round-off; more means a neighbouring basis, worth another try
  * even where the tolerance is met (two contacts parallel up to 2^-40). */
@@ -225,11 +225,18 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
 }
 
 /* The basis a path ended in is right up to the tolerance for ties, which lets a contact penetrate by
- * as much; a few pivots from there with the sharp one put that right. */
+ * as much; a few pivots from there with the sharp one put that right: on a local path, and where that
+ * ends on a ray with the cover of all rows. */
 static bool polish(lemke_state *k, const lemke_options *o, lcp_result *res) {
-  res->work.refinements++;
-  return lemke_path_run(&k->path, &k->system, polishing) == LEMKE_SOLVED &&
-         accept(k, &o->stop, res);
+  for (int way = 0; way < BASE_COUNT(polishing); ++way) {
+    res->work.refinements++;
+    memcpy(k->path.in_z, k->basis, (size_t)k->system.n);
+    if (lemke_path_run(&k->path, &k->system, polishing[way]) == LEMKE_SOLVED &&
+        accept(k, &o->stop, res)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 /* A ray is then a proof, though not always one that survives rounding. */
@@ -277,7 +284,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
     if (accept(k, &o->stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
       break;
     }
-    if (end == LEMKE_SOLVED && a == 0 && polish(k, o, res)) {
+    if (end == LEMKE_SOLVED && a == 0 && res->residual < HUGE_VAL && polish(k, o, res)) {
       break;
     }
     if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) && restart_after_ray(k, o, res)) {
