@@ -283,7 +283,7 @@ bool reg_mass_reduce(regularized *s) {
   if (s->any_slip) {
     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, all, N + p, all, 0, s->A,
                 p);
-  } else {
+  } else if (p > 0) { /* joints alone pose no problem */
     cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, s->A, p);
     for (int j = 0; j < p; j++) {
       for (int i = j + 1; i < p; i++) {
