@@ -99,7 +99,7 @@ def stability_words(cells):
     worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
     names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
     return (f"What breaks first: {some['part'].nunique()} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
-            f"brings most others down. Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
+            f"brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
             + ", ".join(f"{word} ({n})" for word, n in worst) + ".")
 
 
