@@ -1,5 +1,6 @@
 #include "harness/plan.h"
 
+#include "harness/plan_check.h"
 #include "harness/plan_key.h"
 #include "lcp/base/rng.h"
 
@@ -200,6 +201,9 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
   for (int a = 0; done == BASE_OK && a < AXIS_COUNT; a++) {
     const char *dflt = (a == AXIS_starts) ? "cold" : (a == AXIS_effects) ? "declared" : "";
     done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    for (int i = 0; done == BASE_OK && i < list[a].n; i++) {
+      done = plan_check_value(a, part->axis[AXIS_formulations].n > 0, list[a].item[i], err);
+    }
   }
   if (done == BASE_OK) {
     done = add_product(p, part, list, f, err);

@@ -1,0 +1,8 @@
+/* harness/plan_check.h - one value of one axis of a campaign, before anything runs. */
+#pragma once
+
+#include "harness/campaign.h"
+
+/* text: after expansion; is_scene: its part has formulations. BASE_EINVAL naming the axis, the value
+ * and the rule. Values of axes whose components say so themselves pass. */
+base_status plan_check_value(int axis, bool is_scene, const char *text, base_error *err);
