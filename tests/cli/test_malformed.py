@@ -57,7 +57,7 @@ CAMPAIGN = [
     ("    problems: [slide]\n", "", "problems"), ("    solvers: [lemke]\n    steps", "    steps", "solvers"),
     ("name: tiny", "name: [tiny", ":"), ("parts:\n", "parts: []\nrest:\n", ":"), ("seed: 1", "seed: 1\nseed: 2", "twice"),
     ("problems: [slide]", "problems: [glide]", "glide"), ("problems: [slide]", 'problems: ["slide:hue=1"]', "hue"),
-    ("steps: [0.01]", "steps: [-0.01]", "-0.01"), ("    steps", "    starts: [warm]\n    steps", "warm"),
+    ("steps: [0.01]", "steps: [-0.01]", "-0.01"), ("starts: [cold]", "starts: [warm]", "warm"),
 ]
 LCP = [
     (CUT, "left"), ("2\n0\n", "3\n0\n", "rows"), ("2\n0\n", "2\n7\n", ""), ("2 2\n2 1", "2 3\n2 1", "2"), ("-5 -6", "-5 nan", "nan"),
