@@ -49,6 +49,11 @@ static void fill_verdict(const sim_result *q, record *r) {
   r->penetration_m = q->penetration_max;
   r->energy_defect_J = q->energy_defect;
   r->energy_drift_rel = q->energy_drift_rel;
+  if (q->stiffness_ratio < HUGE_VAL) { /* something is regularised */
+    r->stiffness_ratio = q->stiffness_ratio;
+    r->v_slip = q->v_slip;
+    r->deflection_m = q->deflection;
+  }
   (void)snprintf(r->solution_hash, sizeof r->solution_hash, "%016llx", (unsigned long long)q->hash);
   SET_TEXT(r->solver_variant, q->variant != NULL ? q->variant : "");
   effects_print(q->effects_seen, r->effects_seen, sizeof r->effects_seen);

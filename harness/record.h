@@ -30,7 +30,7 @@
   I(metric_version)                                                                                \
   R(rho) R(res_natural) R(res_natural_rel) R(res_feas_z) R(res_feas_w) R(res_comp)                 \
   R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(energy_defect_J)   \
-  R(energy_drift_rel)                                                                              \
+  R(energy_drift_rel) R(stiffness_ratio) R(v_slip) R(deflection_m)                                 \
   R(err_ref) T(err_quantity, 80) R(err_predicted) R(err_tol) T(err_source, 160) R(err_worst)       \
   I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200)                     \
   T(solution_hash, 24)                                                                             \

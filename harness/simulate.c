@@ -41,6 +41,7 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   r->n_modes += a->work.mode_changes;
   r->n_fallbacks += a->work.fallbacks;
   r->n_evaluations += a->work.evaluations;
+  r->stiffness_ratio = fmin(r->stiffness_ratio, a->stiffness_ratio);
   r->v_slip = fmax(r->v_slip, a->v_slip);
   r->deflection = fmax(r->deflection, a->deflection);
   r->own_residual_max = fmax(r->own_residual_max, a->residual);
@@ -198,7 +199,11 @@ static base_status run_opened(sim *s, series *record, base_error *err) {
 
 base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {
   *record = (series){0};
-  *out = (sim_result){.status = RUN_OK, .claimed = RUN_OK, .verified = true, .finite = true};
+  *out = (sim_result){.status = RUN_OK,
+                      .claimed = RUN_OK,
+                      .verified = true,
+                      .finite = true,
+                      .stiffness_ratio = HUGE_VAL};
   out->hash = SIM_HASH_START;
   if (!(q->h > 0.0) || !(q->duration > 0.0) || q->duration / q->h > 2e9) {
     return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need 0 < step, duration", q->h,

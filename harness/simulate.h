@@ -60,6 +60,7 @@ typedef struct sim_result {
   double cone_rel_max, dissipation_max;    /* [1], [J] */
   double penetration_max;                  /* [m] */
   double energy_defect, energy_drift_rel;  /* largest increase in one step [J]; [1] */
+  double stiffness_ratio;                  /* least G/m_t [1], HUGE_VAL: nothing regularised */
   double v_slip, deflection;               /* regularisation: [m/s], [m] */
   double own_residual_max;                 /* the formulation's own [1] */
   unsigned effects_seen;

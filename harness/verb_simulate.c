@@ -131,6 +131,9 @@ static void put_errors(json_t *o, const sim_result *r) {
   json_out_real(o, "res_ncp_rel_max", r->ncp_rel_max);
   json_out_real(o, "res_cone_rel_max", r->cone_rel_max);
   json_out_real(o, "dissipation_gap_max_J", r->dissipation_max);
+  json_out_real(o, "stiffness_ratio_min", r->stiffness_ratio); /* null: nothing regularised */
+  json_out_real(o, "v_slip_max", r->v_slip);
+  json_out_real(o, "deflection_max_m", r->deflection);
   json_out_real(o, "penetration_max_m", r->penetration_max);
   json_out_real(o, "energy_defect_J", r->energy_defect);
   json_out_real(o, "energy_drift_rel", r->energy_drift_rel);

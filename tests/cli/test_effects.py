@@ -48,6 +48,14 @@ def bad_levels_are_named(_):
         one_line_error("simulate", "slide", *RUN, "--effects", text, names=["auto"])
 
 
+def stiffness_stands_beside_the_result(d):
+    """G/m_t of the run, where friction is regularised; nothing where it is not."""
+    o = run_json("simulate", "stack:n=2", "--formulation", "regularized:ratio=50", "--solver", "lemke")
+    assert abs(o["stiffness_ratio_min"] - 50) < 1e-6 and o["deflection_max_m"] > 0, o["stiffness_ratio_min"]
+    o = run_json("simulate", "stack:n=2", "--formulation", "velocity", "--solver", "lemke")
+    assert o["stiffness_ratio_min"] is None and o["deflection_max_m"] == 0
+
+
 tap([a_straight_slide_needs_neither_rotation_nor_space, what_matters_stays, what_the_pilot_did_not_show_stays, loads_that_grow_are_not_judged_by_their_beginning,
      the_level_decides,
-     everything_on_is_judged_and_less_is_not, bad_levels_are_named])
+     everything_on_is_judged_and_less_is_not, bad_levels_are_named, stiffness_stands_beside_the_result])
