@@ -330,27 +330,48 @@ base_status friction_read_fclib_here(const char *path, friction_problem *out, ba
 
 typedef struct trial {
   const char *path;
+  size_t most; /* memory [B] */
   friction_problem problem;
+  base_status status;
+  base_error err;
 } trial;
 
-static void try_reading(void *ctx) {
+static void read_problem(void *ctx) {
   trial *t = ctx;
-  base_error err = {0};
-  (void)friction_read_fclib_here(t->path, &t->problem, &err);
+  t->status = friction_read_fclib_here(t->path, &t->problem, &t->err);
+}
+
+static void try_reading(void *ctx) {
+  survives_within(((const trial *)ctx)->most, read_problem, ctx);
+}
+
+/* HDF5 does not say why a file cannot be opened. */
+static base_status size_of(const char *path, size_t *bytes, base_error *err) {
+  FILE *f = fopen(path, "rb");
+  if (f == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
+  }
+  const long end = (fseek(f, 0, SEEK_END) == 0) ? ftell(f) : 0;
+  (void)fclose(f);
+  *bytes = (end > 0) ? (size_t)end : 0;
+  return BASE_OK;
 }
 
 base_status friction_read_fclib(const char *path, friction_problem *out, base_error *err) {
   memset(out, 0, sizeof *out);
-  FILE *f = fopen(path, "rb"); /* HDF5 does not say why a file cannot be opened */
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
-  }
-  (void)fclose(f);
   trial t = {.path = path};
+  size_t bytes = 0;
   bool survived = false;
+  BASE_TRY(size_of(path, &bytes, err));
+  t.most = ((size_t)256 << 20) + 64 * bytes; /* sparse blocks and their product */
   BASE_TRY(survives(try_reading, &t, &survived, err));
   if (!survived) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: damaged: the HDF5 library fails on it", path);
   }
-  return friction_read_fclib_here(path, out, err);
+  try_reading(&t);
+  *out = t.problem;
+  if (t.status != BASE_OK && err != NULL) {
+    *err = t.err;
+  }
+  return t.status;
 }

@@ -2,10 +2,19 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#if defined(__has_feature) /* clang */
+#if __has_feature(address_sanitizer)
+#define SANITIZED
+#endif
+#elif defined(__SANITIZE_ADDRESS__)
+#define SANITIZED
+#endif
 
 static const rlim_t CPU_SECONDS = 60;
 
@@ -42,4 +51,33 @@ base_status survives(void (*body)(void *ctx), void *ctx, bool *survived, base_er
   }
   *survived = WIFEXITED(status) && WEXITSTATUS(status) == 0;
   return BASE_OK;
+}
+
+/* Address space of the process [B]; 0 where it is not known, or means nothing (a sanitizer reserves
+ * terabytes). */
+static size_t address_space(void) {
+  unsigned long pages = 0;
+#ifndef SANITIZED
+  FILE *f = fopen("/proc/self/statm", "r");
+  if (f != NULL) {
+    pages = (fscanf(f, "%lu", &pages) == 1) ? pages : 0;
+    (void)fclose(f);
+  }
+#endif
+  return pages * (size_t)sysconf(_SC_PAGESIZE);
+}
+
+void survives_within(size_t bytes, void (*body)(void *ctx), void *ctx) {
+  const size_t now = address_space();
+  struct rlimit old = {0, 0};
+  const bool limited = now > 0 && getrlimit(RLIMIT_AS, &old) == 0 &&
+                       (old.rlim_cur == RLIM_INFINITY || old.rlim_cur > now + bytes);
+  if (limited) {
+    const struct rlimit new = {now + bytes, old.rlim_max};
+    (void)setrlimit(RLIMIT_AS, &new);
+  }
+  body(ctx);
+  if (limited) {
+    (void)setrlimit(RLIMIT_AS, &old);
+  }
 }

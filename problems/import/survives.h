@@ -10,3 +10,7 @@
  * ever on some damaged files (found by scripts/fuzz), which no check before can see. BASE_EEXTERNAL
  * if no child can be made. */
 base_status survives(void (*body)(void *ctx), void *ctx, bool *survived, base_error *err);
+
+/* Runs body(ctx) with at most `bytes` of address space more than the process has now: what a damaged
+ * size asks for beyond that is refused to it as if the machine had no more. */
+void survives_within(size_t bytes, void (*body)(void *ctx), void *ctx);
