@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -58,9 +59,10 @@ base_status survives(void (*body)(void *ctx), void *ctx, bool *survived, base_er
 static size_t address_space(void) {
   unsigned long pages = 0;
 #ifndef SANITIZED
+  char text[128] = "";
   FILE *f = fopen("/proc/self/statm", "r");
   if (f != NULL) {
-    pages = (fscanf(f, "%lu", &pages) == 1) ? pages : 0;
+    pages = (fgets(text, sizeof text, f) != NULL) ? strtoul(text, NULL, 10) : 0;
     (void)fclose(f);
   }
 #endif
