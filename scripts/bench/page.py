@@ -121,7 +121,7 @@ def card(a):
         (missing, slower), name = a["other"]
         fewer = f", on {-missing} of {a['scenes']} scenes" if -missing < a["reached"] else ""
         ratio = slower / a["slower"]
-        other = f"As fast, to a fifth: {name}{fewer}." if ratio < 1.2 else f"Next: {name} takes {ratio:.2g} times as long{fewer}."
+        other = f"{name} takes no more than 1.2 times as long{fewer}." if ratio < 1.2 else f"Next: {name} takes {ratio:.2g} times as long{fewer}."
     breaks = ""
     if a["falls"]:
         stands, of, fell = a["falls"]

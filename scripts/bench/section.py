@@ -46,7 +46,7 @@ def si(value, unit="", digits=3):
     for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
         if abs(value) >= factor * 0.9995:
             break
-    return f"{value / factor:.{digits}g} {prefix}{unit}".strip()
+    return f"{float(f'{value / factor:.{digits}g}'):g} {prefix}{unit}".strip()
 
 
 def error(value):
