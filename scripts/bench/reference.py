@@ -114,9 +114,11 @@ def effects_words(cells):
     dropped = [r for r in ratios.get("auto", []) if r < 0.9]
     compared = effects.compare(found)
     noise = effects.noise_of(compared)
-    dearer = sum(not same and r > 1 + noise for _, _, r, same, _ in compared)
+    other = [r for _, _, r, same, _ in compared if not same]
+    dearer = sum(r > 1 + noise for r in other)
     return (f"What an effect is worth: time with everything on, with the effects that a pilot chose (`--effects auto:1e-6`), and with one declared effect dropped, over the time as declared. "
-            f"As declared is dearer than everything on in {dearer} of {len(compared)} scenes (noise of this run: {noise:.0%}); without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
+            f"{len(compared) - len(other)} of {len(compared)} scenes declare all that costs: their work is the same with everything on, and tells the noise ({noise:.0%}). "
+            f"As declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
             f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}.")
 
 
