@@ -282,6 +282,9 @@ static bool factor_first(lemke_path *t) {
 }
 
 static void bind(lemke_path *t, const lemke_system *s) {
+  if (t->system != s) {
+    t->basis.fresh = false; /* what is factored is another system's */
+  }
   t->system = s;
   t->sys = (lin_system){s->rows, s->colptr, s->rowind, s->val, t->cover};
 }
