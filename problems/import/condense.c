@@ -116,6 +116,9 @@ static base_status factorise(const friction_problem *p, pieces *k, cholmod_commo
     return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to analyse", p->M.n_col);
   }
   (void)cholmod_factorize(k->M, k->L, c);
+  if (c->status < CHOLMOD_OK) {
+    return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to factorise", p->M.n_col);
+  }
   const size_t bad = indefinite_at(k->L);
   if (c->status != CHOLMOD_OK || bad < k->L->n) {
     return BASE_FAIL(err, BASE_EINVAL, "M is not positive definite (pivot %zu)", bad + 1);
