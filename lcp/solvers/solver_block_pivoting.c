@@ -12,6 +12,8 @@
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/direct.h"
 
+#include <string.h>
+
 typedef struct options {
   lcp_stop stop;
   double proximal; /* e */
@@ -22,6 +24,7 @@ typedef struct block_pivoting {
   lcp_stop_state stop;
   lcp_direct direct;
   unsigned char *in, *is_free; /* F; free rows never leave it */
+  unsigned char *proof;        /* F of the point handed over */
   double *scale;               /* S: power of two near 1/sqrt M_ii */
   double *weight;              /* e on every row of S M S, or zeros */
   double *q, *z, *w, *bound;   /* of S M S: effective q, z, w, |q| + |M||z| */
@@ -39,6 +42,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   lcp_stop_layout(&s->stop, cap, a);
   lcp_direct_layout(&s->direct, cap, a);
   s->in = BASE_ARRAY(a, unsigned char, cap->n);
+  s->proof = BASE_ARRAY(a, unsigned char, cap->n);
   s->is_free = BASE_ARRAY(a, unsigned char, cap->n);
   s->scale = BASE_ARRAY(a, double, cap->n);
   s->weight = BASE_ARRAY(a, double, cap->n);
@@ -281,6 +285,7 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
     }
     for (int i = 0; i < p->M.n; i++) {
       z[i] = s->tmp[i];
+      s->proof[i] = s->in[i];
     }
     idle = better ? 0 : idle + 1;
     best = good ? res->residual : fmin(best, res->residual);
@@ -313,12 +318,13 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   lcp_outcome outcome = of_end(e);
   if (status == BASE_OK && e == FOUND && accepted(s, p, o->stop.tol, z, res)) {
     outcome = LCP_SOLVED;
+    memcpy(s->proof, s->in, (size_t)p->M.n);
   } else if (status == BASE_OK && (e == SINGULAR || e == FOUND || e == LOST)) {
     outcome = proximal(s, p, o, z, res, &status);
   }
   res->outcome = outcome;
   if (outcome == LCP_SOLVED) {
-    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->in};
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->proof};
   }
   return status;
 }
