@@ -160,9 +160,9 @@ static void leave(ppm *s, double *z, int k, place where) {
   s->pos[out] = -1;
 }
 
-/* Smallest step along sign * (y, 1) at which a basic z meets a bound; ties: the largest pivot. */
-static int first_block(const ppm *s, const double *z, int r, double sign, double *step) {
-  double top = s->unit[r];
+/* Smallest step along sign * (y, 1) at which a basic z meets a bound; ties: the largest pivot. top: size
+ * of the driving entry, 0 where none drives. */
+static int first_block(const ppm *s, const double *z, double top, double sign, double *step) {
   for (int k = 0; k < s->m; k++) {
     top = fmax(top, fabs(s->y[k]) * s->unit[s->order[k]]);
   }
@@ -228,7 +228,7 @@ static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp
     const bool positive = schur > rank_share * fabs(s->d[r]) && s->m < s->m_max;
     const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
     double t = HUGE_VAL;
-    const int k = first_block(s, z, r, sign, &t);
+    const int k = first_block(s, z, s->unit[r], sign, &t);
     const double join = positive ? fabs(s->w[r]) / schur : HUGE_VAL;
     if (join <= t && join <= own && join < HUGE_VAL) {
       advance(s, z, r, sign * join);
@@ -317,7 +317,7 @@ static void settle(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
     work->backsolves += 2;
     step = 1;
     double t = HUGE_VAL;
-    const int k = first_block(s, z, s->order[0], 1, &t);
+    const int k = first_block(s, z, 0, 1, &t);
     if (k >= 0 && t < 1) {
       step = t;
     }
