@@ -22,7 +22,8 @@ def git(*words):
 
 
 ROOT = Path(__file__).resolve().parents[1]
-MEASURING = ("cell_", "simulat", "series", "sim_", "predictions", "check_eval", "verdict", "effects_auto", "solve_once")
+MEASURING = ("cell_", "simulat", "series", "sim_", "predictions", "check_eval", "verdict", "effects_auto", "solve_once",
+             "problem_source", "machine", "outliers", "stats", "registry")
 
 
 def digest(paths):
