@@ -104,6 +104,7 @@ void predictions_summarise(const sim_request *q, const series *record, const sim
   *out = (prediction_summary){0};
   const check_context ctx = prediction_context(q, record, r);
   missed_kind missed[CHECK_COUNT] = {{0}};
+  bool unknown = false; /* a check that could not be evaluated: the worst is not known either */
   for (int i = 0; i < q->spec->n_check; i++) {
     const spec_check *c = &q->spec->check[i];
     check_result one;
@@ -116,10 +117,12 @@ void predictions_summarise(const sim_request *q, const series *record, const sim
       out->n_missed++;
       note_missed(c, &one, &missed[c->kind]);
     }
+    unknown = unknown || !one.known;
     if (one.known && one.tolerance > 0.0) {
       out->worst = fmax(out->worst, one.error / one.tolerance);
     }
   }
+  out->worst = unknown ? (double)NAN : out->worst;
   print_missed(missed, out->missed, sizeof out->missed);
   measure(q, &ctx, out);
 }
