@@ -19,6 +19,7 @@ typedef struct runner {
   progress progress;
   double canary, canary_at; /* [s] */
   record_table unit_rows;   /* of the process being measured */
+  bool lost;                /* one of them found no memory */
   cell_job job;
   char twin_hash[24]; /* of the untimed twin just run; "": none */
 } runner;

@@ -35,9 +35,7 @@ static void child_body(void *ctx, isolate_channel *c) {
 
 static void parent_item(void *ctx, const void *item) {
   runner *r = ctx;
-  record row;
-  memcpy(&row, item, sizeof row);
-  (void)record_table_append(&r->unit_rows, &row, NULL);
+  r->lost = r->lost || record_table_append(&r->unit_rows, item, NULL) != BASE_OK;
 }
 
 /* ---- rows -------------------------------------------------------------------------------------*/
@@ -79,7 +77,7 @@ static void death_row(runner *r, const isolate_end *end, base_error *err) {
     row.exit_signal = end->signal;
   }
   SET_TEXT(row.status, run_status_name(word));
-  (void)record_table_append(&r->unit_rows, &row, err);
+  r->lost = r->lost || record_table_append(&r->unit_rows, &row, err) != BASE_OK;
 }
 
 typedef struct surroundings {
@@ -123,6 +121,7 @@ static base_status measure(runner *r, int order, isolate_end *end, bool *whole, 
   s.load = machine_load();
   s.throttles = machine_throttles(s.cpu >= 0 ? s.cpu : 0);
   r->unit_rows.n = 0;
+  r->lost = false;
   BASE_TRY(isolate_run(&work, &limits, end, err));
   *whole = end->how != ISOLATE_INTERRUPTED;
   if (!*whole) {
@@ -131,6 +130,9 @@ static base_status measure(runner *r, int order, isolate_end *end, bool *whole, 
   if (end->how != ISOLATE_DONE || r->unit_rows.n == 0) {
     r->unit_rows.n = 0;
     death_row(r, end, err);
+  }
+  if (r->lost) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the rows of a cell");
   }
   add_context(r, end, &s);
   return BASE_OK;
