@@ -20,6 +20,7 @@ typedef struct sim {
   lcp_instance *instance;
   double *z;
   int z_cap;
+  double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
   bool iterates; /* the formulation may try again where a problem has no solution */
   solved held;   /* such a try, until the step is over; word RUN_OK: none */
 } sim;
