@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 
 from bench import rows as rows_, stats
-from bench.section import Cell, Section, Table, interval
+from bench.section import Cell, Section, Table, error, interval
 
 KEY = ["campaign", "part", "problem", "duration_s", "tol", "solver", "solver_options", "step_s", "effects", "start"]
 MARK = {"holds": "good", "does not hold": "bad", "not measured": "none"}
@@ -140,6 +140,28 @@ def redundancy(cells):
             "verified cells with more contacts than a body can tell apart: " + ", ".join(f"{s} {int(r['sum'])} of {int(r['count'])}" for s, r in by.iterrows()))
 
 
+STIFF = 10  # G/m_t from which impact friction counts as that of a hard cone (results/FORMAT.md, stiffness_ratio)
+
+
+def stiffness(cells):
+    """A ladder of fixed bristle stiffness against `velocity` on the same scene, step and solver: a rung is right where its error of the
+    common quantity is no larger than that of `velocity` plus the scene's tolerance."""
+    fixed = cells[(cells["formulation"] == "regularized") & (cells["formulation_options"].map(rows_.options).map(lambda o: o.get("stiffness")) == "fixed")]
+    hard = cells[(cells["formulation"] == "velocity") & cells["good"] & cells["err_ref"].notna()]
+    p = fixed.merge(hard, on=KEY, suffixes=("", "_other"))
+    p = p[(p["stiffness_ratio"] > 0) & (p["err_tol"] > 0)].sort_values(["problem", "stiffness_ratio"])
+    above, right = p["stiffness_ratio"] >= STIFF, p["good"] & (p["err_ref"] <= p["err_ref_other"] + p["err_tol"])
+    if not above.any() or above.all():
+        return None
+    word = "holds" if right[above].all() and not right[~above].all() else "does not hold"
+    told = []
+    for problem, g in p.groupby("problem"):
+        ladder = ", ".join(f"{r['stiffness_ratio']:.2g}: {error(r['err_ref']) if r['good'] else r['status']}" for _, r in g.iterrows())
+        told.append(f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; velocity {error(g['err_ref_other'].iloc[0])}")
+    return word, (f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as velocity, below {int(right[~above].sum())} of {int((~above).sum())} "
+                  f"({'; '.join(told)}). The impulse of an impact is finite in one step however short, a bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step")
+
+
 def stiff(cells):
     """At the error of each penalty run: the cheapest regularized run that is at least as accurate, its time and its steps."""
     time, work, lost, never = [], [], [], []
@@ -175,6 +197,7 @@ CLAIMS = [
     ("The whole step is faster", faster("t_total_s", "time of the run")),
     ("It agrees with the polyhedral cone and with closed forms", agreement),
     ("Its error falls with the step at impacts", impacts),
+    ("Its friction at impacts needs stiffness: G of at least 10 m_t", stiffness),
     ("Redundant contacts do not harm it", redundancy),
     ("It avoids the stiff differential equation of compliant contact", stiff),
 ]

@@ -17,7 +17,7 @@ TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "f
         "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
         "solver_config", "missed", "effects_auto"]
 NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
-           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec"]
+           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec", "stiffness_ratio"]
 
 
 class BadRows(Exception):

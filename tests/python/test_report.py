@@ -106,6 +106,22 @@ class Judged(unittest.TestCase):
         slower.loc[slower["formulation"] == "regularized", ["t_solve_s", "t_total_s"]] *= 1e6
         self.assertEqual(claims.CLAIMS[1][1](slower)[0], "does not hold")
 
+    def test_friction_at_impacts_is_judged_by_its_stiffness(self):
+        base = {"campaign": "paper", "part": "stiffness", "problem": "toy", "duration_s": 1, "tol": 1e-9, "solver": "lemke", "solver_options": "", "step_s": 1e-5, "effects": "", "start": "cold",
+                "good": True, "status": "ok", "err_quantity": "state y", "err_tol": 1e-4, "stiffness_ratio": float("nan")}
+
+        def ladder(*rungs):
+            table = [{**base, "formulation": "velocity", "formulation_options": "", "err_ref": 1e-5}]
+            table += [{**base, "formulation": "regularized", "formulation_options": f"stiffness=fixed,k={r}", "stiffness_ratio": r, "err_ref": e} for r, e in rungs]
+            return claims.stiffness(pd.DataFrame(table))
+
+        word, evidence = ladder((0.1, 5e-3), (30, 1e-5))
+        self.assertEqual(word, "holds")
+        self.assertIn("error of state y by G/m_t: 0.1: 5.0e-03, 30: 1.0e-05; velocity 1.0e-05", evidence)
+        self.assertEqual(ladder((0.1, 5e-3), (30, 5e-3))[0], "does not hold")  # stiff and wrong
+        self.assertEqual(ladder((0.1, 1e-5), (30, 1e-5))[0], "does not hold")  # soft and right: nothing is needed
+        self.assertIsNone(ladder((30, 1e-5)))
+
     def test_no_claim_holds_without_the_formulation(self):
         other = self.cells[self.cells["formulation"] == "velocity"]
         self.assertTrue(all(judge(other) is None for _, judge in claims.CLAIMS))
