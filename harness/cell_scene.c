@@ -59,7 +59,7 @@ static void fill_verdict(const sim_result *q, record *r) {
   effects_print(q->effects_seen, r->effects_seen, sizeof r->effects_seen);
 }
 
-static void fill_predictions(const prediction_summary *p, record *r) {
+static void fill_predictions(const prediction_summary *p, const scene_spec *spec, record *r) {
   r->n_predictions = p->n;
   r->n_predictions_missed = p->n_missed;
   SET_TEXT(r->missed, p->missed);
@@ -72,6 +72,10 @@ static void fill_predictions(const prediction_summary *p, record *r) {
     r->err_tol = p->tolerance;
     SET_TEXT(r->err_quantity, p->quantity);
     (void)snprintf(r->err_source, sizeof r->err_source, "%.159s", p->source);
+  }
+  if (p->has_end) {
+    SET_TEXT(r->end_quantity, spec->observe[0]);
+    r->end_value = p->end;
   }
 }
 
@@ -145,7 +149,7 @@ static base_status sample_scene(measured *m, record *r, double *seconds, base_er
     if (done == BASE_OK && i + 1 == m->n_inner) {
       prediction_summary p;
       predictions_summarise(request, &kept, &q, &p);
-      fill_predictions(&p, r);
+      fill_predictions(&p, request->spec, r);
       fill_steps(&kept, r);
     }
     series_close(&kept);

@@ -99,6 +99,17 @@ static void measure(const sim_request *q, const check_context *ctx, prediction_s
   }
 }
 
+/* Where no prediction holds, runs are compared with each other by what they end with. */
+static void note_end(const sim_request *q, const series *record, prediction_summary *out) {
+  spec_check c = {0};
+  if (q->spec->n_observe == 0) {
+    return;
+  }
+  memcpy(c.var, q->spec->observe[0], sizeof c.var);
+  const series_var *v = series_find_var(record, &c);
+  out->has_end = v != NULL && series_at(record, v->column, q->duration, &out->end);
+}
+
 void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,
                            prediction_summary *out) {
   *out = (prediction_summary){0};
@@ -125,4 +136,5 @@ void predictions_summarise(const sim_request *q, const series *record, const sim
   out->worst = unknown ? (double)NAN : out->worst;
   print_missed(missed, out->missed, sizeof out->missed);
   measure(q, &ctx, out);
+  note_end(q, record, out);
 }

@@ -17,6 +17,8 @@ typedef struct prediction_summary {
   char quantity[80];
   char missed[160];   /* what was missed, worst first of each kind: "max_drift top.y 3.2x, ..." */
   const char *source; /* view into the spec */
+  bool has_end;       /* the scene observes something, and the run came to its end */
+  double end;         /* the scene's first observed quantity there, in its unit */
 } prediction_summary;
 
 /* Does the i-th check of the scene apply to this run? False for all when a declared effect is left

@@ -32,6 +32,7 @@
   R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(energy_defect_J)   \
   R(energy_drift_rel) R(stiffness_ratio) R(v_slip) R(deflection_m)                                 \
   R(err_ref) T(err_quantity, 80) R(err_predicted) R(err_tol) T(err_source, 160) R(err_worst)       \
+  T(end_quantity, 64) R(end_value)                                                                 \
   I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200)                     \
   T(solution_hash, 24)                                                                             \
   T(host, 64) T(host_class, 96) T(cpu_set, 16) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \

@@ -71,7 +71,7 @@ static json_t *predictions(const simulation *s, const series *record, const sim_
   return all;
 }
 
-/* The trajectory yardstick: the same quantity for every formulation. */
+/* The trajectory yardstick, the same quantity for every formulation, and what the run ends with. */
 static json_t *yardstick(const simulation *s, const series *record, const sim_result *r) {
   prediction_summary p;
   predictions_summarise(&s->request, record, r, &p);
@@ -81,6 +81,10 @@ static json_t *yardstick(const simulation *s, const series *record, const sim_re
     json_out_real(o, "error", p.error);
     json_out_real(o, "predicted", p.predicted);
     json_out_text(o, "source", p.source);
+  }
+  if (p.has_end) {
+    json_out_text(o, "end_quantity", s->spec.observe[0]);
+    json_out_real(o, "end_value", p.end);
   }
   return o;
 }

@@ -37,7 +37,8 @@ static bool same_verdicts(const record *row, const record *again, char *why, siz
   static const char *const reals[] = {
       "rho",           "res_natural",     "res_natural_rel",  "res_feas_z", "res_feas_w",
       "res_comp",      "res_ncp",         "res_ncp_rel",      "res_cone",   "dissipation_gap_J",
-      "penetration_m", "energy_defect_J", "energy_drift_rel", "err_ref",    "err_worst"};
+      "penetration_m", "energy_defect_J", "energy_drift_rel", "err_ref",    "err_worst",
+      "end_value"};
   for (int i = 0; i < BASE_COUNT(words); i++) {
     if (strcmp(words[i].was, words[i].is) != 0) {
       (void)snprintf(why, cap, "%s is %.80s, the row says %.80s", words[i].name, words[i].is,

@@ -13,11 +13,11 @@ TIMES = ["t_contacts_s", "t_assemble_s", "t_setup_s", "t_factor_s", "t_solve_s",
          "t_step_max_s"]
 TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "formulation", "formulation_options",
         "solver", "solver_options", "solver_variant", "start", "effects", "storage", "status", "status_claimed", "note",
-        "err_quantity", "err_source", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
+        "err_quantity", "err_source", "end_quantity", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
         "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
         "solver_config", "missed", "effects_auto"]
 NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
-           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec", "stiffness_ratio"]
+           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec", "stiffness_ratio", "end_value"]
 
 
 class BadRows(Exception):
