@@ -1,6 +1,9 @@
 /* The command that reruns a cell, and the cell that a command names. */
 #include "harness/cell_command.h"
 
+#include "harness/registry.h"
+#include "lcp/base/fields.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -11,12 +14,33 @@ static size_t put_option(char *buf, size_t cap, size_t used, const char *name, c
   return used + (size_t)snprintf(buf + used, cap - used, " --%s '%s'", name, value);
 }
 
-void cell_command(const cell *c, char *buf, size_t cap) {
+double plan_solver_limit(const campaign_limits *l) {
+  return l->time * 4.0 / 5.0; /* 1.2, not 1.2000000000000002, of 1.5 */
+}
+
+/* The solver as the cell names it, and the limit it was told where that is lower than its own. */
+static void solver_text(const cell *c, const campaign_limits *l, char *buf, size_t cap) {
+  solver_choice s;
+  char number[32];
+  (void)snprintf(buf, cap, "%s", c->solver);
+  if (solver_choose(c->solver, &s, NULL) == BASE_OK &&
+      solver_choice_limit(&s, plan_solver_limit(l))) {
+    const size_t used = strlen(buf);
+    base_real_print(plan_solver_limit(l), number, sizeof number);
+    (void)snprintf(buf + used, cap - used, "%smax_seconds=%s",
+                   strchr(c->solver, ':') != NULL ? "," : ":", number); /* the last one counts */
+  }
+  solver_choice_free(&s);
+}
+
+void cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap) {
   const bool is_scene = c->formulation[0] != '\0';
+  char solver[400];
+  solver_text(c, l, solver, sizeof solver);
   size_t used =
       (size_t)snprintf(buf, cap, "lcpbench %s '%s'", is_scene ? "simulate" : "solve", c->problem);
   used = put_option(buf, cap, used, "formulation", c->formulation);
-  used = put_option(buf, cap, used, "solver", c->solver);
+  used = put_option(buf, cap, used, "solver", solver);
   used = put_option(buf, cap, used, "tol", c->tol);
   if (is_scene) {
     used = put_option(buf, cap, used, "step", c->step);

@@ -149,7 +149,7 @@ base_status cell_lcp_prepare(measured *m, record *r, base_error *err) {
   if (c->tol[0] != '\0') {
     BASE_TRY(solver_choice_set(&m->solver, "tol", c->tol, err));
   }
-  cell_tell_limit(&m->job->campaign->limits, &m->solver);
+  (void)solver_choice_limit(&m->solver, plan_solver_limit(&m->job->campaign->limits));
   r->tol = verdict_asked(m->solver.solver, m->solver.opt);
   (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", m->solver.config);
   return problem_source_open(c->problem, NULL, 0, &m->source, err);

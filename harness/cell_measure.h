@@ -33,8 +33,4 @@ void cell_fill_work(const lcp_work *w, const lcp_solver *s, long n_solves, recor
 /* Caches as a caller finds them who did something else meanwhile, if the campaign asks for it. */
 void cell_cool(const measured *m);
 
-/* The solver's own wall limit, where it was not asked for another one: 0.8 of the process's, so
- * that it can end with an answer before it is killed. */
-void cell_tell_limit(const campaign_limits *l, solver_choice *s);
-
 #define SET_TEXT(field, text) ((void)snprintf((field), sizeof(field), "%s", (text)))

@@ -42,7 +42,7 @@ void cell_identity(const cell_job *job, record *r) {
   (void)snprintf(r->solver, sizeof r->solver, "%.*s", (int)strcspn(c->solver, ":"), c->solver);
   SET_TEXT(r->formulation_options, after_colon(c->formulation));
   SET_TEXT(r->solver_options, after_colon(c->solver));
-  cell_command(c, r->command, sizeof r->command);
+  cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
 }
 
 /* ---- what both kinds of cells share -----------------------------------------------------------*/
@@ -67,18 +67,6 @@ void cell_fill_work(const lcp_work *w, const lcp_solver *s, long n_solves, recor
 void cell_cool(const measured *m) {
   if (m->sweep != NULL) {
     machine_sweep(m->sweep, m->n_sweep);
-  }
-}
-
-void cell_tell_limit(const campaign_limits *l, solver_choice *s) {
-  for (int i = 0; i < s->solver->n_fields; i++) {
-    const base_field *f = &s->solver->fields[i];
-    if (strcmp(f->name, "max_seconds") == 0 && f->kind == BASE_REAL) {
-      double own;
-      memcpy(&own, (unsigned char *)s->opt + f->offset, sizeof own);
-      own = fmin(own, 0.8 * l->time);
-      memcpy((unsigned char *)s->opt + f->offset, &own, sizeof own);
-    }
   }
 }
 

@@ -203,7 +203,7 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   m->is_scene = true;
   m->sample = sample_with_files;
   BASE_TRY(simulation_open(&t, s, err));
-  cell_tell_limit(&m->job->campaign->limits, &s->solver);
+  (void)solver_choice_limit(&s->solver, plan_solver_limit(&m->job->campaign->limits));
   r->tol = verdict_asked(s->solver.solver, s->solver.opt);
   SET_TEXT(r->effects_auto, s->effects.text);
   r->step_s = s->request.h;

@@ -189,6 +189,23 @@ static base_status side_open(const compare_side *from, side *s, base_error *err)
   return BASE_OK;
 }
 
+/* Without the limit that a campaign sets: it does not change what ends before it. */
+static void without_limit(const char *config, char *buf, size_t cap) {
+  static const char key[] = "max_seconds=";
+  const char *at = strstr(config, key);
+  const char *rest = (at != NULL) ? at + strcspn(at, ",") : "";
+  const size_t before = (at != NULL) ? (size_t)(at - config) : strlen(config);
+  (void)snprintf(buf, cap, "%.*s%s", (int)before, config, rest);
+}
+
+static bool same_solver(const record *a, const record *b) {
+  char of_a[sizeof a->solver_config];
+  char of_b[sizeof b->solver_config];
+  without_limit(a->solver_config, of_a, sizeof of_a);
+  without_limit(b->solver_config, of_b, sizeof of_b);
+  return strcmp(a->solver, b->solver) == 0 && strcmp(of_a, of_b) == 0;
+}
+
 /* The first cell of b (sorted by experiment) that is a's partner; NULL: it has none. */
 static const span *partner(const span *a, const side *b, bool by_solver) {
   int lo = 0;
@@ -202,9 +219,7 @@ static const span *partner(const span *a, const side *b, bool by_solver) {
     }
   }
   for (; lo < b->n && experiment(b->cell[lo].first, a->first) == 0; lo++) {
-    const record *r = b->cell[lo].first;
-    if (!by_solver || (strcmp(r->solver, a->first->solver) == 0 &&
-                       strcmp(r->solver_config, a->first->solver_config) == 0)) {
+    if (!by_solver || same_solver(b->cell[lo].first, a->first)) {
       return &b->cell[lo];
     }
   }

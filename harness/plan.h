@@ -48,8 +48,12 @@ typedef struct plan_filter {
 base_status plan_make(const campaign *c, const plan_filter *f, plan *out, base_error *err);
 void plan_free(plan *p);
 
-/* The command that reruns the cell alone. */
-void cell_command(const cell *c, char *buf, size_t cap);
+/* What a solver is told of its process's wall limit: 0.8 of it, so that it can end with an answer
+ * before it is killed [s]. */
+double plan_solver_limit(const campaign_limits *l);
+
+/* The command that reruns the cell alone, with the limit that its solver was told. */
+void cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap);
 
 /* "a{1,2}b" -> "a1b", "a2b"; several braces: all combinations, the last varies fastest. */
 base_status brace_expand(const char *text, text_list *out, base_error *err);

@@ -94,6 +94,25 @@ base_status solver_choice_set(solver_choice *c, const char *option, const char *
   return BASE_OK;
 }
 
+bool solver_choice_limit(solver_choice *c, double seconds) {
+  const lcp_solver *s = c->solver;
+  for (int i = 0; i < s->n_fields; i++) {
+    const base_field *f = &s->fields[i];
+    if (strcmp(f->name, "max_seconds") != 0 || f->kind != BASE_REAL) {
+      continue;
+    }
+    unsigned char *at = (unsigned char *)c->opt + f->offset;
+    double own;
+    memcpy(&own, at, sizeof own);
+    if (own > seconds) {
+      memcpy(at, &seconds, sizeof seconds);
+      (void)base_fields_print(s->fields, s->n_fields, c->opt, c->config, sizeof c->config);
+    }
+    return own > seconds;
+  }
+  return false;
+}
+
 void solver_choice_free(solver_choice *c) {
   free(c->opt);
   *c = (solver_choice){0};

@@ -33,6 +33,9 @@ typedef struct formulation_choice {
 base_status solver_choose(const char *text, solver_choice *out, base_error *err);
 base_status solver_choice_set(solver_choice *c, const char *option, const char *value,
                               base_error *err);
+/* The wall limit of one solve (option max_seconds) becomes the least of what was asked for and
+ * `seconds`. False: it was as low already, or the solver has no such option. */
+bool solver_choice_limit(solver_choice *c, double seconds);
 void solver_choice_free(solver_choice *c);
 
 base_status formulation_choose(const char *text, formulation_choice *out, base_error *err);

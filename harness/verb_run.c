@@ -114,7 +114,7 @@ static base_status dry_run(const plan *p, const char *dir, base_error *err) {
   for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
     const cell *c = &p->cell[p->unit[u].cell];
     char command[1200];
-    cell_command(c, command, sizeof command);
+    cell_command(c, &p->campaign->limits, command, sizeof command);
     n_done += done[u] ? 1 : 0;
     if (p->unit[u].process == 0) {
       (void)printf("%s %s %s %s\n", done[u] ? "done" : "todo", c->id, c->part, command);

@@ -1,5 +1,6 @@
 """Solvers that lie, crash, hang, hog, quit and flood: one typed row each, and the campaign completes."""
 import json
+import shlex
 
 from support import FAULTY, SANITIZED, campaign, diagonal, one_line_error, rows, run, tap
 
@@ -107,6 +108,18 @@ def long_runs_keep_their_first_time(d):
     assert r["status"] == "ok" and "first_run" in flags and 0.8 <= float(r["t_total_s"]) < 1.5, r
     flags, r = got["faulty_patient"]
     assert r["status"] == "time_limit" and 1.2 <= float(r["t_solve_s"]) < 1.5, r
+    # and the row says so: its command, without the campaign, ends as the row did
+    assert "max_seconds=1.2" in r["solver_config"].split(",") and r["solver_options"] == "", r
+    o = json.loads(run(*shlex.split(r["command"])[1:], exe=FAULTY, code=3, timeout=10).stdout)
+    assert o["status"] == "time_limit" and 1.2 <= o["t_solve_s"] < 2.0, o
+
+
+def limits_do_not_part_pairs(d):
+    """The same cells under another limit are compared with each other."""
+    c = campaign(d, FLAGS % (2, 2, diagonal(d, 6), "[lemke, 'pgs:omega=0.9']"))
+    run("run", c, "--out", d / "a", "--quiet")
+    run("run", c, "--out", d / "b", "--quiet", "--time-limit", "3")
+    assert "over 2 pairs" in run("compare", d / "a", d / "b").stdout
 
 
 def faults_are_not_in_the_release(d):
@@ -114,4 +127,4 @@ def faults_are_not_in_the_release(d):
 
 
 tap([g3_each_death_has_its_word, g3_strict_says_so, g2_liar_in_json, rerun_measures_what_is_asked_for, suspicious_rows_are_flagged, outliers_are_kept_and_measured_again,
-     long_runs_keep_their_first_time, faults_are_not_in_the_release])
+     long_runs_keep_their_first_time, limits_do_not_part_pairs, faults_are_not_in_the_release])
