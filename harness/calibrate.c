@@ -17,11 +17,11 @@ typedef struct search {
   base_status status;
 } search;
 
-static base_status set_point(calibrate_task *t, const double x[2], base_error *err) {
+base_status calibrate_set(calibrate_task *task, const double x[2], base_error *err) {
   for (int i = 0; i < 2; i++) {
     char text[40];
     (void)snprintf(text, sizeof text, "%.6g", x[i]);
-    BASE_TRY(formulation_choice_set(t->form, t->name[i], text, err));
+    BASE_TRY(formulation_choice_set(task->form, task->name[i], text, err));
   }
   return BASE_OK;
 }
@@ -59,7 +59,7 @@ static base_status time_point(search *s, calibrate_point *p, int runs, base_erro
 }
 
 static base_status evaluate(search *s, calibrate_point *p, base_error *err) {
-  BASE_TRY(set_point(s->task, p->x, err));
+  BASE_TRY(calibrate_set(s->task, p->x, err));
   p->reaches = false;
   p->error = HUGE_VAL;
   for (int k = 0; k < CALIBRATE_LADDER && !p->reaches; k++) {
@@ -139,10 +139,10 @@ static base_status compare(search *s, base_error *err) {
   r->rule.seconds = HUGE_VAL; /* the search kept its luckiest time of the best */
   r->best.seconds = HUGE_VAL;
   for (int k = 0; k < FINAL_RUNS; k++) {
-    BASE_TRY(set_point(s->task, a.x, err));
+    BASE_TRY(calibrate_set(s->task, a.x, err));
     BASE_TRY(time_point(s, &a, 1, err));
     r->rule.seconds = fmin(r->rule.seconds, a.seconds);
-    BASE_TRY(set_point(s->task, b.x, err));
+    BASE_TRY(calibrate_set(s->task, b.x, err));
     BASE_TRY(time_point(s, &b, 1, err));
     r->best.seconds = fmin(r->best.seconds, b.seconds);
   }

@@ -39,6 +39,9 @@ typedef struct calibrate_result {
   long simulations;
 } calibrate_result;
 
+/* Gives the task's formulation the parameters x, to the six digits that the search runs with. */
+base_status calibrate_set(calibrate_task *task, const double x[2], base_error *err);
+
 /* x: the rule of thumb to start from. BASE_EEXTERNAL: NLopt refused. */
 base_status calibrate(calibrate_task *task, const double x[2], calibrate_result *out,
                       base_error *err);

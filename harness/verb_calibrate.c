@@ -99,9 +99,21 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
-static void put_point(json_t *o, const char *key, const calibration *c, const calibrate_point *p) {
+/* The command of a point, with every option that the search ran with. */
+static base_status command_of(calibration *c, const calibrate_point *p, char *buf, size_t cap,
+                              base_error *err) {
+  BASE_TRY(calibrate_set(&c->task, p->x, err));
+  (void)snprintf(
+      buf, cap, "lcpbench simulate '%s' --formulation '%s:%s' --solver '%s:%s' --step '%.17g'",
+      c->text, c->form.form->name, c->form.config, c->solver.solver->name, c->solver.config, p->h);
+  return BASE_OK;
+}
+
+static base_status put_point(json_t *o, const char *key, calibration *c, const calibrate_point *p,
+                             base_error *err) {
+  char command[2 * CHOICE_CONFIG + 600];
+  BASE_TRY(command_of(c, p, command, sizeof command, err));
   json_t *one = json_object();
-  char command[600];
   for (int i = 0; i < 2; i++) {
     json_out_real(one, c->task.name[i], p->x[i]);
   }
@@ -109,30 +121,36 @@ static void put_point(json_t *o, const char *key, const calibration *c, const ca
   json_out_real(one, "error", p->error);
   json_out_real(one, "step_s", p->reaches ? p->h : (double)NAN);
   json_out_real(one, "t_total_s", p->reaches ? p->seconds : (double)NAN);
-  const bool fixed = strcmp(c->task.name[0], "k") == 0;
-  (void)snprintf(command, sizeof command,
-                 "lcpbench simulate '%s' --formulation '%s:%s%s=%.6g,%s=%.6g' --solver '%s' "
-                 "--step '%.17g'",
-                 c->text, c->form.form->name, fixed ? "stiffness=fixed," : "", c->task.name[0],
-                 p->x[0], c->task.name[1], p->x[1], c->solver.solver->name, p->h);
   json_out_text(one, "command", p->reaches ? command : "");
   (void)json_object_set_new(o, key, one);
+  return BASE_OK;
 }
 
-static bool print_result(const calibration *c, const calibrate_result *r) {
-  json_t *o = json_object();
+static base_status to_json(calibration *c, const calibrate_result *r, json_t *o, base_error *err) {
   json_out_text(o, "scene", c->text);
   json_out_text(o, "formulation", c->form.form->name);
   json_out_text(o, "solver", c->solver.solver->name);
   json_out_real(o, "error", c->task.level);
   json_out_text(o, "yardstick",
                 c->task.yardstick == CALIBRATE_PHYSICAL ? "physical" : "trajectory");
-  put_point(o, "rule", c, &r->rule);
-  put_point(o, "best", c, &r->best);
+  BASE_TRY(put_point(o, "rule", c, &r->rule, err));
+  BASE_TRY(put_point(o, "best", c, &r->best, err));
   json_out_real(o, "gain", r->gain);
   json_out_int(o, "evaluations", r->evaluations);
   json_out_int(o, "simulations", r->simulations);
-  return json_out_print(o, stdout);
+  return BASE_OK;
+}
+
+static base_status print_result(calibration *c, const calibrate_result *r, int *code,
+                                base_error *err) {
+  json_t *o = json_object();
+  const base_status done = to_json(c, r, o, err);
+  if (done != BASE_OK) {
+    json_decref(o);
+    return done;
+  }
+  *code = !json_out_print(o, stdout) ? CLI_INTERNAL : r->best.reaches ? CLI_OK : CLI_HONEST;
+  return BASE_OK;
 }
 
 /* ---- verb ------------------------------------------------------------------------------------ */
@@ -160,8 +178,8 @@ static int run(int argc, char **argv) {
   if (done == BASE_OK) {
     done = calibrate(&c.task, c.rule, &r, &err);
   }
-  if (done == BASE_OK && print_result(&c, &r)) {
-    code = r.best.reaches ? CLI_OK : CLI_HONEST;
+  if (done == BASE_OK) {
+    done = print_result(&c, &r, &code, &err);
   }
   spec_free(&c.spec);
   formulation_choice_free(&c.form);

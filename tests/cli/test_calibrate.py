@@ -6,13 +6,18 @@ from support import one_line_error, run, run_json, tap
 
 
 def reaches_and_repeats(_):
-    for form in ("regularized", "regularized:stiffness=fixed,k=1e3,c=10"):
-        found = run_json("calibrate", "gripper", "--error", "0.003", "--formulation", form, "--evaluations", 15)
+    given = (("regularized", "lemke"), ("regularized:stiffness=fixed,k=1e3,c=10", "lemke"), ("regularized:model=viscous,mode_iter=7", "pgs:omega=0.8,tol=1e-7"))
+    for form, solver in given:
+        found = run_json("calibrate", "gripper", "--error", "0.003", "--formulation", form, "--solver", solver, "--evaluations", 15)
         rule, best = found["rule"], found["best"]
         assert best["reaches"] and best["error"] <= 0.003, best
         assert not rule["reaches"] or best["t_total_s"] <= 1.5 * rule["t_total_s"], found
         again = json.loads(run(*shlex.split(best["command"])[1:], code=None).stdout)
         assert again["trajectory_error"]["error"] == best["error"] and again["step_s"] == best["step_s"], (again["trajectory_error"], best)
+        # options that the search leaves alone are those it ran with
+        asked = dict(o.split("=") for part in (form, solver) for o in part.partition(":")[2].split(",") if o)
+        used = dict(o.split("=") for o in f"{again['formulation_options']},{again['solver_options']}".split(","))
+        assert all(used[k] == v or float(used[k]) == float(v) for k, v in asked.items() if k not in best), (asked, used)
 
 
 def a_poor_start_is_left(_):
