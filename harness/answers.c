@@ -4,7 +4,6 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char magic[8] = {'L', 'C', 'P', 'B', 'A', 'N', 'S', '1'};
 
@@ -21,10 +20,10 @@ static base_status io_failed(const char *path, base_error *err) {
 base_status answers_create(answers *a, const char *path, base_error *err) {
   *a = (answers){0};
   (void)snprintf(a->path, sizeof a->path, "%s", path);
-  (void)snprintf(a->temporary, sizeof a->temporary, "%s.tmp", a->path);
-  a->file = fopen(a->temporary, "wb");
-  if (a->file == NULL || fwrite(magic, sizeof magic, 1, a->file) != 1) {
-    const base_status failed = io_failed(a->temporary, err);
+  BASE_TRY(whole_file_open(&a->write, path, err));
+  errno = 0;
+  if (fwrite(magic, sizeof magic, 1, a->write.to) != 1) {
+    const base_status failed = io_failed(a->path, err);
     (void)answers_close(a, false, NULL);
     return failed;
   }
@@ -49,7 +48,7 @@ static bool write_sparse(FILE *to, const double *z, int n) {
 base_status answers_put_failure(answers *a, int n, base_status failed, base_error *err) {
   const head h = {n, -(int32_t)failed, 0};
   errno = 0;
-  return (fwrite(&h, sizeof h, 1, a->file) == 1) ? BASE_OK : io_failed(a->temporary, err);
+  return (fwrite(&h, sizeof h, 1, a->write.to) == 1) ? BASE_OK : io_failed(a->path, err);
 }
 
 base_status answers_put(answers *a, int n, const double *z, const lcp_result *claim,
@@ -58,25 +57,20 @@ base_status answers_put(answers *a, int n, const double *z, const lcp_result *cl
   const bool proof = c->kind == LCP_CERT_FARKAS && c->vector != NULL;
   const head h = {n, (int32_t)claim->outcome, proof ? n : 0};
   errno = 0;
-  bool good = fwrite(&h, sizeof h, 1, a->file) == 1 && write_sparse(a->file, z, n);
-  good = good && (!proof || fwrite(c->vector, sizeof *c->vector, (size_t)n, a->file) == (size_t)n);
-  return good ? BASE_OK : io_failed(a->temporary, err);
+  bool good = fwrite(&h, sizeof h, 1, a->write.to) == 1 && write_sparse(a->write.to, z, n);
+  good =
+      good && (!proof || fwrite(c->vector, sizeof *c->vector, (size_t)n, a->write.to) == (size_t)n);
+  return good ? BASE_OK : io_failed(a->path, err);
 }
 
 base_status answers_close(answers *a, bool keep, base_error *err) {
-  bool good = true;
-  errno = 0;
   if (a->file != NULL) {
-    good = fclose(a->file) == 0;
-    if (a->temporary[0] != '\0') {
-      good =
-          (keep && good) ? rename(a->temporary, a->path) == 0 : unlink(a->temporary) == 0 && good;
-    }
+    (void)fclose(a->file); /* only read */
   }
   free(a->proof);
   a->file = NULL;
   a->proof = NULL;
-  return good ? BASE_OK : io_failed(a->path, err);
+  return whole_file_close(&a->write, keep, err);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------*/

@@ -7,18 +7,18 @@
  * that it returned instead of an answer. */
 #pragma once
 
+#include "harness/whole_file.h"
 #include "lcp/lcp_solver.h"
 
-#include <stdio.h>
-
 typedef struct answers {
-  FILE *file;
-  char path[1100], temporary[1110];
+  whole_file write; /* of answers_create */
+  FILE *file;       /* of answers_open */
+  char path[1100];
   double *proof; /* of the answer last taken; owned */
   int proof_cap;
 } answers;
 
-/* Writes PATH.tmp; the file gets its name when it is closed whole. */
+/* The file gets its name when it is closed whole. */
 base_status answers_create(answers *a, const char *path, base_error *err);
 
 /* The answer z[n] with the solver's claim; or the error it returned where n unknowns were asked for. */

@@ -82,7 +82,7 @@ typedef struct record_table {
 } record_table;
 base_status record_table_read(const char *path, record_table *out, base_error *err);
 base_status record_table_append(record_table *t, const record *r, base_error *err);
-/* Writes all rows to path by a temporary file and rename. */
+/* Writes all rows to path, whole or not at all. */
 base_status record_table_write(const char *path, const record_table *t, base_error *err);
 /* first[n]: is this the first row of its cell? */
 base_status record_table_firsts(const record_table *t, bool *first, base_error *err);

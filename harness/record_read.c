@@ -1,6 +1,7 @@
 /* Rows read back from a file, and tables of them. */
 #include "harness/record_column.h"
 #include "harness/verdict.h"
+#include "harness/whole_file.h"
 #include "lcp/base/fields.h"
 
 #include <errno.h>
@@ -256,24 +257,16 @@ base_status record_table_read(const char *path, record_table *out, base_error *e
 }
 
 base_status record_table_write(const char *path, const record_table *t, base_error *err) {
-  char temporary[1100];
+  whole_file w;
   char line[RECORD_ROW];
-  (void)snprintf(temporary, sizeof temporary, "%.1024s.tmp", path);
-  FILE *to = fopen(temporary, "w");
-  if (to == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", temporary, strerror(errno));
-  }
+  BASE_TRY(whole_file_open(&w, path, err));
   (void)record_header(line, sizeof line);
-  bool good = fputs(line, to) != EOF;
+  bool good = fputs(line, w.to) != EOF;
   for (int i = 0; good && i < t->n; i++) {
     (void)record_row(&t->row[i], line, sizeof line);
-    good = fputs(line, to) != EOF;
+    good = fputs(line, w.to) != EOF;
   }
-  good = fclose(to) == 0 && good;
-  if (!good || rename(temporary, path) != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
-  }
-  return BASE_OK;
+  return whole_file_close(&w, true, err); /* a line that failed is known to the stream */
 }
 
 void record_table_free(record_table *t) {

@@ -3,19 +3,17 @@
  * own estimate of rho (lcp_judge.h). A traced run is never timed: it is the untimed twin of a cell. */
 #pragma once
 
+#include "harness/whole_file.h"
 #include "lcp/lcp_solver.h"
 
-#include <stdio.h>
-
 typedef struct trace_file {
-  FILE *to;
-  char path[1100], temporary[1110];
+  whole_file file;
   lcp_trace buffer; /* of the solve being traced */
   long solves, points;
   bool full; /* a solve had more tests than the buffer holds: its later ones are missing */
 } trace_file;
 
-/* Opens PATH.tmp; the file gets its name when it is closed whole. */
+/* The file gets its name when it is closed whole. */
 base_status trace_open(trace_file *t, const char *path, base_error *err);
 
 /* The buffer to hand to a solver, emptied. */
