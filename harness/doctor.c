@@ -1,14 +1,16 @@
 #include "harness/doctor.h"
 
 #include "harness/folder.h"
+#include "harness/json_file.h"
 #include "harness/machine.h"
 #include "harness/runner.h"
 #include "harness/versions.h"
 
+#include <dirent.h>
+#include <errno.h>
 #include <math.h>
 #include <sched.h>
 #include <string.h>
-#include <unistd.h>
 
 static json_t *advice(const machine *m, const noise_report *n, double load) {
   json_t *a = json_array();
@@ -62,21 +64,52 @@ json_t *doctor_json(const noise_report *n) {
   return o;
 }
 
-base_status doctor_store(json_t *o, const char *dir, base_error *err) {
-  char path[1100];
+base_status doctor_store(const json_t *o, const char *dir, base_error *err) {
   BASE_TRY(folder_make(dir, err));
-  runner_path(dir, "doctor.json", path, sizeof path);
-  return (json_dump_file(o, path, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0)
-             ? BASE_OK
-             : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  return json_file_write(o, dir, "doctor.json", err);
+}
+
+/* Of the machine that would measure now? */
+static bool is_ours(const json_t *o) {
+  machine m;
+  machine_read(&m);
+  const char *cpu = json_string_value(json_object_get(o, "cpu"));
+  return cpu != NULL && strcmp(cpu, m.cpu_model) == 0;
+}
+
+base_status doctor_due(const char *dir, bool *due, base_error *err) {
+  json_t *o;
+  BASE_TRY(json_file_read(dir, "doctor.json", &o, err));
+  *due = !is_ours(o);
+  json_decref(o);
+  return BASE_OK;
+}
+
+/* What another class of machine left stays, as doctor.HOST.json: its rows are here too. */
+static base_status keep_other(const char *dir, base_error *err) {
+  json_t *o;
+  char name[128];
+  BASE_TRY(json_file_read(dir, "doctor.json", &o, err));
+  if (o == NULL) {
+    return BASE_OK;
+  }
+  const char *host = json_string_value(json_object_get(o, "host"));
+  (void)snprintf(name, sizeof name, "doctor.%.60s.json", host != NULL ? host : "unknown");
+  for (char *c = name; *c != '\0'; c++) {
+    *c = (char)(*c == '/' ? '_' : *c);
+  }
+  const base_status done = json_file_write(o, dir, name, err);
+  json_decref(o);
+  return done;
 }
 
 base_status doctor_visit(const char *dir, double seconds, base_error *err) {
-  char path[1100];
-  runner_path(dir, "doctor.json", path, sizeof path);
-  if (access(path, F_OK) == 0) {
+  bool due;
+  BASE_TRY(doctor_due(dir, &due, err));
+  if (!due) {
     return BASE_OK;
   }
+  BASE_TRY(keep_other(dir, err));
   noise_report report;
   cpu_set_t before;
   const bool known = sched_getaffinity(0, sizeof before, &before) == 0;
@@ -93,10 +126,12 @@ base_status doctor_visit(const char *dir, double seconds, base_error *err) {
 
 /* ---- reading ----------------------------------------------------------------------------------*/
 
-void doctor_read(const char *dir, doctor_floor *f) {
-  char path[1100];
-  runner_path(dir, "doctor.json", path, sizeof path);
-  json_t *o = json_load_file(path, 0, NULL);
+bool doctor_file(const char *name) {
+  const size_t n = strlen(name);
+  return strncmp(name, "doctor.", 7) == 0 && n >= 11 && strcmp(name + n - 5, ".json") == 0;
+}
+
+static void raise_floors(const json_t *o, doctor_floor *f) {
   const json_t *classes = json_object_get(o, "classes");
   for (size_t i = 0; i < json_array_size(classes) && i < NOISE_CLASSES; i++) {
     const json_t *c = json_array_get(classes, i);
@@ -106,7 +141,25 @@ void doctor_read(const char *dir, doctor_floor *f) {
     f->floor[i] = fmax(f->floor[i], json_is_number(floor) ? json_number_value(floor) : -1.0);
     f->n = (int)i + 1;
   }
-  json_decref(o);
+}
+
+base_status doctor_read(const char *dir, doctor_floor *f, base_error *err) {
+  base_status done = BASE_OK;
+  DIR *d = opendir(dir);
+  const struct dirent *e;
+  if (d == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", dir, strerror(errno));
+  }
+  while (done == BASE_OK && (e = readdir(d)) != NULL) {
+    json_t *o = NULL;
+    if (doctor_file(e->d_name)) {
+      done = json_file_read(dir, e->d_name, &o, err);
+      raise_floors(o, f);
+      json_decref(o);
+    }
+  }
+  (void)closedir(d);
+  return done;
 }
 
 double doctor_floor_of(const doctor_floor *f, double bytes) {

@@ -1,6 +1,6 @@
 #include "harness/manifest.h"
 
-#include "harness/json_out.h"
+#include "harness/json_file.h"
 #include "harness/machine.h"
 #include "harness/noise.h"
 #include "harness/runner.h"
@@ -35,6 +35,7 @@ static json_t *campaign_json(const campaign *c) {
   json_out_real(o, "half_width", c->sampling.half_width);
   json_out_real(o, "budget_s", c->sampling.budget);
   json_out_real(o, "inner_s", c->sampling.inner);
+  json_out_real(o, "doctor_s", c->sampling.doctor);
   json_out_text(o, "order", c->sampling.abba ? "abba" : "random");
   json_out_text(o, "cache", c->sampling.cold ? "cold" : "warm");
   json_out_bool(o, "solutions", c->solutions);
@@ -181,12 +182,7 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
   if (sha256_file(path, sum, NULL) == BASE_OK) {
     json_out_text(o, "results_sha256", sum);
   }
-  runner_path(dir, "manifest.json", path, sizeof path);
-  char temporary[1110];
-  (void)snprintf(temporary, sizeof temporary, "%s.tmp", path);
-  const int failed = json_dump_file(o, temporary, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+  const base_status done = json_file_write(o, dir, "manifest.json", err);
   json_decref(o);
-  return (failed == 0 && rename(temporary, path) == 0)
-             ? BASE_OK
-             : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
+  return done;
 }

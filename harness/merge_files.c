@@ -1,7 +1,8 @@
 #include "harness/merge_files.h"
 
+#include "harness/doctor.h"
 #include "harness/folder.h"
-#include "harness/json_out.h"
+#include "harness/json_file.h"
 #include "harness/runner.h"
 
 #include <dirent.h>
@@ -94,21 +95,41 @@ static base_status take_folder(const char *dir, const char *sub, const char *out
   return done;
 }
 
-static double floor_in(const char *path) {
-  json_t *o = json_load_file(path, 0, NULL);
-  const json_t *floor = json_object_get(o, "noise_floor");
-  const double value = json_is_number(floor) ? json_number_value(floor) : -1.0;
+static base_status floor_in(const char *dir, const char *name, double *floor, base_error *err) {
+  json_t *o;
+  BASE_TRY(json_file_read(dir, name, &o, err));
+  const json_t *found = json_object_get(o, "noise_floor");
+  *floor = json_is_number(found) ? json_number_value(found) : -1.0;
   json_decref(o);
-  return value;
+  return BASE_OK;
 }
 
 /* The noisiest of several machines speaks for all. */
-static base_status take_doctor(const char *dir, const char *out, base_error *err) {
-  char from[1100];
+static base_status take_doctor(const char *dir, const char *name, const char *out,
+                               base_error *err) {
+  char from[1400];
   char to[1100];
-  runner_path(dir, "doctor.json", from, sizeof from);
+  double here;
+  double there;
+  BASE_TRY(floor_in(dir, name, &here, err));
+  BASE_TRY(floor_in(out, "doctor.json", &there, err));
+  (void)snprintf(from, sizeof from, "%s/%s", dir, name);
   runner_path(out, "doctor.json", to, sizeof to);
-  return (floor_in(from) > floor_in(to)) ? copy_file(from, to, err) : BASE_OK;
+  return (here > there) ? copy_file(from, to, err) : BASE_OK;
+}
+
+static base_status take_doctors(const char *dir, const char *out, base_error *err) {
+  base_status done = BASE_OK;
+  DIR *d = opendir(dir);
+  const struct dirent *e;
+  if (d == NULL) {
+    return failed(dir, err);
+  }
+  while (done == BASE_OK && (e = readdir(d)) != NULL) {
+    done = doctor_file(e->d_name) ? take_doctor(dir, e->d_name, out, err) : BASE_OK;
+  }
+  (void)closedir(d);
+  return done;
 }
 
 base_status merge_files(const char *const *dir, int n, const char *out, base_error *err) {
@@ -122,7 +143,7 @@ base_status merge_files(const char *const *dir, int n, const char *out, base_err
     }
     BASE_TRY(take_folder(dir[i], "solutions", out, err));
     BASE_TRY(take_folder(dir[i], "traces", out, err));
-    BASE_TRY(take_doctor(dir[i], out, err));
+    BASE_TRY(take_doctors(dir[i], out, err));
   }
   return BASE_OK;
 }

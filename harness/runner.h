@@ -40,6 +40,9 @@ base_status runner_done(const plan *p, const record_table *rows, bool *done, bas
 /* Processes of the plan without rows in DIR, whatever machine measured there. */
 base_status runner_left(const plan *p, const char *dir, int *left, base_error *err);
 
+/* Does --rerun ask for the cell of this row? */
+bool runner_wanted_again(const record *r, const runner_options *o);
+
 /* A cell that failed in one process is not tried in the others. */
 bool runner_ends_cell(const record *r);
 

@@ -47,7 +47,7 @@ base_status runner_append_rows(runner *r, base_error *err) {
 
 /* ---- the rows of earlier runs -----------------------------------------------------------------*/
 
-static bool wanted_again(const record *r, const runner_options *o) {
+bool runner_wanted_again(const record *r, const runner_options *o) {
   run_status s = RUN_ERROR;
   (void)run_status_find(r->status, &s);
   switch (o->rerun) {
@@ -92,7 +92,7 @@ static fate fate_of(const runner *r, const record *row) {
   if (known ? strcmp(row->base_hash, build_base()) != 0 : r->plan->whole) {
     return ROW_STALE;
   }
-  return (known && wanted_again(row, r->o)) ? ROW_AGAIN : ROW_KEPT;
+  return (known && runner_wanted_again(row, r->o)) ? ROW_AGAIN : ROW_KEPT;
 }
 
 /* Adds rows to stale.csv; what an earlier run set aside stays. */

@@ -51,8 +51,8 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
   const char *origin = "as given";
   if (o->noise < 0.0) {
     noise = DOCTOR_UNKNOWN;
-    doctor_read(dir[0], &noise);
-    doctor_read(dir[1], &noise);
+    BASE_TRY(doctor_read(dir[0], &noise, err));
+    BASE_TRY(doctor_read(dir[1], &noise, err));
     origin = "doctor.json, by size";
   }
   if (doctor_floor_of(&noise, (double)NAN) < 0.0) {

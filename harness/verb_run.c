@@ -1,5 +1,6 @@
 /* lcpbench run: measures a campaign, or goes on with one. */
 #include "harness/cli.h"
+#include "harness/dry_run.h"
 #include "harness/folder.h"
 #include "harness/isolate.h"
 #include "harness/manifest.h"
@@ -82,62 +83,6 @@ static base_status override(const run_options *o, campaign *c, base_error *err) 
   return BASE_OK;
 }
 
-/* ---- dry run ----------------------------------------------------------------------------------*/
-
-/* Seconds of a process of this cell in earlier rows; HUGE_VAL if none. */
-static double seen_seconds(const record_table *rows, const char *id) {
-  double sum = 0.0;
-  int processes = 0;
-  for (int i = 0; i < rows->n; i++) {
-    const record *r = &rows->row[i];
-    if (strcmp(r->cell_id, id) == 0 && r->t_total_s >= 0) {
-      sum += r->t_total_s * (double)r->n_inner;
-      processes += (r->rep == 0) ? 1 : 0;
-    }
-  }
-  return (processes > 0) ? sum / processes : HUGE_VAL;
-}
-
-static base_status dry_run(const plan *p, const char *dir, base_error *err) {
-  record_table rows = {0};
-  char path[1100];
-  runner_path(dir, "results.csv", path, sizeof path);
-  if (access(path, F_OK) == 0) {
-    BASE_TRY(runner_read_rows(dir, &rows, err));
-  }
-  bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
-  base_status s = (done != NULL) ? runner_done(p, &rows, done, err)
-                                 : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
-  int n_done = 0;
-  double known = 0.0;
-  int unknown = 0;
-  for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
-    const cell *c = &p->cell[p->unit[u].cell];
-    char command[1200];
-    cell_command(c, &p->campaign->limits, command, sizeof command);
-    n_done += done[u] ? 1 : 0;
-    if (p->unit[u].process == 0) {
-      (void)printf("%s %s %s %s\n", done[u] ? "done" : "todo", c->id, c->part, command);
-    }
-    const double seconds = seen_seconds(&rows, c->id);
-    if (!done[u] && seconds < HUGE_VAL) {
-      known += seconds;
-    } else if (!done[u]) {
-      unknown++;
-    }
-  }
-  const campaign *c = p->campaign;
-  const double usual = fmin(c->limits.time, c->sampling.budget);
-  const double longest = c->limits.time + c->limits.grace;
-  (void)printf("%d cells, %d processes: %d done, %d to do; about %.0f s (%.3g s by earlier rows, %d"
-               " processes of %.3g s each), by the limits at most %.0f s\n",
-               p->n_cell, p->n_unit, n_done, p->n_unit - n_done, known + unknown * usual, known,
-               unknown, usual, (p->n_unit - n_done) * longest);
-  free(done);
-  record_table_free(&rows);
-  return s;
-}
-
 /* ---- run --------------------------------------------------------------------------------------*/
 
 static void print_summary(const runner_summary *s, const char *out) {
@@ -195,7 +140,7 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
     done = plan_make(&c, &o->filter, &p, err);
     if (done == BASE_OK) {
       *code = CLI_OK;
-      done = o->dry_run ? dry_run(&p, ro.out, err) : measure(&p, o, &ro, code, err);
+      done = o->dry_run ? dry_run(&p, &ro, err) : measure(&p, o, &ro, code, err);
       plan_free(&p);
     }
   }

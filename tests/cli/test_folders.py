@@ -1,0 +1,67 @@
+"""Folders of results: what is measured in them stays, what does not belong together is refused."""
+import json
+import resource
+import subprocess
+
+from support import FAULTY, LCPBENCH, SANITIZED, campaign, diagonal, one_line_error, rows, run, tap
+
+SMALL = """
+name: small
+seed: 3
+limits: {time: 10s, memory: 2G, grace: 1s}
+sampling: {processes: 2, samples: 2, max_samples: 2, inner: 0.0001s%s}
+parts:
+  - name: lcps
+    problems: ["murty:n={4,5}", "random_spd:n=6"]
+    solvers: [lemke, pgs]
+"""
+
+
+def small(d, more=""):
+    return campaign(d, SMALL % more)
+
+
+def shipped_campaigns_measure_the_noise_floor(d):
+    """In both forms; the plan says how long that takes, until it is there."""
+    for name in run("list", "campaigns").stdout.split():
+        for quick in ((), ("--quick",)):
+            last = run("run", name, "--dry-run", "--out", d / "o", "--filter", "solver=lemke", *quick).stdout.splitlines()[-1]
+            assert (" 2 s for the noise floor" if quick or name == "smoke" else " 6 s for the noise floor") in last, (name, last)
+    c = small(d, ", doctor: 0.5s")
+    assert ", 0.5 s for the noise floor" in run("run", c, "--dry-run", "--out", d / "o").stdout
+    run("run", c, "--out", d / "o", "--quiet")
+    assert ", 0 s for the noise floor" in run("run", c, "--dry-run", "--out", d / "o").stdout
+
+
+def the_noise_floor_is_of_this_machine(d):
+    """A folder that comes from another class of machine: measured anew, the other's floor is kept and counts for its rows."""
+    c = small(d, ", doctor: 0.5s")
+    run("run", c, "--out", d / "o", "--quiet")
+    path = d / "o/doctor.json"
+    ours = json.loads(path.read_text())
+    first = path.read_bytes()
+    run("run", c, "--out", d / "o", "--quiet", "--rerun", "all")
+    assert path.read_bytes() == first, "measured once"
+    other = dict(ours, cpu="another processor", host="else/where", noise_floor=9.0, classes=[dict(x, noise_floor=9.0) for x in ours["classes"]])
+    path.write_text(json.dumps(other))
+    run("run", c, "--out", d / "o", "--quiet")
+    assert json.loads(path.read_text())["cpu"] == ours["cpu"] and json.loads((d / "o/doctor.else_where.json").read_text()) == other
+    assert "noise floor 900.00 %" in run("compare", d / "o", d / "o").stdout
+    run("merge", d / "o", "--out", d / "m")
+    assert json.loads((d / "m/doctor.json").read_text())["noise_floor"] == 9.0, "the noisiest speaks for all"
+    path.write_text("{")
+    for words in (("run", c, "--out", d / "o"), ("compare", d / "o", d / "o"), ("merge", d / "o", "--out", d / "n")):
+        one_line_error(*words, names=["o/doctor.json:1", "JSON"])
+
+
+def reruns_are_planned(d):
+    """--dry-run with --rerun counts as to do what would be measured again."""
+    c = small(d)
+    run("run", c, "--out", d / "o", "--quiet")
+    for what, todo in ((None, 0), ("failed", 0), ("pgs", 6), ("all", 12)):
+        last = run("run", c, "--out", d / "o", "--dry-run", *(("--rerun", what) if what else ())).stdout.splitlines()[-1]
+        assert f", {todo} to do;" in last, (what, last)
+    assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet").stdout
+
+
+tap([shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
