@@ -4,6 +4,7 @@
 #include "harness/folder.h"
 #include "harness/json_file.h"
 #include "harness/runner.h"
+#include "harness/whole_file.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -15,42 +16,66 @@ static base_status failed(const char *path, base_error *err) {
   return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
 }
 
-/* Appends `from` to `to`; skip_first: without its first line where `to` has one already. */
-static base_status append_file(const char *from, const char *to, bool skip_first, base_error *err) {
+/* Lines of `from` behind those that are in `to`; both have the header, which stands once. */
+static base_status add_lines(const char *from, FILE *to, char *header, size_t cap,
+                             base_error *err) {
   FILE *in = fopen(from, "r");
   if (in == NULL) {
-    return failed(from, err);
+    return (errno == ENOENT) ? BASE_OK : failed(from, err);
   }
-  FILE *out = fopen(to, "a");
-  bool good = out != NULL;
-  bool skip = good && skip_first && ftell(out) > 0;
   char chunk[8192];
-  while (good && fgets(chunk, sizeof chunk, in) != NULL) {
-    good = skip || fputs(chunk, out) != EOF;
-    skip = false;
+  base_status done = BASE_OK;
+  if (fgets(chunk, sizeof chunk, in) != NULL && header[0] == '\0') {
+    (void)snprintf(header, cap, "%s", chunk);
+    (void)fputs(chunk, to);
+  } else if (strcmp(chunk, header) != 0) {
+    done = BASE_FAIL(err, BASE_EINVAL, "%s: other columns than in the first folder", from);
   }
-  good = good && ferror(in) == 0;
-  good = (out == NULL || fclose(out) == 0) && good;
+  while (done == BASE_OK && fgets(chunk, sizeof chunk, in) != NULL) {
+    (void)fputs(chunk, to); /* a line that failed is known to the stream */
+  }
+  if (done == BASE_OK && ferror(in)) {
+    done = failed(from, err);
+  }
   (void)fclose(in);
-  return good ? BASE_OK : failed(to, err);
+  return done;
+}
+
+/* DIR/name of all folders, one after the other, as OUT/name. */
+static base_status join(const char *const *dir, int n, const char *name, const char *out,
+                        base_error *err) {
+  char path[1100];
+  char header[8192] = "";
+  whole_file w;
+  runner_path(out, name, path, sizeof path);
+  BASE_TRY(whole_file_open(&w, path, err));
+  base_status done = BASE_OK;
+  for (int i = 0; done == BASE_OK && i < n; i++) {
+    runner_path(dir[i], name, path, sizeof path);
+    done = add_lines(path, w.to, header, sizeof header, err);
+  }
+  const base_status closed = whole_file_close(&w, done == BASE_OK && header[0] != '\0', err);
+  return (done != BASE_OK) ? done : closed;
 }
 
 static base_status copy_file(const char *from, const char *to, base_error *err) {
+  char chunk[65536];
+  whole_file w;
+  size_t n;
   FILE *in = fopen(from, "rb");
   if (in == NULL) {
     return failed(from, err);
   }
-  FILE *out = fopen(to, "wb");
-  bool good = out != NULL;
-  char chunk[65536];
-  size_t n;
-  while (good && (n = fread(chunk, 1, sizeof chunk, in)) > 0) {
-    good = fwrite(chunk, 1, n, out) == n;
+  base_status done = whole_file_open(&w, to, err);
+  while (done == BASE_OK && (n = fread(chunk, 1, sizeof chunk, in)) > 0) {
+    (void)fwrite(chunk, 1, n, w.to);
   }
-  good = good && ferror(in) == 0;
-  good = (out == NULL || fclose(out) == 0) && good;
+  const base_status closed = whole_file_close(&w, done == BASE_OK && ferror(in) == 0, err);
+  if (done == BASE_OK && ferror(in)) {
+    done = failed(from, err);
+  }
   (void)fclose(in);
-  return good ? BASE_OK : failed(to, err);
+  return (done != BASE_OK) ? done : closed;
 }
 
 static base_status take_file(const char *from, const char *to, base_error *err) {
@@ -60,20 +85,20 @@ static base_status take_file(const char *from, const char *to, base_error *err) 
   return copy_file(from, to, err);
 }
 
-/* Every file of DIR/sub; index files are put one after the other. */
+/* Every file of DIR/sub but its index. */
 static base_status take_entries(DIR *d, const char *dir, const char *out, base_error *err) {
   const struct dirent *e;
   while ((e = readdir(d)) != NULL) {
     char from[1400];
     char to[1400];
     const size_t n = strlen(e->d_name);
-    if (e->d_name[0] == '.' || (n > 4 && strcmp(e->d_name + n - 4, ".tmp") == 0)) {
+    if (e->d_name[0] == '.' || strcmp(e->d_name, "index.csv") == 0 ||
+        (n > 4 && strcmp(e->d_name + n - 4, ".tmp") == 0)) {
       continue;
     }
     (void)snprintf(from, sizeof from, "%s/%s", dir, e->d_name);
     (void)snprintf(to, sizeof to, "%s/%s", out, e->d_name);
-    BASE_TRY(strcmp(e->d_name, "index.csv") == 0 ? append_file(from, to, true, err)
-                                                 : take_file(from, to, err));
+    BASE_TRY(take_file(from, to, err));
   }
   return BASE_OK;
 }
@@ -133,17 +158,13 @@ static base_status take_doctors(const char *dir, const char *out, base_error *er
 }
 
 base_status merge_files(const char *const *dir, int n, const char *out, base_error *err) {
+  char traces[1100];
+  BASE_TRY(join(dir, n, "canary.csv", out, err));
   for (int i = 0; i < n; i++) {
-    char from[1100];
-    char to[1100];
-    runner_path(dir[i], "canary.csv", from, sizeof from);
-    runner_path(out, "canary.csv", to, sizeof to);
-    if (access(from, F_OK) == 0) {
-      BASE_TRY(append_file(from, to, true, err));
-    }
     BASE_TRY(take_folder(dir[i], "solutions", out, err));
     BASE_TRY(take_folder(dir[i], "traces", out, err));
     BASE_TRY(take_doctors(dir[i], out, err));
   }
-  return BASE_OK;
+  runner_path(out, "traces", traces, sizeof traces);
+  return (access(traces, F_OK) == 0) ? join(dir, n, "traces/index.csv", out, err) : BASE_OK;
 }

@@ -2,13 +2,15 @@
 #include "harness/args.h"
 #include "harness/cli.h"
 #include "harness/folder.h"
-#include "harness/json_out.h"
+#include "harness/json_file.h"
 #include "harness/merge_files.h"
 #include "harness/runner.h"
 #include "harness/sha256.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 enum { MERGE_MAX = 4096 };
 
@@ -75,15 +77,35 @@ static base_status take_folder(const char *dir, record_table *all, base_error *e
   return done;
 }
 
+/* OUT takes rows once, from other folders: what a second merge left out or measured again would
+ * stand beside what the first one put there. */
+static base_status check_out(const char *const *dir, int n, const char *out, base_error *err) {
+  char path[1100];
+  struct stat of_out;
+  struct stat of_dir;
+  if (out == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "--out is missing");
+  }
+  const bool exists = stat(out, &of_out) == 0;
+  for (int i = 0; exists && i < n; i++) {
+    if (stat(dir[i], &of_dir) == 0 && of_dir.st_dev == of_out.st_dev &&
+        of_dir.st_ino == of_out.st_ino) {
+      return BASE_FAIL(err, BASE_EINVAL, "merge: --out %s is one of the folders to be merged", out);
+    }
+  }
+  runner_path(out, "results.csv", path, sizeof path);
+  return (access(path, F_OK) != 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL,
+                         "merge: %s holds rows already; merge into a folder without, or remove it",
+                         path);
+}
+
 /* The first shard's manifest, as that of the whole, with the list of all. */
-static base_status merge_manifest(const char *const *dir, int n, const char *out, base_error *err) {
+static base_status write_manifest(json_t *o, const char *const *dir, int n, const char *out,
+                                  base_error *err) {
   char path[1100];
   char sum[SHA256_HEX];
-  runner_path(dir[0], "manifest.json", path, sizeof path);
-  json_t *o = json_load_file(path, 0, NULL);
-  if (o == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be read", path);
-  }
   json_t *shards = json_array();
   for (int i = 0; i < n; i++) {
     (void)json_array_append_new(shards, json_string(dir[i]));
@@ -92,31 +114,41 @@ static base_status merge_manifest(const char *const *dir, int n, const char *out
   json_out_int(o, "n_shards", 0);
   (void)json_object_set_new(o, "merged_from", shards);
   runner_path(out, "results.csv", path, sizeof path);
-  base_status done = sha256_file(path, sum, err);
-  if (done == BASE_OK) {
-    json_out_text(o, "results_sha256", sum);
-    runner_path(out, "manifest.json", path, sizeof path);
-    if (json_dump_file(o, path, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) != 0) {
-      done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
-    }
+  BASE_TRY(sha256_file(path, sum, err));
+  json_out_text(o, "results_sha256", sum);
+  return json_file_write(o, out, "manifest.json", err);
+}
+
+/* The rows come last: a merge that fails before can be begun again. */
+static base_status write_all(const char *const *dir, int n, const char *out, json_t *manifest,
+                             const record_table *all, base_error *err) {
+  BASE_TRY(folder_make(out, err));
+  BASE_TRY(merge_files(dir, n, out, err));
+  BASE_TRY(runner_write_rows(out, all, err));
+  const base_status done = write_manifest(manifest, dir, n, out, err);
+  if (done != BASE_OK) {
+    char path[1100];
+    runner_path(out, "results.csv", path, sizeof path);
+    (void)unlink(path);
   }
-  json_decref(o);
   return done;
 }
 
 static base_status merge(const char *const *dir, int n, const merge_options *o, record_table *all,
                          base_error *err) {
-  if (o->out == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "--out is missing");
-  }
+  json_t *manifest;
+  BASE_TRY(check_out(dir, n, o->out, err));
   for (int i = 0; i < n; i++) {
     BASE_TRY(take_folder(dir[i], all, err));
   }
   BASE_TRY(check_rows(all, o, err));
-  BASE_TRY(folder_make(o->out, err));
-  BASE_TRY(runner_write_rows(o->out, all, err));
-  BASE_TRY(merge_files(dir, n, o->out, err));
-  return merge_manifest(dir, n, o->out, err);
+  BASE_TRY(json_file_read(dir[0], "manifest.json", &manifest, err));
+  if (manifest == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s/manifest.json: no such file", dir[0]);
+  }
+  const base_status done = write_all(dir, n, o->out, manifest, all, err);
+  json_decref(manifest);
+  return done;
 }
 
 static int run(int argc, char **argv) {

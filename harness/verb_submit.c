@@ -47,7 +47,7 @@ static void write_slurm(FILE *to, const submission *s) {
                 "#SBATCH --nodes=1 --ntasks=1 --exclusive\n"
                 "#SBATCH --requeue --open-mode=append --signal=B:TERM@60\n"
                 "#SBATCH --time=%s\n"
-                "#SBATCH --output=%s/shard.%%a.log\n"
+                "#SBATCH --output=%s/slurm.%%a.log\n"
                 "'%s' run '%s'%s --shard \"$SLURM_ARRAY_TASK_ID/%d\" \\\n"
                 "  --out '%s/shard.'\"$SLURM_ARRAY_TASK_ID\" </dev/null &\n"
                 "pid=$!\n"

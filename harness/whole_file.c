@@ -1,7 +1,6 @@
 #include "harness/whole_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -18,19 +17,6 @@ base_status whole_file_open(whole_file *w, const char *path, base_error *err) {
                          : BASE_FAIL(err, BASE_EIO, "%s: %s", w->temporary, strerror(errno));
 }
 
-/* The new name on the disk too. Not every file system can; the file itself is there in any case. */
-static void flush_folder(const char *path) {
-  char folder[1100];
-  const char *slash = strrchr(path, '/');
-  (void)snprintf(folder, sizeof folder, "%.*s", slash != NULL ? (int)(slash - path) : 1,
-                 slash != NULL ? path : ".");
-  const int fd = open(folder[0] != '\0' ? folder : "/", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (fd >= 0) {
-    (void)fsync(fd);
-    (void)close(fd);
-  }
-}
-
 base_status whole_file_close(whole_file *w, bool keep, base_error *err) {
   if (w->to == NULL) {
     return BASE_OK;
@@ -41,8 +27,7 @@ base_status whole_file_close(whole_file *w, bool keep, base_error *err) {
   good = fclose(w->to) == 0 && good;
   w->to = NULL;
   if (good && keep && rename(w->temporary, w->path) == 0) {
-    flush_folder(w->path);
-    return BASE_OK;
+    return BASE_OK; /* on the disk the name means the old or the new file, each of them whole */
   }
   why = (why != 0) ? why : errno;
   (void)unlink(w->temporary);

@@ -58,8 +58,8 @@ def scripts_are_written(d):
     c = campaign(d, TEXT)
     run("submit", c, "--engine", "slurm", "--shards", 4, "--out", d / "o", "--dry-run")
     text = (d / "o/slurm.sh").read_text()
-    for want in ("--array=1-4", "--exclusive", "--requeue", "--signal=B:TERM@60", "--shard \"$SLURM_ARRAY_TASK_ID/4\""):
-        assert want in text, want
+    for want in ("--array=1-4", "--exclusive", "--requeue", "--signal=B:TERM@60", "--shard \"$SLURM_ARRAY_TASK_ID/4\"", f"--output={d}/o/slurm.%a.log"):
+        assert want in text, want  # the log is no shard.*, which is what is merged
     one_line_error("submit", c, "--engine", "abacus", "--shards", 2, names=["abacus"])
     one_line_error("submit", c, "--engine", "slurm", "--shards", 0, names=["--shards"])
     one_line_error("submit", d / "no.yaml", "--engine", "slurm", "--shards", 2, names=["no.yaml"])

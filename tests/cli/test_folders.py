@@ -64,4 +64,31 @@ def reruns_are_planned(d):
     assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet").stdout
 
 
-tap([shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+def merging_does_not_mix_with_what_is_there(d):
+    """OUT is another folder, without rows; refused before anything is written. What an interrupted merge left does no harm."""
+    c = small(d)
+    for k in (1, 2):
+        run("run", c, "--out", d / f"s{k}", "--quiet", "--shard", f"{k}/2", "--trace")
+    before = {p: p.read_bytes() for p in d.rglob("*") if p.is_file()}
+    (d / "link").symlink_to(d / "s2")
+    for out in (d / "s1", d / "s2/../s2", d / "link"):
+        one_line_error("merge", d / "s1", d / "s2", "--out", out, names=["--out", out])
+    one_line_error("merge", d / "s1", d / "s2", names=["--out"])
+    (d / "s2/manifest.json").rename(d / "hidden")
+    one_line_error("merge", d / "s2", d / "s1", "--out", d / "m", names=["s2/manifest.json"])
+    assert not (d / "m").exists()
+    (d / "hidden").rename(d / "s2/manifest.json")
+    assert before == {p: p.read_bytes() for p in d.rglob("*") if p.is_file() and not p.is_relative_to(d / "link")}
+    # an earlier merge that came as far as the canaries
+    (d / "m").mkdir()
+    (d / "m/canary.csv").write_text((d / "s1/canary.csv").read_text())
+    run("merge", d / "s1", d / "s2", "--out", d / "m")
+    lines = (d / "m/canary.csv").read_text().splitlines()
+    assert lines == (d / "s1/canary.csv").read_text().splitlines() + (d / "s2/canary.csv").read_text().splitlines()[1:]
+    index = (d / "m/traces/index.csv").read_text().splitlines()
+    assert len(index) == 1 + 6 and len(set(index)) == len(index)
+    one_line_error("merge", d / "s1", d / "s2", "--out", d / "m", names=["m/results.csv", "holds rows already"])
+    assert (d / "m/canary.csv").read_text().splitlines() == lines
+
+
+tap([merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])

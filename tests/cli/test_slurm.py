@@ -73,7 +73,7 @@ def limit_requeues(d):
         restarts = max(restarts, int(found.group(1)) if found else 0)
         time.sleep(0.2)
     assert restarts >= 1, "the limit never came"
-    log = (d / "many/shard.1.log").read_text()
+    log = (d / "many/slurm.1.log").read_text()
     assert log.count("results.csv:") == restarts + 1, log
     got = [(r["cell_id"], r["process"]) for r in rows(d / "many/shard.1")]
     assert len(got) == len(set(got)) == 60, len(got)
