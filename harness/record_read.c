@@ -274,30 +274,31 @@ void record_table_free(record_table *t) {
   *t = (record_table){0};
 }
 
-/* A row by its cell, for marking the first of each. */
-typedef struct row_ref {
-  const record *r;
-} row_ref;
+/* ---- by cell ----------------------------------------------------------------------------------*/
 
 static int by_cell(const void *a, const void *b) {
-  const record *x = ((const row_ref *)a)->r;
-  const record *y = ((const row_ref *)b)->r;
+  const record *x = *(const record *const *)a;
+  const record *y = *(const record *const *)b;
   const int order = strcmp(x->cell_id, y->cell_id);
   return (order != 0) ? order : (x > y) - (x < y);
 }
 
-base_status record_table_firsts(const record_table *t, bool *first, base_error *err) {
-  row_ref *ref = calloc((size_t)t->n + 1, sizeof *ref);
-  if (ref == NULL) {
+base_status record_table_by_cell(const record_table *t, const record ***out, base_error *err) {
+  *out = calloc((size_t)t->n + 1, sizeof **out);
+  if (*out == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to sort %d rows", t->n);
   }
   for (int i = 0; i < t->n; i++) {
-    ref[i].r = &t->row[i];
+    (*out)[i] = &t->row[i];
   }
-  qsort(ref, (size_t)t->n, sizeof *ref, by_cell);
-  for (int i = 0; i < t->n; i++) {
-    first[ref[i].r - t->row] = i == 0 || strcmp(ref[i].r->cell_id, ref[i - 1].r->cell_id) != 0;
-  }
-  free(ref);
+  qsort((void *)*out, (size_t)t->n, sizeof **out, by_cell);
   return BASE_OK;
+}
+
+int record_same_cell(const record *const *row, int n) {
+  int same = 1;
+  while (same < n && strcmp(row[same]->cell_id, row[0]->cell_id) == 0) {
+    same++;
+  }
+  return same;
 }

@@ -9,6 +9,7 @@
 #include "harness/cli.h"
 #include "harness/json_out.h"
 #include "harness/runner.h"
+#include "harness/verdict.h"
 #include "harness/verify_certificate.h"
 #include "harness/versions.h"
 
@@ -60,23 +61,15 @@ static bool same_verdicts(const record *row, const record *again, char *why, siz
   return row->verified == again->verified;
 }
 
-static bool verify_stored(const char *path, const record *row, char *why, size_t cap) {
+/* The row that the stored answers imply, from the words of one of the cell's rows. */
+static base_status replay(const char *path, const record *row, record *again, base_error *err) {
   char text[sizeof row->command];
-  record again;
   cell c;
-  base_error err = {0};
   const campaign limits = {.limits.time = row->t_limit_s};
   (void)snprintf(text, sizeof text, "%s", row->command);
-  base_status done = cell_of_command(text, &c, &err);
-  if (done == BASE_OK) {
-    const cell_job job = {.campaign = &limits, .cell = &c};
-    done = cell_replay(&job, path, &again, &err);
-  }
-  if (done != BASE_OK) {
-    (void)snprintf(why, cap, "%.200s", err.text);
-    return false;
-  }
-  return same_verdicts(row, &again, why, cap);
+  BASE_TRY(cell_of_command(text, &c, err));
+  const cell_job job = {.campaign = &limits, .cell = &c};
+  return cell_replay(&job, path, again, err);
 }
 
 /* ---- running the command again ----------------------------------------------------------------*/
@@ -135,20 +128,13 @@ static bool same_count(const json_t *o, const char *key, int64_t want, char *why
   return false;
 }
 
-static bool verify_again(const record *r, char *why, size_t cap) {
-  json_t *o = run_again(r->command);
-  if (o == NULL) {
-    (void)snprintf(why, cap, "the command gave no JSON: %.150s", r->command);
-    return false;
-  }
-  const bool good = same_text(o, "status", r->status, why, cap) &&
-                    same_text(o, "solution_hash", r->solution_hash, why, cap) &&
-                    same_count(o, "n_iter", r->n_iter, why, cap) &&
-                    same_count(o, "n_pivot", r->n_pivot, why, cap) &&
-                    same_count(o, "n_factor", r->n_factor, why, cap) &&
-                    same_count(o, "n_matvec", r->n_matvec, why, cap);
-  json_decref(o);
-  return good;
+static bool same_run(const json_t *o, const record *r, char *why, size_t cap) {
+  return same_text(o, "status", r->status, why, cap) &&
+         same_text(o, "solution_hash", r->solution_hash, why, cap) &&
+         same_count(o, "n_iter", r->n_iter, why, cap) &&
+         same_count(o, "n_pivot", r->n_pivot, why, cap) &&
+         same_count(o, "n_factor", r->n_factor, why, cap) &&
+         same_count(o, "n_matvec", r->n_matvec, why, cap);
 }
 
 /* ---- the folder -------------------------------------------------------------------------------*/
@@ -158,27 +144,84 @@ static bool has_answer(const record *r) {
   return r->solution_hash[0] != '\0';
 }
 
+/* An answer that the clock cut short is another one each time: neither the stored answers, which are
+ * those of the warm-up, nor another run can give it back. */
+static bool cut_by_clock(const record *r) {
+  return strcmp(r->status, run_status_name(RUN_TIME_LIMIT)) == 0 &&
+         record_has_flag(r, "not_repeatable");
+}
+
 typedef struct verify_counts {
-  int stored, rerun, bad, none;
+  int stored, rerun, bad, none, cut, rows; /* cells, but rows */
 } verify_counts;
 
-static void verify_row(const char *dir, const record *r, bool rerun, verify_counts *n) {
+/* What the rows of a cell are held against: the stored answers judged again, or the output of the
+ * command. */
+typedef struct witness {
+  bool stored;
+  record again;
+  json_t *json;
+} witness;
+
+static bool summon(const char *dir, const record *r, bool rerun, witness *w, char *why,
+                   size_t cap) {
   char path[1100];
-  char why[300] = "";
-  if (!has_answer(r)) {
-    n->none++;
+  base_error err = {0};
+  (void)snprintf(path, sizeof path, "%s/solutions/%s.ans", dir, r->cell_id);
+  w->stored = !rerun && access(path, R_OK) == 0;
+  if (w->stored) {
+    const bool good = replay(path, r, &w->again, &err) == BASE_OK;
+    (void)snprintf(why, cap, "%.200s", err.text);
+    return good;
+  }
+  w->json = run_again(r->command);
+  (void)snprintf(why, cap, "the command gave no JSON: %.150s", r->command);
+  return w->json != NULL;
+}
+
+/* Every row of the cell with an answer; the first that differs is named. */
+static bool all_held(const record *const *row, int n, const witness *w, char *why, size_t cap,
+                     verify_counts *sum) {
+  char what[300];
+  for (int i = 0; i < n; i++) {
+    if (!has_answer(row[i]) || cut_by_clock(row[i])) {
+      continue;
+    }
+    sum->rows++;
+    if (!(w->stored ? same_verdicts(row[i], &w->again, what, sizeof what)
+                    : same_run(w->json, row[i], what, sizeof what))) {
+      (void)snprintf(why, cap, "process %lld, repetition %lld: %.250s", (long long)row[i]->process,
+                     (long long)row[i]->rep, what);
+      return false;
+    }
+  }
+  return true;
+}
+
+static void verify_cell(const char *dir, const record *const *row, int n, bool rerun,
+                        verify_counts *sum) {
+  char why[400] = "";
+  const record *first = NULL; /* with an answer to be held against something */
+  bool cut = false;
+  for (int i = n; i-- > 0;) {
+    cut = cut || cut_by_clock(row[i]);
+    first = (has_answer(row[i]) && !cut_by_clock(row[i])) ? row[i] : first;
+  }
+  if (first == NULL) {
+    sum->none += cut ? 0 : 1;
+    sum->cut += cut ? 1 : 0;
     return;
   }
-  (void)snprintf(path, sizeof path, "%s/solutions/%s.ans", dir, r->cell_id);
-  const bool stored = !rerun && access(path, R_OK) == 0;
+  witness w = {.json = NULL};
   const bool held =
-      stored ? verify_stored(path, r, why, sizeof why) : verify_again(r, why, sizeof why);
-  n->stored += (held && stored) ? 1 : 0;
-  n->rerun += (held && !stored) ? 1 : 0;
-  n->bad += held ? 0 : 1;
+      summon(dir, first, rerun, &w, why, sizeof why) && all_held(row, n, &w, why, sizeof why, sum);
+  json_decref(w.json);
+  sum->stored += (held && w.stored) ? 1 : 0;
+  sum->rerun += (held && !w.stored) ? 1 : 0;
+  sum->bad += held ? 0 : 1;
   if (!held) {
-    const bool same_code = strcmp(r->base_hash, build_base()) == 0;
-    (void)printf("DIFFERS %s %s: %s%s\n", r->cell_id, r->problem, why,
+    const bool same_code = strcmp(first->base_hash, build_base()) == 0;
+    (void)printf("DIFFERS %s %s: %s%s\n", first->cell_id, first->problem, why,
                  same_code ? "" : " (the row is of another build)");
   }
 }
@@ -186,22 +229,22 @@ static void verify_row(const char *dir, const record *r, bool rerun, verify_coun
 static base_status verify_rows(const char *dir, const record_table *t, bool rerun, int *code,
                                base_error *err) {
   verify_counts n = {0};
-  bool *first = calloc((size_t)t->n + 1, sizeof *first);
-  base_status done = (first != NULL) ? record_table_firsts(t, first, err)
-                                     : BASE_FAIL(err, BASE_ENOMEM, "no memory for %d rows", t->n);
-  for (int i = 0; done == BASE_OK && i < t->n; i++) {
-    if (first[i]) {
-      verify_row(dir, &t->row[i], rerun, &n);
-    }
+  const record **row;
+  BASE_TRY(record_table_by_cell(t, &row, err));
+  for (int i = 0; i < t->n;) {
+    const int same = record_same_cell(row + i, t->n - i);
+    verify_cell(dir, row + i, same, rerun, &n);
+    i += same;
   }
-  free(first);
-  if (done == BASE_OK) {
-    (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without "
-                 "an answer\n",
-                 n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none);
+  free((void *)row);
+  (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without "
+               "an answer; %d rows compared\n",
+               n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none, n.rows);
+  if (n.cut > 0) {
+    (void)printf("%d cells not compared: the clock cut their answers\n", n.cut);
   }
   *code = (n.bad == 0) ? CLI_OK : CLI_HONEST;
-  return done;
+  return BASE_OK;
 }
 
 static int run(int argc, char **argv) {

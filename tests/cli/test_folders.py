@@ -91,4 +91,29 @@ def merging_does_not_mix_with_what_is_there(d):
     assert (d / "m/canary.csv").read_text().splitlines() == lines
 
 
-tap([merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+def every_row_is_verified(d):
+    """Not the first of a cell alone: one falsified repetition of one process is found, by stored answers and by running again."""
+    run("run", small(d), "--out", d / "o", "--quiet")
+    path = d / "o/results.csv"
+    lines = path.read_text().splitlines(keepends=True)
+    got = rows(d / "o")
+    assert f"; {len(got)} rows compared" in run("verify", d / "o").stdout and len(got) == 24
+    i, r = next((i, r) for i, r in enumerate(got) if (r["process"], r["rep"], r["solver"]) == ("1", "1", "pgs") and float(r["rho"]) > 1e-15)
+    for old, new, words in ((r["solution_hash"], "0123456789abcdef", ()), (r["solution_hash"], "0123456789abcdef", ("--rerun",)), (f",{r['rho']},", ",1e-3,", ())):
+        assert old in lines[i + 1]
+        path.write_text("".join(lines[:i + 1] + [lines[i + 1].replace(old, new, 1)] + lines[i + 2:]))
+        out = run("verify", d / "o", *words, code=3).stdout
+        assert f"DIFFERS {r['cell_id']}" in out and "process 1, repetition 1:" in out and "5 cells verified" in out and ", 1 differ" in out, out
+
+
+def answers_cut_by_the_clock_are_told_apart(d):
+    """What a time limit leaves is another answer each time; neither a difference nor verified."""
+    c = campaign(d, SMALL % "" + "  - {name: late, problems: ['%s'], solvers: [faulty_tired]}\n" % diagonal(d, 4))
+    run("run", c, "--out", d / "o", "--quiet", "--time-limit", "1s", exe=FAULTY)
+    late = [r for r in rows(d / "o") if r["solver"] == "faulty_tired"]
+    assert [r["status"] for r in late] == ["time_limit"] and "not_repeatable" in late[0]["flags"], late
+    out = run("verify", d / "o", exe=FAULTY).stdout
+    assert "6 cells verified (6 from stored answers, 0 run again), 0 differ, 0 without" in out and "1 cells not compared: the clock" in out, out
+
+
+tap([every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])

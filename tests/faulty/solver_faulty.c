@@ -200,7 +200,7 @@ static base_status solve_patient(void *state, const lcp_problem *p, const void *
   return claim(LCP_TIME_LIMIT, res);
 }
 
-static long solves; /* a solver must not: these two do */
+static long solves; /* a solver must not: these three do */
 
 static base_status solve_fickle(void *state, const lcp_problem *p, const void *opt,
                                 lcp_trace *trace, double *z, lcp_result *res) {
@@ -208,6 +208,14 @@ static base_status solve_fickle(void *state, const lcp_problem *p, const void *o
   const base_status done = solve_diagonal(p, z, res);
   z[0] *= 1.0 + 1e-14 * (double)(++solves % 997); /* the same again by chance: hardly */
   return done;
+}
+
+/* Gives up at once, elsewhere each time, and blames the clock. */
+static base_status solve_tired(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                               double *z, lcp_result *res) {
+  UNUSED_;
+  z[0] = (double)(++solves);
+  return claim(LCP_TIME_LIMIT, res);
 }
 
 static base_status solve_hiccup(void *state, const lcp_problem *p, const void *opt,
@@ -254,10 +262,11 @@ FAULTY(idle, "solves without an iteration", solve_idle, NULL);
 FAULTY(fallback, "asks another method", solve_fallback, NULL);
 FAULTY(patient, "works until its time limit", solve_patient, NULL);
 FAULTY(fickle, "never the same answer", solve_fickle, NULL);
+FAULTY(tired, "says that its time is up", solve_tired, NULL);
 FAULTY(hiccup, "every sixth solve takes forty times as long", solve_hiccup, NULL);
 
 const lcp_solver *const faulty_solvers[] = {
-    &faulty_liar,    &faulty_nan,    &faulty_crash,  &faulty_hang, &faulty_hog,
-    &faulty_quit,    &faulty_flood,  &faulty_steady, &faulty_twin, &faulty_slower,
-    &faulty_sleeper, &faulty_damped, &faulty_copy,   &faulty_idle, &faulty_fallback,
-    &faulty_patient, &faulty_fickle, &faulty_hiccup, NULL};
+    &faulty_liar,    &faulty_nan,    &faulty_crash,  &faulty_hang,  &faulty_hog,
+    &faulty_quit,    &faulty_flood,  &faulty_steady, &faulty_twin,  &faulty_slower,
+    &faulty_sleeper, &faulty_damped, &faulty_copy,   &faulty_idle,  &faulty_fallback,
+    &faulty_patient, &faulty_fickle, &faulty_hiccup, &faulty_tired, NULL};
