@@ -19,10 +19,6 @@ static bool usable(const record *r, const char *column) {
   return strcmp(r->status, "ok") == 0 && record_real(r, column) > 0.0;
 }
 
-typedef struct row_ref {
-  const record *r;
-} row_ref;
-
 /* The rows of one cell, process by process. */
 typedef struct span {
   const row_ref *row;

@@ -84,8 +84,13 @@ base_status record_table_read(const char *path, record_table *out, base_error *e
 base_status record_table_append(record_table *t, const record *r, base_error *err);
 /* Writes all rows to path, whole or not at all. */
 base_status record_table_write(const char *path, const record_table *t, base_error *err);
+/* A row of a table that is sorted by something. */
+typedef struct row_ref {
+  const record *r;
+} row_ref;
+
 /* All rows, those of one cell together and in their order; an array of n, to be freed. */
-base_status record_table_by_cell(const record_table *t, const record ***out, base_error *err);
+base_status record_table_by_cell(const record_table *t, row_ref **out, base_error *err);
 /* How many of the first of these n > 0 rows are of the same cell. */
-int record_same_cell(const record *const *row, int n);
+int record_same_cell(const row_ref *row, int n);
 void record_table_free(record_table *t);

@@ -277,27 +277,27 @@ void record_table_free(record_table *t) {
 /* ---- by cell ----------------------------------------------------------------------------------*/
 
 static int by_cell(const void *a, const void *b) {
-  const record *x = *(const record *const *)a;
-  const record *y = *(const record *const *)b;
+  const record *x = ((const row_ref *)a)->r;
+  const record *y = ((const row_ref *)b)->r;
   const int order = strcmp(x->cell_id, y->cell_id);
   return (order != 0) ? order : (x > y) - (x < y);
 }
 
-base_status record_table_by_cell(const record_table *t, const record ***out, base_error *err) {
+base_status record_table_by_cell(const record_table *t, row_ref **out, base_error *err) {
   *out = calloc((size_t)t->n + 1, sizeof **out);
   if (*out == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to sort %d rows", t->n);
   }
   for (int i = 0; i < t->n; i++) {
-    (*out)[i] = &t->row[i];
+    (*out)[i].r = &t->row[i];
   }
-  qsort((void *)*out, (size_t)t->n, sizeof **out, by_cell);
+  qsort(*out, (size_t)t->n, sizeof **out, by_cell);
   return BASE_OK;
 }
 
-int record_same_cell(const record *const *row, int n) {
+int record_same_cell(const row_ref *row, int n) {
   int same = 1;
-  while (same < n && strcmp(row[same]->cell_id, row[0]->cell_id) == 0) {
+  while (same < n && strcmp(row[same].r->cell_id, row[0].r->cell_id) == 0) {
     same++;
   }
   return same;

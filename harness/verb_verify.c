@@ -180,32 +180,32 @@ static bool summon(const char *dir, const record *r, bool rerun, witness *w, cha
 }
 
 /* Every row of the cell with an answer; the first that differs is named. */
-static bool all_held(const record *const *row, int n, const witness *w, char *why, size_t cap,
+static bool all_held(const row_ref *row, int n, const witness *w, char *why, size_t cap,
                      verify_counts *sum) {
   char what[300];
   for (int i = 0; i < n; i++) {
-    if (!has_answer(row[i]) || cut_by_clock(row[i])) {
+    if (!has_answer(row[i].r) || cut_by_clock(row[i].r)) {
       continue;
     }
     sum->rows++;
-    if (!(w->stored ? same_verdicts(row[i], &w->again, what, sizeof what)
-                    : same_run(w->json, row[i], what, sizeof what))) {
-      (void)snprintf(why, cap, "process %lld, repetition %lld: %.250s", (long long)row[i]->process,
-                     (long long)row[i]->rep, what);
+    if (!(w->stored ? same_verdicts(row[i].r, &w->again, what, sizeof what)
+                    : same_run(w->json, row[i].r, what, sizeof what))) {
+      (void)snprintf(why, cap, "process %lld, repetition %lld: %.250s",
+                     (long long)row[i].r->process, (long long)row[i].r->rep, what);
       return false;
     }
   }
   return true;
 }
 
-static void verify_cell(const char *dir, const record *const *row, int n, bool rerun,
+static void verify_cell(const char *dir, const row_ref *row, int n, bool rerun,
                         verify_counts *sum) {
   char why[400] = "";
   const record *first = NULL; /* with an answer to be held against something */
   bool cut = false;
   for (int i = n; i-- > 0;) {
-    cut = cut || cut_by_clock(row[i]);
-    first = (has_answer(row[i]) && !cut_by_clock(row[i])) ? row[i] : first;
+    cut = cut || cut_by_clock(row[i].r);
+    first = (has_answer(row[i].r) && !cut_by_clock(row[i].r)) ? row[i].r : first;
   }
   if (first == NULL) {
     sum->none += cut ? 0 : 1;
@@ -229,14 +229,14 @@ static void verify_cell(const char *dir, const record *const *row, int n, bool r
 static base_status verify_rows(const char *dir, const record_table *t, bool rerun, int *code,
                                base_error *err) {
   verify_counts n = {0};
-  const record **row;
+  row_ref *row;
   BASE_TRY(record_table_by_cell(t, &row, err));
   for (int i = 0; i < t->n;) {
     const int same = record_same_cell(row + i, t->n - i);
     verify_cell(dir, row + i, same, rerun, &n);
     i += same;
   }
-  free((void *)row);
+  free(row);
   (void)printf("%d cells verified (%d from stored answers, %d run again), %d differ, %d without "
                "an answer; %d rows compared\n",
                n.stored + n.rerun, n.stored, n.rerun, n.bad, n.none, n.rows);
