@@ -2,6 +2,8 @@
 #include "lcp/base/rng.h"
 #include "problems/scenes/kit.h"
 
+#include <stdio.h>
+
 typedef struct granular_column {
   int columns, layers, seed;
   double radius, spread, mu, density, gravity, duration;
@@ -42,7 +44,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   BASE_TRY(kit_wall(s, "wall", 0, 1.0, 0.0, err));
   s->friction.dflt = p->mu;
   s->effects = EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION;
-  BASE_TRY(spec_add_observe(s, "d0.pos", err));
+  char front[2 * SPEC_NAME]; /* the outer disc of the lowest layer */
+  (void)snprintf(front, sizeof front, "d%d.x", p->columns - 1);
+  BASE_TRY(spec_add_observe(s, front, err));
   BASE_TRY(kit_finite(s, err));
   const double fall = p->gravity * p->duration;
   BASE_TRY(kit_penetration(s, 1e-6, 3.0 * fall, err));
