@@ -2,6 +2,8 @@
 #include "lcp/base/rng.h"
 #include "problems/scenes/kit.h"
 
+#include <stdio.h>
+
 typedef struct sphere_pile {
   int n, side, seed;
   double radius, spread, mu, density, gravity, duration;
@@ -46,7 +48,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   }
   s->friction.dflt = p->mu;
   s->effects = EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION;
-  BASE_TRY(spec_add_observe(s, "s0.pos", err));
+  char last[2 * SPEC_NAME]; /* the sphere that lands on the others */
+  (void)snprintf(last, sizeof last, "s%d.pos", p->n - 1);
+  BASE_TRY(spec_add_observe(s, last, err));
   BASE_TRY(kit_finite(s, err));
   const double fall = p->gravity * p->duration;
   BASE_TRY(kit_penetration(s, 1e-6, 2.0 * fall + 1e-3, err));
