@@ -3,13 +3,12 @@ import math
 
 import numpy as np
 
-from bench import stats
+from bench import converged, stats
 from bench.chart import Chart, Line, Panel
-from bench.paper import FLOOR, variants
+from bench.paper import variants
 from bench.section import Cell, Section, Table, error, si
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-ROUNDING = 1e-12  # references are closed forms or integrations to about this: below it nothing can be read
 NOISE = 1.05  # costs closer than this are ties, where the machine's own noise floor was not measured
 YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
               "algebraic": ("rho", "residual of the complementarity problem")}
@@ -17,8 +16,8 @@ YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": 
 # What a reader comes with, and the scenes of the catalogue that stand for it
 SITUATIONS = {"stack": ("stack", "wall", "pyramid", "card_house", "arch", "sphere_pile", "pile3", "row", "granular_column"),
               "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
-              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin", "oscillator"),
-              "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip")}
+              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin", "oscillator", "ladder"),
+              "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip", "slider_crank")}
 
 
 def own(cells):
@@ -32,24 +31,40 @@ def confirmed(cells):
     Experiments with effects are not answers to the scene as declared."""
     some = cells[~cells["command"].str.contains("--effects")]
     good = some["status"] == "ok"
-    return some.assign(good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf))
+    return kept_by_finer(some.assign(good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf)))
+
+
+LADDER = ["campaign", "part", "problem", "combination", "tol", "start", "duration_s", "effects"]
+
+
+def kept_by_finer(cells):
+    """Column `err_sure`: the largest error of the trajectory at this step and at every smaller one of the same settings, with the uncertainty of
+    the reference added. An error that crosses zero between two larger ones is luck, and an error below the uncertainty is not known."""
+    ladder = cells[cells["good"] & cells["err_ref"].notna()].sort_values("step_s")
+    sure = ladder.groupby(LADDER, dropna=False)["err_ref"].cummax() + ladder["err_floor"]
+    return cells.assign(err_sure=sure.reindex(cells.index))
 
 
 def usable(cells, column="err_ref"):
     return cells[cells["good"] & np.isfinite(cells["cost"]) & cells[column].notna()]
 
 
+def within(cells, level, column="err_ref"):
+    """The usable cells that reach a level."""
+    fit = usable(cells, column)
+    return fit[fit["err_sure" if column == "err_ref" else column] <= level]
+
+
 def cheapest(cells, level, column="err_ref"):
     """The cell of least median time whose error is at most `level`; None when nothing gets there."""
-    fit = usable(cells, column)
-    fit = fit[fit[column] <= level]
+    fit = within(cells, level, column)
     return None if fit.empty else fit.loc[fit["cost"].idxmin()]
 
 
 def ties(cells, best, level, column="err_ref"):
     """Other combinations that get there in the same time, to the noise."""
-    fit = usable(cells, column)
-    fit = fit[(fit[column] <= level) & (fit["cost"] <= NOISE * best["cost"])]
+    fit = within(cells, level, column)
+    fit = fit[fit["cost"] <= NOISE * best["cost"]]
     return sorted(set(fit["combination"]) - {best["combination"]})
 
 
@@ -63,30 +78,52 @@ def scenes(cells):
     return [(p, g) for p, g in some.groupby("problem") if usable(g).shape[0] >= 2]
 
 
+def drawn(cells):
+    """Errors as they are drawn: what the reference does not resolve stands at half its uncertainty, in the middle of the band."""
+    return np.where(cells["err_ref"] < cells["err_floor"], cells["err_floor"] / 2, cells["err_ref"])
+
+
+def front(cells):
+    """Indices of the cells that none beats in error and time; errors that are not resolved are equal."""
+    return stats.pareto_front(np.maximum(cells["err_ref"], cells["err_floor"]), cells["cost"])
+
+
+def spot(cell):
+    """A point of the figure in words."""
+    error = "not resolved" if cell["err_ref"] < cell["err_floor"] else f"error {cell['err_ref']:.2g}"
+    return f"{cell['combination']}, h = {cell['step_s']:g} s, tol {cell['tol']:.0e}: {error}"
+
+
+NEAR = 0.03  # an uncertainty further below the least error is written, not drawn: the band would squeeze the points
+
+
 def panel(problem, cells, index):
     fit = usable(cells)
-    x = np.maximum(fit["err_ref"].to_numpy(float), FLOOR)
     y = fit["cost"].to_numpy(float) * 1e3
-    front = stats.pareto_front(x, y)
-    lines = [Line("Pareto front", x[front].tolist(), y[front].tolist(), kind="front")] if front else []
-    if x.min() <= ROUNDING:
-        lines.append(Line("uncertainty of the reference", [FLOOR, ROUNDING], [y.max(), y.max()], [y.min()] * 2, [y.max()] * 2, kind="band"))
+    best, floor = front(fit), float(fit["err_floor"].max())
+    lines = [Line("Pareto front", drawn(fit)[best].tolist(), y[best].tolist(), kind="front")] if best else []
+    if floor >= NEAR * drawn(fit).min():
+        lines.append(Line("not resolved: the reference is uncertain", [floor / 4, floor], [y.max(), y.max()], [y.min()] * 2, [y.max()] * 2, kind="band"))
     for label, group in fit.groupby("label"):
-        gx = np.maximum(group["err_ref"].to_numpy(float), FLOOR)
-        gy = group["cost"].to_numpy(float) * 1e3
-        best = stats.pareto_front(gx, gy)
-        names = [f"{c}, h = {h:g} s, tol {t:.0e}" for c, h, t in zip(group["combination"], group["step_s"], group["tol"])]
-        low, high = (group["t_total_s" + e].to_numpy(float)[best] * 1e3 for e in ("_low", "_high"))
+        some = group.iloc[front(group)]
+        low, high = (some["t_total_s" + e].to_numpy(float) * 1e3 for e in ("_low", "_high"))
         bad = cells[(cells["label"] == label) & ~cells["good"] & cells["t_total_s"].notna() & cells["err_ref"].notna()]
-        crosses = [(max(float(a), FLOOR), float(b) * 1e3) for a, b in zip(bad["err_ref"], bad["t_total_s"])]
-        lines.append(Line(label, gx[best].tolist(), gy[best].tolist(), low.tolist(), high.tolist(), crosses,
-                          hover=[names[i] for i in best], variant=index.get(label, 0)))
-    return Panel(lines, title=problem.replace("_", " ").replace("angle deg", "angle").replace("theta deg", "theta"), xlabel="error of the trajectory", ylabel="time [ms]")
+        crosses = list(zip(drawn(bad).tolist(), (bad["t_total_s"].astype(float) * 1e3).tolist()))
+        lines.append(Line(label, drawn(some).tolist(), (some["cost"].to_numpy(float) * 1e3).tolist(), low.tolist(), high.tolist(), crosses,
+                          hover=[spot(c) for c in some.to_dict("records")], variant=index.get(label, 0)))
+    xlabel = "error of the trajectory" + (f" (reference ± {floor:.0e})" if fit["converged"].any() else "")
+    return Panel(lines, title=short(problem), xlabel=xlabel, ylabel="time [ms]")
+
+
+def short(problem):
+    """A problem as a title of a panel: its first parameter is enough to tell it."""
+    name, _, options = problem.partition(":")
+    return f"{name}{':' if options else ''}{options.split(',')[0]}".replace("_", " ").replace(" deg=", "=")
 
 
 def trades(found):
-    """Scenes where accuracy is bought: more than one point on the front, and errors above rounding."""
-    return [(p, g) for p, g in found if usable(g)["err_ref"].max() > ROUNDING and len(stats.pareto_front(usable(g)["err_ref"], usable(g)["cost"])) >= 2]
+    """Scenes where accuracy is bought: more than one point on the front, and errors that are resolved."""
+    return [(p, g) for p, g in found if (usable(g)["err_ref"] > usable(g)["err_floor"]).any() and len(front(usable(g))) >= 2]
 
 
 SHORT_FORMS = ("velocity, 4 facets", "velocity, 8 facets", "velocity, 32 facets", "position, 4 facets", "coulomb", "boxed", "penalty (stiffness=1e7)")
@@ -100,7 +137,7 @@ def kept(cells):
     return some[some["label"].isin(SHORT_FORMS) | some["formulation"].eq("regularized")]
 
 
-FIRST = ["stack", "gripper", "slide", "incline", "bounce", "drop", "spin", "rocking", "oscillator", "push", "euler_disc", "impact"]
+FIRST = ["stack", "gripper", "slide", "incline", "bounce", "drop", "spin", "rocking", "sphere_pile", "granular_column", "slider_crank", "arch", "oscillator", "push"]
 
 
 def chart(cells, most=12):
@@ -113,13 +150,16 @@ def chart(cells, most=12):
     index = variants(kept(cells))
     return Chart("accuracy_against_time", "What accuracy costs: total time against the error of the trajectory, one panel a scene, per "
                  "formulation the settings that none of its own beats in both; grey: the front over all. A cross is a run that was not solved, was cut short, or "
-                 f"whose claim was not confirmed. Errors below {FLOOR:g} are drawn there; in the hatched band the reference itself is uncertain.",
+                 "whose claim was not confirmed. In the hatched band errors are below the uncertainty of the reference (rounding for a closed form, the spread of a converged "
+                 "run where there is none): not resolved, they stand in its middle.",
                  [panel(p, g, index) for p, g in picked], columns=3, height=1.75)
 
 
 def level_cell(cells, level, column="err_ref"):
     best = cheapest(cells, level, column)
     if best is None:
+        if column == "err_ref" and usable(cells)["err_floor"].min() > level:
+            return Cell("not resolved", "none", f"the reference itself is uncertain by {error(usable(cells)['err_floor'].min())}")
         return Cell("not reached", "bad", f"the smallest is {error(usable(cells, column)[column].min())}")
     same = ties(cells, best, level, column)
     more = f"\n= {len(same)} more" if same else ""
@@ -131,7 +171,8 @@ def table(cells):
     rows = []
     for problem, group in scenes(cells):
         rows.append([problem, group["err_quantity"].mode().iloc[0] if "err_quantity" in group and len(group) else ""] + [level_cell(group, level) for level in LEVELS])
-    return Table("cheapest", "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). \"= n more\": "
+    return Table("cheapest", "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). Reached: "
+                 "the error and the uncertainty of the reference together stay below, at this step and at every smaller one. \"= n more\": "
                  f"so many others take the same time to {NOISE - 1:.0%}. The command that reruns it is the tooltip, and scripts/recommend prints it.",
                  ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS], rows)
 
@@ -143,6 +184,23 @@ def yardsticks_table(cells, level=1e-3):
     return Table("yardsticks", f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory, by the residual of the exact Coulomb model, and by the residual "
                  "of its own problem. Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
                  ["scene"] + [name for _, name in YARDSTICKS.values()], rows)
+
+
+def references_table(cells):
+    """The converged runs that stand in for closed forms, and how close the nearest other formulation comes."""
+    rows = []
+    for (problem, _, _), ref in sorted(converged.references(cells).items(), key=lambda kv: kv[0][0]):
+        judged = usable(cells[(cells["problem"] == problem) & cells["converged"]])
+        near = judged.loc[judged["err_ref"].idxmin()] if len(judged) else None
+        least = judged["step_s"].min()
+        fine = judged[judged["step_s"] == least]["err_ref"]
+        rows.append([problem, f"end {ref.quantity}", f"{ref.value:.9g}", f"± {ref.uncertainty:.1g}", f"{ref.combination}, {ref.runs} runs, finest h = {ref.step:g} s",
+                     f"{ref.order:.2g}" if ref.order > 0 else "none",
+                     "" if near is None else f"{error(near['err_ref'])} ({near['combination']}, h = {near['step_s']:g} s)",
+                     "" if near is None else f"{error(fine.min())} to {error(fine.max())} at h = {least:g} s"])
+    return Table("references", "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
+                 "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
+                 ["scene", "quantity", "value", "uncertainty", "by", "observed order", "nearest other formulation", "errors at the smallest step"], rows)
 
 
 # ---- the first screen ---------------------------------------------------------------------------------------------------------------------
@@ -157,8 +215,7 @@ def candidates(here, level):
     """combination -> {scene: its cheapest cell that reaches the level}"""
     out = {}
     for problem, group in here:
-        fit = usable(group)
-        fit = fit[fit["err_ref"] <= level]
+        fit = within(group, level)
         for name, g in fit.groupby([plain(c) for c in fit["combination"]]):
             out.setdefault(name, {})[problem] = g.loc[g["cost"].idxmin()]
     return out
@@ -213,8 +270,9 @@ def section(cells):
     if not found:
         return None
     made = chart(cells)
+    given = references_table(cells)
     reached = sum(all(cheapest(g, v) is not None for v in LEVELS) for _, g in found)
     return Section("accuracy", "What accuracy costs in time",
                    "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
-                   f"tolerance it was asked for. {len(found)} scenes; {reached} of them reach all four levels.",
-                   [made] if made else [], [table(cells), yardsticks_table(cells)], {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)})
+                   f"tolerance it was asked for. {len(found)} scenes, {len(given.rows)} of them measured by a converged run of another method; {reached} reach all four levels.",
+                   [made] if made else [], [table(cells)] + ([given] if given.rows else []) + [yardsticks_table(cells)], {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)})

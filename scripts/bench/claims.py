@@ -88,7 +88,7 @@ def agreement(cells):
     """Cell by cell against the same scene, step and solver with a polyhedral cone: does it meet the closed forms that the other meets,
     and is its error of the common quantity no larger than that plus the scene's tolerance?"""
     p = pd.concat([pairs(cells, other) for other in ("velocity", "position")])
-    p = p[p["good"] & p["good_other"] & (p["n_predictions"] > 0) & (p["n_predictions_other"] > 0)]
+    p = p[p["good"] & p["good_other"] & (p["n_predictions"] > 0) & (p["n_predictions_other"] > 0) & ~p["converged"]]
     if p.empty:
         return None
     worse = met(p, "_other") & ~met(p)

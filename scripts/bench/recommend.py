@@ -9,6 +9,24 @@ from bench import accuracy, rows  # noqa: E402
 from bench.section import error, si  # noqa: E402
 
 
+def said(cell, column):
+    """An error in words, with what its reference is worth where that is not a closed form."""
+    if column != "err_ref" or not cell["converged"]:
+        return error(cell[column])
+    floor = error(cell["err_floor"])
+    return f"not resolved, below the {floor} of its reference" if cell["err_ref"] < cell["err_floor"] else f"{error(cell[column])} (to {floor}; {cell['err_source']})"
+
+
+def why_not(fit, column, level):
+    if fit.empty:
+        return "not measured"
+    if column != "err_ref":
+        return f"the smallest is {error(fit[column].min())}"
+    if fit["err_floor"].min() > level:
+        return f"the reference itself is uncertain by {error(fit['err_floor'].min())}"
+    return f"the smallest error that finer steps keep is {error(fit['err_sure'].min())}"
+
+
 def main():
     parser = argparse.ArgumentParser(prog="scripts/recommend", description="The cheapest verified combination for a scene and an error.")
     parser.add_argument("folder", metavar="DIR", nargs="?", default="results/runs", help="campaign, or folder of campaigns (default: results/runs)")
@@ -31,11 +49,10 @@ def main():
     for problem, group in found.groupby("problem"):
         best = accuracy.cheapest(group, args.error, column)
         if best is None:
-            fit = accuracy.usable(group, column)
-            print(f"{problem}: nothing confirmed reaches {args.error:g}; the smallest is {error(fit[column].min()) or 'not measured'}")
+            print(f"{problem}: nothing confirmed reaches {args.error:g}; {why_not(accuracy.usable(group, column), column, args.error)}")
             continue
         status = 0
-        print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {error(best[column])}, {si(best['cost'], 's')}")
+        print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}")
         same = accuracy.ties(group, best, args.error, column)
         if same:
             print(f"  in the same time, to the noise: {'; '.join(same)}")

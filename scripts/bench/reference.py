@@ -75,8 +75,8 @@ def accuracy_words(cells):
     tenth = []  # times as long for a tenth of the error, along the front
     for _, g in accuracy.trades(found):
         fit = accuracy.usable(g)
-        fit = fit[fit["err_ref"] > accuracy.ROUNDING]
-        front = fit.iloc[accuracy.stats.pareto_front(fit["err_ref"], fit["cost"])]
+        fit = fit[fit["err_ref"] > fit["err_floor"]]
+        front = fit.iloc[accuracy.front(fit)]
         decades = math.log10(front["err_ref"].max() / front["err_ref"].min()) if len(front) > 1 else 0.0
         if decades >= 1:
             tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))

@@ -5,7 +5,7 @@ import pathlib
 import numpy as np
 import pandas as pd
 
-from bench import stats
+from bench import converged, stats
 
 IDENTITY = ["campaign", "problem_family", "problem", "formulation", "formulation_options", "solver", "solver_options",
             "step_s", "duration_s", "start", "effects", "tol"]
@@ -135,4 +135,4 @@ def cells(rows):
             if c in frame:
                 for end in ("", "_low", "_high"):
                     frame[c[:-2] + "_step_s" + end] = frame[c + end] / frame["n_steps"]
-    return frame
+    return converged.judge(frame)
