@@ -140,7 +140,7 @@ static base_status selected(const cell *c, const plan_filter *f, bool *out, base
 /* ---- cells ------------------------------------------------------------------------------------*/
 
 static base_status add_cell(plan *p, const campaign_part *part, const char *const value[AXIS_COUNT],
-                            const plan_filter *f, base_error *err) {
+                            const plan_filter *f, problem_hashes *known, base_error *err) {
   cell c = {.skip = ""};
   const char **text[AXIS_COUNT] = {
       [AXIS_problems] = &c.problem,   [AXIS_formulations] = &c.formulation,
@@ -151,7 +151,7 @@ static base_status add_cell(plan *p, const campaign_part *part, const char *cons
   for (int a = 0; a < AXIS_COUNT; a++) {
     BASE_TRY(keep(p, value[a], text[a], err));
   }
-  BASE_TRY(cell_key(p->campaign, &c, err));
+  BASE_TRY(cell_key(p->campaign, known, &c, err));
   bool wanted;
   BASE_TRY(selected(&c, f, &wanted, err));
   for (int i = 0; wanted && i < p->n_cell; i++) {
@@ -175,14 +175,14 @@ static base_status add_cell(plan *p, const campaign_part *part, const char *cons
 
 /* All combinations, the last axis fastest. */
 static base_status add_product(plan *p, const campaign_part *part, const text_list list[AXIS_COUNT],
-                               const plan_filter *f, base_error *err) {
+                               const plan_filter *f, problem_hashes *known, base_error *err) {
   int index[AXIS_COUNT] = {0};
   for (;;) {
     const char *value[AXIS_COUNT];
     for (int a = 0; a < AXIS_COUNT; a++) {
       value[a] = list[a].item[index[a]];
     }
-    BASE_TRY(add_cell(p, part, value, f, err));
+    BASE_TRY(add_cell(p, part, value, f, known, err));
     int a = AXIS_COUNT - 1;
     while (a >= 0 && ++index[a] == list[a].n) {
       index[a--] = 0;
@@ -194,7 +194,7 @@ static base_status add_product(plan *p, const campaign_part *part, const text_li
 }
 
 static base_status add_part(plan *p, const campaign_part *part, const plan_filter *f,
-                            base_error *err) {
+                            problem_hashes *known, base_error *err) {
   text_list list[AXIS_COUNT];
   memset(list, 0, sizeof list);
   base_status done = BASE_OK;
@@ -206,7 +206,7 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
     }
   }
   if (done == BASE_OK) {
-    done = add_product(p, part, list, f, err);
+    done = add_product(p, part, list, f, known, err);
   }
   for (int a = 0; a < AXIS_COUNT; a++) {
     text_list_free(&list[a]);
@@ -290,10 +290,12 @@ static base_status order_units(plan *p, const plan_filter *f, base_error *err) {
 
 base_status plan_make(const campaign *c, const plan_filter *f, plan *out, base_error *err) {
   *out = (plan){.campaign = c, .whole = f->filter.count == 0 && f->n_shard == 0};
+  problem_hashes known = {0};
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < c->n_part; i++) {
-    done = add_part(out, &c->part[i], f, err);
+    done = add_part(out, &c->part[i], f, &known, err);
   }
+  free(known.at);
   if (done == BASE_OK && out->n_cell == 0) {
     done = BASE_FAIL(err, BASE_EINVAL, "campaign %s: the filter matches no cell", c->name);
   }

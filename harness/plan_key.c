@@ -6,6 +6,7 @@
 #include "harness/versions.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool is_file(const char *problem) {
@@ -51,13 +52,43 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
   return BASE_OK;
 }
 
-base_status cell_key(const campaign *camp, cell *c, base_error *err) {
+static base_status remember(problem_hashes *known, const cell *c, base_error *err) {
+  if (known->n == known->cap) {
+    const int cap = (known->cap > 0) ? 2 * known->cap : 64;
+    problem_hash *grown = realloc(known->at, (size_t)cap * sizeof *grown);
+    if (grown == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d problems", cap);
+    }
+    known->at = grown;
+    known->cap = cap;
+  }
+  problem_hash *new = &known->at[known->n++];
+  *new = (problem_hash){.problem = c->problem, .is_scene = c->formulation[0] != '\0'};
+  memcpy(new->sha256, c->problem_sha256, sizeof new->sha256);
+  return BASE_OK;
+}
+
+/* The cells of a problem follow each other: looked for from the end. */
+static base_status hash_problem(problem_hashes *known, cell *c, base_error *err) {
+  const bool is_scene = c->formulation[0] != '\0';
+  for (int i = known->n; i-- > 0;) {
+    const problem_hash *h = &known->at[i];
+    if (h->problem == c->problem && h->is_scene == is_scene) {
+      memcpy(c->problem_sha256, h->sha256, sizeof h->sha256);
+      return BASE_OK;
+    }
+  }
+  BASE_TRY(problem_key(c, c->problem_sha256, err));
+  return remember(known, c, err);
+}
+
+base_status cell_key(const campaign *camp, problem_hashes *known, cell *c, base_error *err) {
   solver_choice solver;
   formulation_choice form = {0};
   BASE_TRY(solver_choose(c->solver, &solver, err));
   (void)snprintf(c->solver_version, sizeof c->solver_version, "%s",
                  version_of_solver(solver.solver->name));
-  base_status done = problem_key(c, c->problem_sha256, err);
+  base_status done = hash_problem(known, c, err);
   if (done == BASE_OK && c->formulation[0] != '\0') {
     done = formulation_choose(c->formulation, &form, err);
   }

@@ -179,6 +179,55 @@ static void read_plan(const char *path, campaign *c, plan *p) {
   check_ok(plan_make(c, &all, p, &err), &err);
 }
 
+/* And this in the place of sha256_file: how often a file is read. */
+static int files_hashed;
+base_status __real_sha256_file(const char *path, char hex[SHA256_HEX], base_error *err);
+base_status __wrap_sha256_file(const char *path, char hex[SHA256_HEX], base_error *err);
+base_status __wrap_sha256_file(const char *path, char hex[SHA256_HEX], base_error *err) {
+  files_hashed++;
+  return __real_sha256_file(path, hex, err);
+}
+
+static void write_text(const char *path, const char *text) {
+  FILE *to = fopen(path, "w");
+  assert_non_null(to);
+  (void)fputs(text, to);
+  (void)fclose(to);
+}
+
+/* Two parts with three solvers of one problem in two files: each is read once. */
+static void problems_are_hashed_once(void **state) {
+  (void)state;
+  static const char *const names[] = {"once_harness.M.mtx", "once_harness.q.mtx",
+                                      "once_harness.yaml"};
+  write_text(names[0], "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 2\n");
+  write_text(names[1], "%%MatrixMarket matrix array real general\n1 1\n-1\n");
+  write_text(names[2], "name: once\nparts:\n"
+                       "  - {name: a, problems: [once_harness.M.mtx, \"murty:n=3\"], solvers: "
+                       "[lemke, pgs, ppm]}\n"
+                       "  - {name: b, problems: [once_harness.M.mtx], solvers: [lemke, pgs, "
+                       "\"pgs:omega=1.2\"]}\n");
+  campaign c;
+  plan p;
+  files_hashed = 0;
+  read_plan(names[2], &c, &p);
+  assert_int_equal(p.n_cell, 9);
+  assert_int_equal(files_hashed, 2);
+  char whole[SHA256_HEX];
+  base_error err;
+  check_ok(__real_sha256_file(names[0], whole, &err), &err);
+  for (int i = 0; i < 9; i++) {
+    const bool is_file = strchr(p.cell[i].problem, ':') == NULL;
+    assert_int_equal(strcmp(p.cell[i].problem_sha256, p.cell[0].problem_sha256) == 0, is_file);
+    assert_string_not_equal(p.cell[i].problem_sha256, whole); /* M and q together */
+  }
+  plan_free(&p);
+  campaign_free(&c);
+  for (int i = 0; i < 3; i++) {
+    (void)unlink(names[i]);
+  }
+}
+
 static void g6_a_changed_solver_invalidates_its_cells(void **state) {
   (void)state;
   char path[] = "keys_XXXXXX.yaml";
@@ -290,6 +339,7 @@ int main(void) {
       cmocka_unit_test(claims_are_judged),
       cmocka_unit_test(asked_tolerance_decides_ok),
       cmocka_unit_test(g6_a_changed_solver_invalidates_its_cells),
+      cmocka_unit_test(problems_are_hashed_once),
       cmocka_unit_test(answers_read_back),
       cmocka_unit_test(drifting_canaries_flag_rows),
   };
