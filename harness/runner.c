@@ -104,10 +104,14 @@ static base_status prepare(runner *r, base_error *err) {
   }
   r->done = calloc((size_t)p->n_unit + 1, sizeof *r->done);
   r->ended = calloc((size_t)p->n_cell + 1, sizeof *r->ended);
-  if (r->done == NULL || r->ended == NULL) {
+  r->twin = calloc((size_t)p->n_cell + 1, sizeof *r->twin);
+  if (r->done == NULL || r->ended == NULL || r->twin == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the run");
   }
   base_status done = runner_open_rows(r, &rows, err);
+  if (done == BASE_OK) {
+    done = runner_twins_open(r, err);
+  }
   if (done == BASE_OK) {
     done = runner_done(p, &rows, r->done, err);
   }
@@ -138,7 +142,9 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
     (void)close(r.lock);
   }
   record_table_free(&r.unit_rows);
+  text_list_free(&r.forgotten);
   free(r.done);
   free(r.ended);
+  free(r.twin);
   return done;
 }

@@ -75,12 +75,17 @@ static const cell *find_cell(const plan *p, const char *id) {
 }
 
 /* What stands beside a row goes with it. */
-static void forget(const runner *r, const char *id) {
+static base_status forget(runner *r, const char *id, base_error *err) {
   char path[1100];
+  const int n = r->forgotten.n;
+  if (n > 0 && strcmp(r->forgotten.item[n - 1], id) == 0) {
+    return BASE_OK;
+  }
   runner_solution_path(r, id, path, sizeof path);
   (void)unlink(path);
   runner_trace_path(r, id, path, sizeof path);
   (void)unlink(path);
+  return text_list_add(&r->forgotten, id, err);
 }
 
 typedef enum fate { ROW_KEPT, ROW_STALE, ROW_AGAIN } fate;
@@ -125,8 +130,8 @@ static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
     if (f != ROW_AGAIN) {
       done = record_table_append(f == ROW_STALE ? &stale : &kept, row, err);
     }
-    if (f != ROW_KEPT) {
-      forget(r, row->cell_id);
+    if (done == BASE_OK && f != ROW_KEPT) {
+      done = forget(r, row->cell_id, err);
     }
   }
   const bool changed = rows->torn || rows->foreign || kept.n != rows->n;

@@ -2,9 +2,16 @@
 #pragma once
 
 #include "harness/cell_run.h"
+#include "harness/isolate.h"
 #include "harness/machine.h"
 #include "harness/progress.h"
 #include "harness/runner.h"
+
+/* The untimed twin of a cell. */
+typedef struct twin {
+  bool dead;     /* it left no history, and would not the next time */
+  char hash[24]; /* of its answers; "": not known */
+} twin;
 
 typedef struct runner {
   const plan *plan;
@@ -21,7 +28,8 @@ typedef struct runner {
   record_table unit_rows;   /* of the process being measured */
   bool lost;                /* one of them found no memory */
   cell_job job;
-  char twin_hash[24]; /* of the untimed twin just run; "": none */
+  twin *twin;          /* per cell */
+  text_list forgotten; /* cells whose rows were set aside: their answers and histories went too */
 } runner;
 
 /* runner_rows.c: opens results.csv for appending, after what is there was read and settled. */
@@ -35,7 +43,15 @@ base_status runner_close_rows(runner *r, base_error *err);
 /* runner_unit.c: one process of one cell, isolated, with its rows appended. */
 base_status runner_unit(runner *r, int u, base_error *err);
 
-/* The untimed twin of a cell (by its index in the plan), whose history goes to traces/. */
-base_status runner_twin(runner *r, int index, base_error *err);
+/* Leaves the rows of r->job in unit_rows. *whole false: the run was interrupted, nothing is kept. */
+base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, base_error *err);
 void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap);
+
+/* runner_twin.c: what earlier sessions know of the twins; without those of forgotten cells. */
+base_status runner_twins_open(runner *r, base_error *err);
+
+/* The untimed twin of a cell (by its index in the plan), whose history goes to traces/: run once. */
+base_status runner_twin(runner *r, int index, base_error *err);
+/* Flags rows in unit_rows whose answers are not those of the cell's twin. */
+void runner_twin_check(runner *r, int index);
 void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap);

@@ -112,8 +112,7 @@ static void add_context(runner *r, const isolate_end *end, const surroundings *s
 
 /* ---- one process ------------------------------------------------------------------------------*/
 
-/* Leaves the rows of r->job in unit_rows. False: the run was interrupted, nothing is kept. */
-static base_status measure(runner *r, int order, isolate_end *end, bool *whole, base_error *err) {
+base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, base_error *err) {
   const campaign_limits *l = &r->plan->campaign->limits;
   surroundings s = {.order = order, .cpu = r->o->pin ? machine_last_cpu() : -1};
   const isolate_limits limits = {l->time, l->grace, l->memory, 1048576.0, s.cpu};
@@ -138,46 +137,8 @@ static base_status measure(runner *r, int order, isolate_end *end, bool *whole, 
   return BASE_OK;
 }
 
-void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap) {
-  (void)snprintf(buf, cap, "%s/traces/%s.csv", r->o->out, id);
-}
-
 void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap) {
   (void)snprintf(buf, cap, "%s/solutions/%s.ans", r->o->out, id);
-}
-
-/* A line of traces/index.csv: what the twin ended with, beside the rows it is the twin of. */
-static base_status index_twin(const runner *r, const record *row, base_error *err) {
-  char path[1100];
-  runner_path(r->o->out, "traces/index.csv", path, sizeof path);
-  FILE *to = fopen(path, "a");
-  if (to == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be opened", path);
-  }
-  bool good = ftell(to) > 0 || fputs("cell_id,solver,status,flags,solution_hash\n", to) != EOF;
-  good = good && fprintf(to, "%s,%s,%s,%s,%s\n", row->cell_id, row->solver, row->status, row->flags,
-                         row->solution_hash) > 0;
-  good = fclose(to) == 0 && good;
-  return good ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
-}
-
-base_status runner_twin(runner *r, int index, base_error *err) {
-  char path[1100];
-  isolate_end end;
-  bool whole;
-  const cell *c = &r->plan->cell[index];
-  runner_trace_path(r, c->id, path, sizeof path);
-  r->twin_hash[0] = '\0';
-  if (access(path, F_OK) == 0) {
-    return BASE_OK;
-  }
-  r->job = (cell_job){.campaign = r->plan->campaign, .cell = c, .canary = r->canary, .trace = path};
-  BASE_TRY(measure(r, 0, &end, &whole, err));
-  if (!whole) {
-    return BASE_OK;
-  }
-  SET_TEXT(r->twin_hash, r->unit_rows.row[0].solution_hash);
-  return index_twin(r, &r->unit_rows.row[0], err);
 }
 
 static void count_status(runner *r) {
@@ -202,7 +163,6 @@ base_status runner_unit(runner *r, int u, base_error *err) {
   char solution[1100];
   isolate_end end;
   bool whole;
-  r->twin_hash[0] = '\0';
   if (r->o->trace) {
     BASE_TRY(runner_twin(r, un->cell, err));
   }
@@ -214,14 +174,12 @@ base_status runner_unit(runner *r, int u, base_error *err) {
                       .process = un->process,
                       .canary = r->canary,
                       .solution = store ? solution : NULL};
-  BASE_TRY(measure(r, u, &end, &whole, err));
+  BASE_TRY(runner_measure(r, u, &end, &whole, err));
   if (!whole) {
     return BASE_OK;
   }
-  for (int i = 0; r->twin_hash[0] != '\0' && i < r->unit_rows.n; i++) {
-    if (strcmp(r->unit_rows.row[i].solution_hash, r->twin_hash) != 0) {
-      record_flag(&r->unit_rows.row[i], "twin_differs");
-    }
+  if (r->o->trace) {
+    runner_twin_check(r, un->cell);
   }
   BASE_TRY(runner_append_rows(r, err));
   count_status(r);

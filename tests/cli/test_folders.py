@@ -116,4 +116,27 @@ def answers_cut_by_the_clock_are_told_apart(d):
     assert "6 cells verified (6 from stored answers, 0 run again), 0 differ, 0 without" in out and "1 cells not compared: the clock" in out, out
 
 
-tap([every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+def twins_that_die_are_run_once(d):
+    """Not for every process, nor by the next session; with their rows they are forgotten. Each process is held against its twin."""
+    c = campaign(d, SMALL.replace("[lemke, pgs]", "[lemke, faulty_crash, faulty_fickle]").replace("random_spd:n=6", str(diagonal(d, 3))) % "")
+
+    def index(*more):
+        run("run", c, "--out", d / "o", "--quiet", "--trace", *more, exe=FAULTY)
+        lines = [line.split(",") for line in (d / "o/traces/index.csv").read_text().splitlines()]
+        assert lines[0][:3] == ["cell_id", "solver", "status"]
+        return sorted((line[0], line[1], line[2]) for line in lines[1:])
+
+    first = index()
+    assert len(first) == 9 and sum(line[1:] == ("faulty_crash", "crash") for line in first) == 3, first
+    assert index() == first and index("--rerun", "failed") == first and index("--rerun", "all") == first
+    fickle = [r for r in rows(d / "o") if r["solver"] == "faulty_fickle" and r["problem"].endswith(".mtx")]
+    assert {r["process"] for r in fickle} == {"0", "1"} and all("twin_differs" in r["flags"] for r in fickle), fickle
+    assert not any("twin_differs" in r["flags"] for r in rows(d / "o") if r["solver"] == "lemke")
+    # histories of another build go with the rows of another build
+    base = rows(d / "o")[0]["base_hash"]
+    for name in ("results.csv", "traces/index.csv"):
+        (d / "o" / name).write_text((d / "o" / name).read_text().replace(base, "0123456789abcdef"))
+    assert index("--filter", "solver=lemke") == [f for f in first if f[1] == "lemke"]
+
+
+tap([twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
