@@ -60,10 +60,6 @@ void form_assembly_close(form_assembly *a) {
   *a = (form_assembly){0};
 }
 
-static int dofs(const contact_set *c, int body) {
-  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
-}
-
 /* Grows by half so that a slowly growing scene allocates rarely. */
 static int larger(int have, int need) {
   return (need <= have) ? have : need + need / 2;
@@ -73,7 +69,7 @@ static base_status grow(form_assembly *a, const contact_set *c, base_error *err)
   int widest = 1;
   for (int g = 0; g < c->n_group; g++) {
     const int rows = c->row_start[g + 1] - c->row_start[g];
-    const int n = rows * (dofs(c, c->body[2 * g]) + dofs(c, c->body[2 * g + 1]));
+    const int n = rows * (contact_dofs(c, c->body[2 * g]) + contact_dofs(c, c->body[2 * g + 1]));
     widest = (n > widest) ? n : widest;
   }
   struct form_assembly_size *s = &a->cap;
@@ -233,7 +229,7 @@ static void weigh(form_assembly *a, const contact_set *c, int i) {
   double *out = a->jw;
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *w = c->inv_mass + ((n > 0) ? c->mass_start[b] : 0);
     if (n == 6) {
       weigh_side(jac, w, rows, 6, out);
@@ -258,7 +254,7 @@ static void couple(const form_assembly *a, const contact_set *c, int i, int j, d
   const double *jw = a->jw;
   for (int s = 0; s < 2; s++) {
     const int b = c->body[2 * gi + s];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *jac = c->jac + c->jac_start[gj];
     for (int t = 0; t < 2 && n > 0; t++) {
       const bool shared = c->body[2 * gj + t] == b;
@@ -269,7 +265,7 @@ static void couple(const form_assembly *a, const contact_set *c, int i, int j, d
       } else if (shared) {
         couple_side(jw, jac, ri, rj, n, out);
       }
-      jac += (ptrdiff_t)all * dofs(c, c->body[2 * gj + t]);
+      jac += (ptrdiff_t)all * contact_dofs(c, c->body[2 * gj + t]);
     }
     jw += (ptrdiff_t)ri * n;
   }

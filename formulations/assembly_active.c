@@ -10,16 +10,12 @@ enum { MOST_ROWS = 8 };
  * positions, and no overlap to be pushed out. */
 static const double gap_noise = 1e-6;
 
-static int dofs(const contact_set *c, int body) {
-  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
-}
-
 /* Inverse radius of gyration of the bodies of group g, the larger one [1/m]. */
 static double gyration(const contact_set *c, int g) {
   double most = 0;
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *w = (n > 0) ? c->inv_mass + c->mass_start[b] : NULL;
     for (int k = 1; k < n && w[0] > 0; k++) {
       most = fmax(most, sqrt(w[k * n + k] / w[0]));
@@ -45,7 +41,7 @@ static void group_velocity(const contact_set *c, int g, int rows, int metres, co
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *vb = v + ((n > 0) ? c->dof_start[b] : 0);
     for (int i = 0; i < rows; i++) {
       for (int k = 0; k < n; k++) {

@@ -4,10 +4,6 @@
 
 #include <string.h>
 
-static int dofs(const contact_set *c, int body) {
-  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
-}
-
 /* u += block l. */
 static void add_product(const double *block, int ri, int rj, const double *l, double *u) {
   for (int p = 0; p < ri; p++) {
@@ -53,7 +49,7 @@ static void push(form_assembly *a, int g, int rows, const double *l) {
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     for (int p = 0; p < rows && n > 0; p++) {
       double *f = a->force + c->dof_start[b];
       for (int k = 0; k < n; k++) {
@@ -80,7 +76,7 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
     push(a, g, rows, l);
   }
   for (int b = 0; b < c->n_body; b++) {
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *w = c->inv_mass + c->mass_start[b];
     const double *f = a->force + c->dof_start[b];
     for (int k = 0; k < n; k++) {

@@ -14,17 +14,13 @@ size_t poly_shift_nnz(const polyhedral *s) {
   return nnz;
 }
 
-static int dofs(const contact_set *c, int g, int side) {
-  const int b = c->body[2 * g + side];
-  return (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
-}
-
 size_t poly_jac_size(const polyhedral *s) {
   const contact_set *c = s->a.set;
   size_t size = 0;
   for (int i = 0; i < s->a.n_group; i++) {
     const int g = s->a.group[i];
-    size += (size_t)poly_width(s, i) * (size_t)(dofs(c, g, 0) + dofs(c, g, 1));
+    size += (size_t)poly_width(s, i) *
+            (size_t)(contact_dofs(c, c->body[2 * g]) + contact_dofs(c, c->body[2 * g + 1]));
   }
   return size;
 }
@@ -70,7 +66,7 @@ void poly_fill_factored(polyhedral *s) {
     const double *jac = c->jac + c->jac_start[g];
     s->jac_start[i] = (int)(out - s->jac);
     for (int side = 0; side < 2; side++) {
-      const int n = dofs(c, g, side);
+      const int n = contact_dofs(c, c->body[2 * g + side]);
       s->body[2 * i + side] = c->body[2 * g + side];
       out = put_side(s, i, jac, n, out);
       jac += (ptrdiff_t)all * n;

@@ -6,10 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-static int dofs(const contact_set *c, int body) {
-  return c->dof_start[body + 1] - c->dof_start[body];
-}
-
 /* Row i of the envelope holds columns first[i] .. end of its body: equally long for one body, so
  * that its rows are a matrix. What lies above the diagonal is not used. */
 void reg_envelope_plan(const contact_set *c, reg_mass *m) {
@@ -19,7 +15,7 @@ void reg_envelope_plan(const contact_set *c, reg_mass *m) {
       const int other = m->place[m->link[k]];
       least = (other < least) ? other : least;
     }
-    const int end = m->place[b] + dofs(c, b);
+    const int end = m->place[b] + contact_dofs(c, b);
     for (int i = m->place[b]; i < end; i++) {
       m->first[i] = least;
       m->at[i + 1] = (size_t)(end - least);
@@ -39,7 +35,7 @@ static double *entry(const reg_mass *m, int i, int j) {
 void reg_envelope_mass(const contact_set *c, reg_mass *m) {
   memset(m->L, 0, m->at[c->n_dof] * sizeof *m->L);
   for (int b = 0; b < c->n_body; b++) {
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *mass = c->mass + c->mass_start[b];
     for (int i = 0; i < n; i++) {
       for (int j = 0; j <= i; j++) {
@@ -89,7 +85,7 @@ bool reg_envelope_factor(reg_mass *m, int n) {
 /* Y <- L^-1 Y, Y row-major with `width` right sides, body by body. */
 void reg_envelope_forward(const contact_set *c, reg_mass *m, int width) {
   for (int k = c->n_body - 1; k >= 0; k--) {
-    const int n = dofs(c, m->order[k]);
+    const int n = contact_dofs(c, m->order[k]);
     const int at = m->place[m->order[k]];
     if (n == 0) {
       continue;

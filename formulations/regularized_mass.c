@@ -45,10 +45,6 @@ void reg_mass_close(reg_mass *m) {
   free(m->val_mem);
 }
 
-static int dofs(const contact_set *c, int body) {
-  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
-}
-
 /* Bodies a and b of active contact i are coupled by friction. */
 static bool is_link(const regularized *s, int i) {
   const int *b = s->a.set->body + 2 * (ptrdiff_t)s->a.group[i];
@@ -108,7 +104,7 @@ static void order_bodies(const contact_set *c, reg_mass *m) {
   int at = 0;
   for (int k = n - 1; k >= 0; k--) {
     m->place[m->order[k]] = at;
-    at += dofs(c, m->order[k]);
+    at += contact_dofs(c, m->order[k]);
   }
 }
 
@@ -122,7 +118,7 @@ static void scatter(const regularized *s, const reg_mass *m, int i, const double
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     for (int r = 0; r < rows; r++) {
       double *to = out + ((n > 0) ? m->place[b] * stride : 0);
       for (int k = 0; k < n && f[r] != 0; k++) {
@@ -141,7 +137,7 @@ static void direction(const regularized *s, const reg_row *q, double *out) {
   const int row = q->row - s->a.row[q->group];
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
-    const int n = dofs(c, c->body[2 * g + side]);
+    const int n = contact_dofs(c, c->body[2 * g + side]);
     for (int k = 0; k < n; k++) {
       out[k] = q->c[0] * jac[row * n + k];
       if (q->n == 2) {
@@ -161,7 +157,7 @@ static void add_springs(const regularized *s, reg_mass *m) {
     const reg_row *q = &s->rows[k];
     const int *b = c->body + 2 * (ptrdiff_t)s->a.group[q->group];
     direction(s, q, e);
-    const int n[2] = {dofs(c, b[0]), dofs(c, b[1])};
+    const int n[2] = {contact_dofs(c, b[0]), contact_dofs(c, b[1])};
     const double *part[2] = {e, e + n[0]};
     for (int xy = 0; xy < 4; xy++) {
       const int x = xy / 2;
@@ -303,7 +299,7 @@ static void add_motion(const regularized *s, int i, const double *delta, double 
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *d = delta + ((n > 0) ? s->mass.place[b] : 0);
     for (int r = 0; r < rows; r++) {
       for (int k = 0; k < n; k++) {

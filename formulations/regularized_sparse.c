@@ -21,10 +21,6 @@ struct reg_sparse {
   int cap_dof, cap_body, cap_link, cap_nnz;
 };
 
-static int dofs(const contact_set *c, int body) {
-  return c->dof_start[body + 1] - c->dof_start[body];
-}
-
 void reg_sparse_close(reg_mass *m) {
   reg_sparse *s = m->sparse;
   if (s != NULL) {
@@ -98,20 +94,20 @@ static int find_blocks(const contact_set *c, reg_mass *m) {
   int nnz = 0;
   for (int k = 0; k < c->n_body; k++) {
     const int b = m->order[c->n_body - 1 - k];
-    for (int i = 0; i < dofs(c, b); i++) {
+    for (int i = 0; i < contact_dofs(c, b); i++) {
       s->rank[m->place[b] + i] = k;
     }
   }
   s->near_start[0] = 0;
   for (int k = 0; k < c->n_body; k++) {
     const int b = m->order[c->n_body - 1 - k];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const int first = s->near_start[k];
     s->near_start[k + 1] = first + ((n > 0) ? later(m, b, s->near + first) : 0);
     int below = 0;
     for (int j = first; j < s->near_start[k + 1]; j++) {
       s->off[j] = below;
-      below += dofs(c, m->order[c->n_body - 1 - s->rank[s->near[j]]]);
+      below += contact_dofs(c, m->order[c->n_body - 1 - s->rank[s->near[j]]]);
     }
     nnz += n * (n + 1) / 2 + n * below;
   }
@@ -123,14 +119,14 @@ static void fill_pattern(const contact_set *c, reg_mass *m) {
   int at = 0;
   for (int k = 0; k < c->n_body; k++) {
     const int b = m->order[c->n_body - 1 - k];
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     for (int j = 0; j < n; j++) {
       s->colptr[m->place[b] + j] = at;
       for (int i = j; i < n; i++) {
         s->rowind[at++] = m->place[b] + i;
       }
       for (int x = s->near_start[k]; x < s->near_start[k + 1]; x++) {
-        const int rows = dofs(c, m->order[c->n_body - 1 - s->rank[s->near[x]]]);
+        const int rows = contact_dofs(c, m->order[c->n_body - 1 - s->rank[s->near[x]]]);
         for (int i = 0; i < rows; i++) {
           s->rowind[at++] = s->near[x] + i;
         }
@@ -177,7 +173,7 @@ void reg_sparse_mass(const contact_set *c, reg_mass *m) {
   double *value = s->A->x;
   memset(value, 0, (size_t)s->colptr[c->n_dof] * sizeof *value);
   for (int b = 0; b < c->n_body; b++) {
-    const int n = dofs(c, b);
+    const int n = contact_dofs(c, b);
     const double *mass = c->mass + c->mass_start[b];
     for (int j = 0; j < n; j++) {
       memcpy(value + s->colptr[m->place[b] + j], mass + (ptrdiff_t)j * n + j,

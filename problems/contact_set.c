@@ -30,10 +30,6 @@ static base_status check_blocks(const contact_set *c, base_error *err) {
   return BASE_OK;
 }
 
-static int dofs_of(const contact_set *c, int body) {
-  return (body < 0) ? 0 : c->dof_start[body + 1] - c->dof_start[body];
-}
-
 static base_status check_groups(const contact_set *c, base_error *err) {
   if (c->n_group < c->n_contact || c->row_start[0] != 0 || c->jac_start[0] != 0 ||
       c->row_start[c->n_group] != c->n_row) {
@@ -48,7 +44,7 @@ static base_status check_groups(const contact_set *c, base_error *err) {
                          c->n_body - 1);
       }
     }
-    const int want = rows * (dofs_of(c, b[0]) + dofs_of(c, b[1]));
+    const int want = rows * (contact_dofs(c, b[0]) + contact_dofs(c, b[1]));
     if (rows < 1 || c->jac_start[g + 1] - c->jac_start[g] != want) {
       return BASE_FAIL(err, BASE_EINVAL, "group %d: %d rows need %d Jacobian entries", g, rows,
                        want);

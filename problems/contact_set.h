@@ -65,6 +65,11 @@ typedef struct contact_set {
   const double *joint_error; /* constraint violation C(q) [m] or [rad]; NULL without joints */
 } contact_set;
 
+/* Dofs of body b of the set; none on a side without a body (-1). */
+static inline int contact_dofs(const contact_set *c, int b) {
+  return (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+}
+
 /* Shapes, index ranges, finiteness, gap ordering by id. For readers, tests and the harness. */
 base_status contact_set_check(const contact_set *c, base_error *err);
 
