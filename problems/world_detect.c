@@ -93,6 +93,20 @@ static double plane_distance(const body *b, const spec_static *plane) {
   return v3_dot(plane->normal, b->at.x) - plane->offset - b->bound;
 }
 
+enum { INSERT_MOST = 64 }; /* keys; so few are sooner moved than counted */
+
+/* Stable; nearly linear, as most points are found in order. */
+static void insert_keys(item_key *key, int n) {
+  for (int i = 1; i < n; i++) {
+    const item_key moved = key[i];
+    int at = i;
+    for (; at > 0 && key[at - 1].id > moved.id; at--) {
+      key[at] = key[at - 1];
+    }
+    key[at] = moved;
+  }
+}
+
 /* LSD radix sort by id: stable, linear, deterministic; bytes that are the same everywhere are
  * skipped. */
 static void sort_keys(set_store *s) {
@@ -102,6 +116,10 @@ static void sort_keys(set_store *s) {
     s->key[i] = (item_key){s->item[i].id, i};
     all &= s->item[i].id;
     any |= s->item[i].id;
+  }
+  if (n <= INSERT_MOST) {
+    insert_keys(s->key, n);
+    return;
   }
   for (int shift = 0; shift < 64; shift += 8) {
     if ((((all ^ any) >> shift) & 0xFF) == 0) {
