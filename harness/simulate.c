@@ -14,25 +14,30 @@ double sim_total_seconds(const sim_result *r) {
 
 /* ---- one step ---------------------------------------------------------------------------------*/
 
-/* assemble -> solve -> recover until the formulation has enough. */
-static base_status solve_step(sim *s, base_error *err) {
+/* Ends a phase and begins the next with one reading of the clock. */
+static void lap(double *phase, double *from) {
+  const double now = base_seconds();
+  *phase += now - *from;
+  *from = now;
+}
+
+/* assemble -> solve -> recover until the formulation has enough; *from: when assembly began, on return
+ * when the part of it began that is still to be counted. */
+static base_status solve_step(sim *s, double *from, base_error *err) {
   for (;;) {
     lcp_problem p;
     const double *z0 = NULL;
     bool pending = false;
     lcp_outcome claimed;
-    double from = base_seconds();
     BASE_TRY(formulation_assemble(s->form, &p, &z0, &pending, err));
-    s->out->time.assemble += base_seconds() - from;
     if (!pending) {
-      sim_settle_held(s);
       return BASE_OK;
     }
+    lap(&s->out->time.assemble, from);
     BASE_TRY(sim_start_point(s, &p, z0, err));
     BASE_TRY(sim_solve(s, &p, &claimed, err));
-    from = base_seconds();
+    *from = base_seconds();
     BASE_TRY(formulation_recover(s->form, s->z, claimed, err));
-    s->out->time.assemble += base_seconds() - from;
   }
 }
 
@@ -79,16 +84,13 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
   BASE_TRY(curved ? world_contacts_curved(s->w, s->q->h, -1.0, &set, err)
                   : world_contacts(s->w, s->q->h, -1.0, &set, err));
-  t->contacts += base_seconds() - from;
-  series_penetration(record, &set);
-
-  from = base_seconds();
+  lap(&t->contacts, &from);
   BASE_TRY(formulation_begin(s->form, &set, s->q->start, err));
-  t->assemble += base_seconds() - from;
-  BASE_TRY(solve_step(s, err));
-  from = base_seconds();
+  BASE_TRY(solve_step(s, &from, err));
   formulation_answer_of(s->form, &a);
-  t->assemble += base_seconds() - from;
+  lap(&t->assemble, &from);
+  sim_settle_held(s);
+  series_penetration(record, &set);
   note_answer(s, &set, &a);
   BASE_TRY(merit_of(s, &set, &a, err));
   s->out->effects_seen |= sim_effects_seen(s->q->spec, &set, &a);
