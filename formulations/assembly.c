@@ -1,5 +1,7 @@
 #include "formulations/assembly.h"
 
+#include "formulations/dof_kernel.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,8 +70,7 @@ static int larger(int have, int need) {
 static base_status grow(form_assembly *a, const contact_set *c, base_error *err) {
   int widest = 1;
   for (int g = 0; g < c->n_group; g++) {
-    const int rows = c->row_start[g + 1] - c->row_start[g];
-    const int n = rows * (contact_dofs(c, c->body[2 * g]) + contact_dofs(c, c->body[2 * g + 1]));
+    const int n = c->jac_start[g + 1] - c->jac_start[g];
     widest = (n > widest) ? n : widest;
   }
   struct form_assembly_size *s = &a->cap;
@@ -191,31 +192,20 @@ static base_status link_groups(form_assembly *a, const contact_set *c, base_erro
   return BASE_OK;
 }
 
-/* The three kernels below are inlined for the usual 3 and 6 dofs a body, where the length of the
- * innermost loop is then known. */
-static inline double dot(const double *x, const double *y, int n) {
-  double sum = 0;
-  for (int k = 0; k < n; k++) {
-    sum += x[k] * y[k];
-  }
-  return sum;
-}
-
 /* out = J W: rows x n, W symmetric. */
-static inline void weigh_side(const double *jac, const double *w, int rows, int n, double *out) {
+static inline void weigh_side(const double *jac, const double *w, int rows, double *out, int n) {
+  memset(out, 0, (size_t)rows * (size_t)n * sizeof *out);
   for (int r = 0; r < rows; r++) {
-    for (int k = 0; k < n; k++) {
-      out[r * n + k] = dot(jac + (ptrdiff_t)r * n, w + (ptrdiff_t)k * n, n);
-    }
+    form_add_product(w, jac + (ptrdiff_t)r * n, out + (ptrdiff_t)r * n, n);
   }
 }
 
 /* out += (J_i W) J_j' for one shared body. */
-static inline void couple_side(const double *jw, const double *jac, int ri, int rj, int n,
-                               double *out) {
+static inline void couple_side(const double *jw, const double *jac, int ri, int rj, double *out,
+                               int n) {
   for (int p = 0; p < ri; p++) {
     for (int q = 0; q < rj; q++) {
-      out[p * rj + q] += dot(jw + (ptrdiff_t)p * n, jac + (ptrdiff_t)q * n, n);
+      out[p * rj + q] += form_dot(jw + (ptrdiff_t)p * n, jac + (ptrdiff_t)q * n, n);
     }
   }
 }
@@ -231,13 +221,7 @@ static void weigh(form_assembly *a, const contact_set *c, int i) {
     const int b = c->body[2 * g + side];
     const int n = contact_dofs(c, b);
     const double *w = c->inv_mass + ((n > 0) ? c->mass_start[b] : 0);
-    if (n == 6) {
-      weigh_side(jac, w, rows, 6, out);
-    } else if (n == 3) {
-      weigh_side(jac, w, rows, 3, out);
-    } else {
-      weigh_side(jac, w, rows, n, out);
-    }
+    FORM_WITH_DOFS(n, weigh_side, jac, w, rows, out);
     jac += (ptrdiff_t)all * n;
     out += (ptrdiff_t)rows * n;
   }
@@ -257,13 +241,8 @@ static void couple(const form_assembly *a, const contact_set *c, int i, int j, d
     const int n = contact_dofs(c, b);
     const double *jac = c->jac + c->jac_start[gj];
     for (int t = 0; t < 2 && n > 0; t++) {
-      const bool shared = c->body[2 * gj + t] == b;
-      if (shared && n == 6) {
-        couple_side(jw, jac, ri, rj, 6, out);
-      } else if (shared && n == 3) {
-        couple_side(jw, jac, ri, rj, 3, out);
-      } else if (shared) {
-        couple_side(jw, jac, ri, rj, n, out);
+      if (c->body[2 * gj + t] == b) {
+        FORM_WITH_DOFS(n, couple_side, jw, jac, ri, rj, out);
       }
       jac += (ptrdiff_t)all * contact_dofs(c, c->body[2 * gj + t]);
     }
@@ -280,19 +259,48 @@ static void mirror(const double *up, int ri, int rj, double *low) {
   }
 }
 
+/* out += upper triangle of (J_i W) J_i'. */
+static inline void couple_upper(const double *jw, const double *jac, int rows, double *out, int n) {
+  for (int p = 0; p < rows; p++) {
+    for (int q = p; q < rows; q++) {
+      out[p * rows + q] += form_dot(jw + (ptrdiff_t)p * n, jac + (ptrdiff_t)q * n, n);
+    }
+  }
+}
+
+/* C_ii, with J_i W in jw. */
+static void couple_own(const form_assembly *a, const contact_set *c, int i, double *out) {
+  const int g = a->group[i];
+  const int *b = c->body + 2 * (ptrdiff_t)g;
+  const int rows = form_rows_of(a, i);
+  if (b[0] == b[1]) { /* the sides of one body couple */
+    couple(a, c, i, i, out);
+  } else {
+    memset(out, 0, (size_t)rows * (size_t)rows * sizeof *out);
+    const double *jw = a->jw;
+    const double *jac = c->jac + c->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int n = contact_dofs(c, b[side]);
+      FORM_WITH_DOFS(n, couple_upper, jw, jac, rows, out);
+      jw += (ptrdiff_t)rows * n;
+      jac += (ptrdiff_t)(c->row_start[g + 1] - c->row_start[g]) * n;
+    }
+  }
+  mirror(out, rows, rows, out);
+}
+
 /* Upper blocks are computed, lower ones copied: C is symmetric to the last bit. The own block is
  * symmetrised the same way. */
 static void fill_blocks(form_assembly *a, const contact_set *c) {
   memcpy(a->cursor, a->near_start, (size_t)a->n_group * sizeof *a->cursor);
   for (int i = 0; i < a->n_group; i++) {
     weigh(a, c, i);
-    const int ri = form_rows_of(a, i);
-    for (int k = a->self[i]; k < a->near_start[i + 1]; k++) {
+    couple_own(a, c, i, a->block + a->block_at[a->self[i]]);
+    for (int k = a->self[i] + 1; k < a->near_start[i + 1]; k++) {
       const int j = a->near[k];
       double *up = a->block + a->block_at[k];
       couple(a, c, i, j, up);
-      double *low = (j == i) ? up : a->block + a->block_at[a->cursor[j]++];
-      mirror(up, ri, form_rows_of(a, j), low);
+      mirror(up, form_rows_of(a, i), form_rows_of(a, j), a->block + a->block_at[a->cursor[j]++]);
     }
   }
 }

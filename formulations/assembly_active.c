@@ -1,5 +1,6 @@
 /* assembly_active.c - which contacts are active, with what bias, and their free velocities. */
 #include "formulations/assembly.h"
+#include "formulations/dof_kernel.h"
 
 #include <float.h>
 #include <math.h>
@@ -24,42 +25,69 @@ static double gyration(const contact_set *c, int g) {
   return most;
 }
 
-/* u of the first `rows` rows of group g at velocity v, plus drift. A value below the rounding error
- * of the sums it comes from is zero: such noise is no sliding, and a problem whose q has it in some
- * rows is degenerate at two scales at once. `metres`: rows in m/s, which share one error; it also gives
- * that of spins behind them, which the impulses of the step before have left, through the radius of
- * gyration. */
-static void group_velocity(const contact_set *c, int g, int rows, int metres, const double *v,
-                           double *u) {
+/* Where the rows of one group stand, and the velocities that they act on. */
+typedef struct group_rows {
+  int first, n[2];
+  const double *jac[2], *v[2];
+} group_rows;
+
+static group_rows rows_of(const contact_set *c, int g, const double *v) {
   const int first = c->row_start[g];
-  const int all = c->row_start[g + 1] - first;
-  double size[MOST_ROWS];
-  for (int i = 0; i < rows; i++) {
-    u[i] = c->u_drift[first + i];
-    size[i] = fabs(u[i]);
-  }
-  const double *jac = c->jac + c->jac_start[g];
+  const int *b = c->body + 2 * (ptrdiff_t)g;
+  group_rows r = {.first = first, .n = {contact_dofs(c, b[0]), contact_dofs(c, b[1])}};
+  r.jac[0] = c->jac + c->jac_start[g];
+  r.jac[1] = r.jac[0] + (ptrdiff_t)(c->row_start[g + 1] - first) * r.n[0];
   for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = contact_dofs(c, b);
-    const double *vb = v + ((n > 0) ? c->dof_start[b] : 0);
-    for (int i = 0; i < rows; i++) {
-      for (int k = 0; k < n; k++) {
-        const double term = jac[i * n + k] * vb[k];
-        u[i] += term;
-        size[i] += fabs(term);
-      }
-    }
-    jac += (ptrdiff_t)all * n;
+    r.v[side] = (r.n[side] > 0) ? v + c->dof_start[b[side]] : v;
+  }
+  return r;
+}
+
+/* *u += x y, *size += |x y|, term by term. */
+static inline void add_terms(const double *x, const double *y, double *u, double *size, int n) {
+  double sum = *u;
+  double sizes = *size;
+  for (int k = 0; k < n; k++) {
+    const double term = x[k] * y[k];
+    sum += term;
+    sizes += fabs(term);
+  }
+  *u = sum;
+  *size = sizes;
+}
+
+/* u of one row with its drift; size: sum of what it is made of. */
+static double row_velocity(const contact_set *c, const group_rows *r, int row, double *size) {
+  double u = c->u_drift[r->first + row];
+  *size = fabs(u);
+  for (int side = 0; side < 2; side++) {
+    const int n = r->n[side];
+    FORM_WITH_DOFS(n, add_terms, r->jac[side] + (ptrdiff_t)row * n, r->v[side], &u, size);
+  }
+  return u;
+}
+
+/* A value below the rounding error of the sum that it comes from is zero: such noise is no sliding, and a
+ * problem whose q has it in some rows is degenerate at two scales at once. */
+static inline double without_noise(double u, double size) {
+  return (fabs(u) <= 4 * DBL_EPSILON * size) ? 0 : u;
+}
+
+/* u of the first `rows` rows of group g, of which the sums of the first `done` are known. `metres`: rows in
+ * m/s, which share one error; it also gives that of spins behind them, which the impulses of the step
+ * before have left, through the radius of gyration. */
+static void group_velocity(const contact_set *c, const group_rows *r, int g, int done, int rows,
+                           int metres, double *size, double *u) {
+  for (int i = done; i < rows; i++) {
+    u[i] = row_velocity(c, r, i, &size[i]);
   }
   double common = 0;
   for (int i = 0; i < metres; i++) {
-    common = fmax(common, size[i]);
+    common = (size[i] > common) ? size[i] : common;
   }
   const double spin = (metres > 0 && metres < rows) ? 8 * common * gyration(c, g) : 0;
   for (int i = 0; i < rows; i++) {
-    const double error = 4 * DBL_EPSILON * ((i < metres) ? common : fmax(size[i], spin));
-    u[i] = (fabs(u[i]) <= error) ? 0 : u[i];
+    u[i] = without_noise(u[i], (i < metres) ? common : fmax(size[i], spin));
   }
 }
 
@@ -98,37 +126,56 @@ static int rows_wanted(const contact_set *c, int i, form_rows rows) {
   return c->row_start[i + 1] - c->row_start[i];
 }
 
+/* Contact i becomes the next active one; u, size: the sum of its normal row. */
+static void activate(form_assembly *a, const contact_set *c, int i, form_rows rows,
+                     const group_rows *r, double u, double size) {
+  const int k = a->n_contact++;
+  const int n = rows_wanted(c, i, rows);
+  const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
+  double sizes[MOST_ROWS] = {size};
+  double *to = a->r + a->row[k];
+  a->group[k] = i;
+  a->row[k + 1] = a->row[k] + n;
+  to[0] = u;
+  group_velocity(c, r, i, 1, n, metres, sizes, to);
+}
+
+static void append_joint(form_assembly *a, const contact_set *c, int g, const form_rule *rule) {
+  const int k = a->n_group++;
+  const int n = c->row_start[g + 1] - c->row_start[g];
+  const group_rows r = rows_of(c, g, c->v_free);
+  double sizes[MOST_ROWS];
+  double *to = a->r + a->row[k];
+  a->group[k] = g;
+  a->row[k + 1] = a->row[k] + n;
+  group_velocity(c, &r, g, 0, n, 0, sizes, to);
+  for (int i = 0; i < n; i++) {
+    const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
+    to[i] += rule->joint_push / c->h * c->joint_error[at];
+  }
+}
+
 void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows,
                           const form_rule *rule, contact_memory *memory) {
   a->n_contact = 0;
   a->row[0] = 0;
   for (int i = 0; i < c->n_contact; i++) {
-    group_velocity(c, i, 1, 1, c->v_free, &a->r_normal[i]);
+    const group_rows r = rows_of(c, i, c->v_free);
+    double size;
+    const double u = row_velocity(c, &r, 0, &size);
+    a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
     a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[0] > 0);
     a->mode[i] = 0;
     if (a->bias[i] < HUGE_VAL) {
-      const int k = a->n_contact++;
       contact_memory_now(memory, i)[0] = 1;
-      a->group[k] = i;
-      a->row[k + 1] = a->row[k] + rows_wanted(c, i, rows);
-      const int n = form_rows_of(a, k);
-      const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
-      group_velocity(c, i, n, metres, c->v_free, a->r + a->row[k]);
+      activate(a, c, i, rows, &r, u, size);
     }
   }
   a->n_joint_group = 0;
   a->n_group = a->n_contact;
   for (int g = c->n_contact; g < c->n_group; g++) {
-    const int k = a->n_group++;
-    const int n = c->row_start[g + 1] - c->row_start[g];
-    a->group[k] = g;
-    a->row[k + 1] = a->row[k] + n;
-    group_velocity(c, g, n, 0, c->v_free, a->r + a->row[k]);
-    for (int i = 0; i < n; i++) {
-      const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
-      a->r[a->row[k] + i] += rule->joint_push / c->h * c->joint_error[at];
-    }
+    append_joint(a, c, g, rule);
   }
   a->n_row = a->row[a->n_group];
 }

@@ -1,6 +1,7 @@
 /* assembly_use.c - what is read from an assembly: u = r + C lambda, C as one matrix, and the answer of a
  * step in the rows of the set. */
 #include "formulations/assembly.h"
+#include "formulations/dof_kernel.h"
 
 #include <string.h>
 
@@ -50,11 +51,9 @@ static void push(form_assembly *a, int g, int rows, const double *l) {
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
     const int n = contact_dofs(c, b);
-    for (int p = 0; p < rows && n > 0; p++) {
-      double *f = a->force + c->dof_start[b];
-      for (int k = 0; k < n; k++) {
-        f[k] += jac[p * n + k] * l[p];
-      }
+    double *f = a->force + ((n > 0) ? c->dof_start[b] : 0);
+    for (int p = 0; p < rows; p++) {
+      FORM_WITH_DOFS(n, form_add_scaled, l[p], jac + (ptrdiff_t)p * n, f);
     }
     jac += (ptrdiff_t)all * n;
   }
@@ -77,14 +76,9 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
   }
   for (int b = 0; b < c->n_body; b++) {
     const int n = contact_dofs(c, b);
-    const double *w = c->inv_mass + c->mass_start[b];
-    const double *f = a->force + c->dof_start[b];
-    for (int k = 0; k < n; k++) {
-      double sum = c->v_free[c->dof_start[b] + k];
-      for (int m = 0; m < n; m++) {
-        sum += w[m * n + k] * f[m];
-      }
-      a->v_next[c->dof_start[b] + k] = sum;
-    }
+    const int at = c->dof_start[b];
+    memcpy(a->v_next + at, c->v_free + at, (size_t)n * sizeof *a->v_next);
+    FORM_WITH_DOFS(n, form_add_product, c->inv_mass + c->mass_start[b], a->force + at,
+                   a->v_next + at);
   }
 }

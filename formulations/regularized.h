@@ -57,7 +57,7 @@ typedef struct reg_part {
   double eta, next_eta, v[2]; /* LuGre */
   double s[2];                /* at the start of the step [m] */
   double d[2], r;             /* slip direction, secant factor of the current mode */
-  double tau[2];              /* h tau of the last iterate [N s] */
+  double tau[2], size;        /* h tau of the last iterate and its length [N s] */
   double next_r;              /* min(1, mu lambda_n / |h tau|) there */
   double log_step;            /* ln(next_r / r) of the last secant iteration */
   double load;                /* mu lambda_n there, an impulse [N s] */
@@ -70,9 +70,14 @@ typedef struct reg_part {
 typedef struct reg_row {
   int group, row, n;
   double c[2];
-  double compliance; /* 1/(r G) [1/kg]; */
-  double offset;     /* [m/s] */
+  double compliance, stiffness; /* 1/(r G) [1/kg], r G [kg] */
+  double offset;                /* [m/s] */
 } reg_row;
+
+/* The direction's part of x, of which q->row is the first entry. */
+static inline double reg_along(const reg_row *q, const double *x) {
+  return q->c[0] * x[0] + ((q->n == 2) ? q->c[1] * x[1] : 0);
+}
 
 /* regularized_mass.c: M_hat and its factor, in an envelope or with CHOLMOD. */
 typedef struct reg_sparse reg_sparse;
@@ -155,7 +160,6 @@ void reg_parts_build(regularized *s);
 double reg_law_residual(regularized *s, const double *lambda, const double *u);
 /* Puts the law's friction impulses into lambda and stores states and modes. */
 void reg_commit(regularized *s, double *lambda);
-double reg_norm(const double *x, int n); /* n: 1 or 2 */
 bool reg_is_lugre(const regularized *s, const reg_part *p);
 /* Carries and asks for nothing that the tolerance can see. */
 bool reg_is_idle(const regularized *s, const reg_part *p);

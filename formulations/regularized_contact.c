@@ -16,10 +16,11 @@
 
 enum { MOST_ROWS = 8 };
 
-static void add_row(regularized *s, int group, int row, int n, const double *c, double compliance,
+static void add_row(regularized *s, int group, int row, int n, const double *c, double stiffness,
                     double offset) {
   reg_row *q = &s->rows[s->n_rows++];
-  *q = (reg_row){.group = group, .row = row, .n = n, .compliance = compliance, .offset = offset};
+  *q = (reg_row){.group = group, .row = row, .n = n, .stiffness = stiffness, .offset = offset};
+  q->compliance = 1 / stiffness;
   q->c[0] = c[0];
   q->c[1] = (n == 2) ? c[1] : 0;
 }
@@ -28,19 +29,19 @@ static void add_row(regularized *s, int group, int row, int n, const double *c, 
 static void part_rows(regularized *s, const reg_part *p) {
   const double axis[2] = {1, p->axis2};
   const double r = (p->mode == REG_STICK) ? 1 : p->r;
-  if (!(p->G * r > 0)) {
+  const double stiffness = p->G * r;
+  if (!(stiffness > 0)) {
     return;
   }
-  const double compliance = 1 / (p->G * r);
   const double spring = p->pull / p->G; /* of s, as a velocity */
   if (p->mode != REG_SLIP) {
     for (int m = 0; m < p->dim && m < 2; m++) {
-      add_row(s, p->contact, p->row + m, 1, &axis[m], compliance, spring * p->s[m]);
+      add_row(s, p->contact, p->row + m, 1, &axis[m], stiffness, spring * p->s[m]);
     }
   } else if (p->dim == 2 && s->opt.modes != REG_PLAIN) {
     const double across[2] = {-p->d[1], p->d[0]};
     const double scaled[2] = {across[0], p->axis2 * across[1]};
-    add_row(s, p->contact, p->row, 2, scaled, compliance,
+    add_row(s, p->contact, p->row, 2, scaled, stiffness,
             spring * (across[0] * p->s[0] + across[1] * p->s[1]));
   }
 }
@@ -75,14 +76,6 @@ void reg_slip_column(const regularized *s, int j, double *f) {
       }
     }
   }
-}
-
-static double along(const reg_row *q, int first, const double *v) {
-  double sum = q->c[0] * v[q->row - first];
-  if (q->n == 2) {
-    sum += q->c[1] * v[q->row - first + 1];
-  }
-  return sum;
 }
 
 /* v = C_ij f over the rows of i; block is C_ji, row-major. */
@@ -120,7 +113,7 @@ static void fill_pair(regularized *s, int j, int k) {
     const double *v = row_velocity(&s->rows[col], a->row[j], block, ri, scratch);
     double *column = s->sigma + (ptrdiff_t)col * s->n_rows;
     for (int row = s->row_of[i]; i >= j && row < s->row_of[i + 1]; row++) {
-      column[row] = along(&s->rows[row], a->row[i], v);
+      column[row] = reg_along(&s->rows[row], v + (s->rows[row].row - a->row[i]));
     }
     s->xyc[(ptrdiff_t)i * s->n_rows + col] = v[0]; /* X = (N C Q')' */
   }
@@ -134,7 +127,7 @@ static void fill_pair(regularized *s, int j, int k) {
   s->A[(ptrdiff_t)j * p + i] = scratch[0];
   double *Y = s->xyc + (ptrdiff_t)(p + j) * s->n_rows;
   for (int row = s->row_of[i]; row < s->row_of[i + 1]; row++) {
-    Y[row] = along(&s->rows[row], a->row[i], scratch);
+    Y[row] = reg_along(&s->rows[row], scratch + (s->rows[row].row - a->row[i]));
   }
 }
 
@@ -160,7 +153,7 @@ bool reg_contact_reduce(regularized *s) {
   for (int row = 0; row < n; row++) {
     const reg_row *q = &s->rows[row];
     s->sigma[(ptrdiff_t)row * n + row] += q->compliance;
-    c[row] = along(q, 0, a->r) + q->offset;
+    c[row] = reg_along(q, a->r + q->row) + q->offset;
   }
   s->answer.work.factorizations++;
   if (LAPACKE_dpotrf_work(LAPACK_COL_MAJOR, 'L', n, s->sigma, n) != 0) {

@@ -1,5 +1,6 @@
 /* regularized_envelope.c - M_hat = L L' inside its envelope (George & Liu 1981, ch. 4), bodies in reverse
  * Cuthill-McKee order, so that a chain, a stack or a wall costs in proportion to its size. */
+#include "formulations/dof_kernel.h"
 #include "formulations/regularized_factor.h"
 
 #include <cblas.h>
@@ -45,48 +46,93 @@ void reg_envelope_mass(const contact_set *c, reg_mass *m) {
   }
 }
 
-/* Lower part of x y' / compliance into the rows of one body and the columns of another. */
-void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                      int ny, double compliance) {
+/* Rows of one body: as long as one another. */
+static inline void add_rows(double *to, ptrdiff_t stride, const double *x, int nx, double stiffness,
+                            const double *y, int ny) {
   for (int i = 0; i < nx; i++) {
-    double *to = entry(m, row + i, column);
-    const double scaled = x[i] / compliance;
-    const int end = (row == column) ? i + 1 : ny;
-    for (int j = 0; j < end; j++) {
-      to[j] += scaled * y[j];
+    form_add_scaled(stiffness * x[i], y, to + i * stride, ny);
+  }
+}
+
+/* A block on the diagonal gets what lies above it too, which nothing reads. */
+void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
+                      int ny, double stiffness) {
+  const ptrdiff_t stride = (ptrdiff_t)(m->at[row + 1] - m->at[row]);
+  FORM_WITH_DOFS(ny, add_rows, entry(m, row, column), stride, x, nx, stiffness, y);
+}
+
+/* Columns of earlier bodies in the n rows from `row`: entry (i, j) <- (entry - sum) / L_jj. Row by row the
+ * sums wait for one another, column by column they do not. */
+static void factor_before(reg_mass *m, int row, int n) {
+  for (int j = m->first[row]; j < row; j++) {
+    const int from = (m->first[row] > m->first[j]) ? m->first[row] : m->first[j];
+    const double *b = entry(m, j, from);
+    const double inverse = 1 / b[j - from];
+    for (int i = row; i < row + n; i++) {
+      double *a = entry(m, i, from);
+      a[j - from] = (a[j - from] - form_dot(a, b, j - from)) * inverse;
     }
   }
 }
 
-/* L L' = M_hat in place; false if it is not positive definite. */
-bool reg_envelope_factor(reg_mass *m, int n) {
-  for (int i = 0; i < n; i++) {
-    double *row = entry(m, i, m->first[i]);
-    for (int j = m->first[i]; j <= i; j++) {
-      const int from = (m->first[i] > m->first[j]) ? m->first[i] : m->first[j];
-      const double *a = entry(m, i, from);
-      const double *b = entry(m, j, from);
-      double sum = row[j - m->first[i]];
-      for (int k = 0; k < j - from; k++) {
-        sum -= a[k] * b[k];
-      }
-      if (j < i) {
-        row[j - m->first[i]] = sum / *entry(m, j, j);
-      } else if (sum > 0) {
-        row[j - m->first[i]] = sqrt(sum);
-      } else {
-        return false;
-      }
+/* The n x n block on the diagonal, over the entries before it. */
+static bool factor_own(reg_mass *m, int row, int n) {
+  const int from = m->first[row];
+  for (int j = row; j < row + n; j++) {
+    double *b = entry(m, j, from);
+    const double square = b[j - from] - form_dot(b, b, j - from);
+    if (!(square > 0)) {
+      return false;
+    }
+    b[j - from] = sqrt(square);
+    const double inverse = 1 / b[j - from];
+    for (int i = j + 1; i < row + n; i++) {
+      double *a = entry(m, i, from);
+      a[j - from] = (a[j - from] - form_dot(a, b, j - from)) * inverse;
     }
   }
   return true;
 }
 
+/* L L' = M_hat in place; false if it is not positive definite. */
+bool reg_envelope_factor(const contact_set *c, reg_mass *m) {
+  for (int k = c->n_body - 1; k >= 0; k--) {
+    const int row = m->place[m->order[k]];
+    const int n = contact_dofs(c, m->order[k]);
+    if (n == 0) {
+      continue;
+    }
+    factor_before(m, row, n);
+    if (!factor_own(m, row, n)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+enum { FEW = 4096 }; /* products for which BLAS does not pay */
+
+/* n rows of y, `width` long, minus L times the rows before them from y0 on. */
+static void subtract_before(const double *L, ptrdiff_t stride, int n, int before, const double *y0,
+                            double *y, int width) {
+  if ((double)n * before * width > FEW) {
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, (int)stride, y0,
+                width, 1, y, width);
+    return;
+  }
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < before; j++) {
+      form_add_scaled(-L[i * stride + j], y0 + (ptrdiff_t)j * width, y + (ptrdiff_t)i * width,
+                      width);
+    }
+  }
+}
+
 /* Y <- L^-1 Y, Y row-major with `width` right sides, body by body. */
 void reg_envelope_forward(const contact_set *c, reg_mass *m, int width) {
-  for (int k = c->n_body - 1; k >= 0; k--) {
-    const int n = contact_dofs(c, m->order[k]);
-    const int at = m->place[m->order[k]];
+  for (int b = c->n_body - 1; b >= 0; b--) {
+    const int n = contact_dofs(c, m->order[b]);
+    const int at = m->place[m->order[b]];
     if (n == 0) {
       continue;
     }
@@ -94,16 +140,17 @@ void reg_envelope_forward(const contact_set *c, reg_mass *m, int width) {
     const int before = at - from;
     const double *L = entry(m, at, from);
     double *y = m->Y + (ptrdiff_t)at * width;
-    if (before > 0) {
-      cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, before + n,
-                  m->Y + (ptrdiff_t)from * width, width, 1, y, width);
-    }
-    for (int i = 0; i < n; i++) { /* dtrsm does not pay for so few rows */
+    subtract_before(L, before + n, n, before, m->Y + (ptrdiff_t)from * width, y, width);
+    for (int i = 0; i < n; i++) {
       const double *row = L + (ptrdiff_t)i * (before + n) + before;
+      double *yi = y + (ptrdiff_t)i * width;
       for (int j = 0; j < i; j++) {
-        cblas_daxpy(width, -row[j], y + (ptrdiff_t)j * width, 1, y + (ptrdiff_t)i * width, 1);
+        form_add_scaled(-row[j], y + (ptrdiff_t)j * width, yi, width);
       }
-      cblas_dscal(width, 1 / row[i], y + (ptrdiff_t)i * width, 1);
+      const double inverse = 1 / row[i];
+      for (int k = 0; k < width; k++) {
+        yi[k] *= inverse;
+      }
     }
   }
 }

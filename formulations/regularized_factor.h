@@ -8,11 +8,13 @@
 /* regularized_envelope.c: L in its envelope, no heap in a step. */
 void reg_envelope_plan(const contact_set *c, reg_mass *m);
 void reg_envelope_mass(const contact_set *c, reg_mass *m);
-/* M_hat += x y' / compliance, its part in the rows from `row` and the columns from `column`. */
+/* M_hat += stiffness x y', its part in the rows from `row` and the columns from `column`. */
+typedef void (*reg_add)(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
+                        int ny, double stiffness);
 void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                      int ny, double compliance);
+                      int ny, double stiffness);
 /* L L' = M_hat in place; false if it is not positive definite. */
-bool reg_envelope_factor(reg_mass *m, int n);
+bool reg_envelope_factor(const contact_set *c, reg_mass *m);
 /* Y <- L^-1 Y, Y row-major with `width` right sides. */
 void reg_envelope_forward(const contact_set *c, reg_mass *m, int width);
 /* x <- L'^-1 x. */
@@ -23,12 +25,18 @@ void reg_envelope_backward(reg_mass *m, int n, double *x);
 base_status reg_sparse_plan(const contact_set *c, reg_mass *m, base_error *err);
 void reg_sparse_mass(const contact_set *c, reg_mass *m);
 void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                    int ny, double compliance);
+                    int ny, double stiffness);
 bool reg_sparse_factor(reg_mass *m);
 bool reg_sparse_forward(reg_mass *m, int n, int width);
 /* NaN without memory: the step's residual then shows it. */
 void reg_sparse_backward(reg_mass *m, int n, double *x);
 void reg_sparse_close(reg_mass *m);
+
+/* regularized_sides.c: zeroes Y, `all` columns wide, and fills [c | J_n' | J' B | J_b'], the third only where
+ * some part slips; adds the springs to M_hat. */
+void reg_sides_fill(regularized *s, int all);
+/* u = r + J delta over the rows in use. */
+void reg_sides_motion(const regularized *s, const double *delta, double *u);
 
 /* regularized_joint.c: joints behind the contacts, after the forward substitution of all columns. width:
  * columns before those of the joints. */

@@ -44,35 +44,43 @@ static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *
   }
 }
 
-/* Carries a tangential world vector into the frame of this step: projected onto the tangent plane,
+/* How a tangential world vector is carried into the frame of this step: projected onto the tangent plane,
  * brought back to its length, turned about the normal by the mean spin of the two bodies
  * (MATH 2.3.11). */
-static void to_frame(const contact_set *c, int g, const double *vector, double *out) {
+typedef struct turn {
+  double cosine, sine;
+} turn;
+
+static turn turn_of(const contact_set *c, int g) {
+  if (c->spin == NULL) {
+    return (turn){.cosine = 1};
+  }
   const double *n = c->frame + 9 * (ptrdiff_t)g;
-  const double *t1 = n + 3;
-  const double *t2 = n + 6;
+  const double *w = c->spin + 3 * (ptrdiff_t)g;
+  const double angle = c->h * (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]);
+  return (turn){.cosine = cos(angle), .sine = sin(angle)};
+}
+
+static void to_frame(const contact_set *c, int g, turn by, const double *vector, double *out) {
+  const double *t1 = c->frame + 9 * (ptrdiff_t)g + 3;
+  const double *t2 = t1 + 3;
   const double x = t1[0] * vector[0] + t1[1] * vector[1] + t1[2] * vector[2];
   const double y = t2[0] * vector[0] + t2[1] * vector[1] + t2[2] * vector[2];
   const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
   const double now = sqrt(x * x + y * y);
-  if (!(now > 0)) {
-    out[0] = 0;
-    out[1] = 0;
-    return;
-  }
-  double angle = 0;
-  if (c->spin != NULL) {
-    const double *w = c->spin + 3 * (ptrdiff_t)g;
-    angle = c->h * (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]);
-  }
-  const double scale = length / now;
-  out[0] = scale * (cos(angle) * x - sin(angle) * y);
-  out[1] = scale * (sin(angle) * x + cos(angle) * y);
+  const double scale = (now > 0) ? length / now : 0;
+  out[0] = scale * (by.cosine * x - by.sine * y);
+  out[1] = scale * (by.sine * x + by.cosine * y);
 }
 
-static void to_world(const contact_set *c, int g, const double *in, double *vector) {
+/* A tangential vector as it is remembered: in the world, or one number. */
+static void carry(const contact_set *c, int g, int dim, const double *in, double *vector) {
   const double *t1 = c->frame + 9 * (ptrdiff_t)g + 3;
   const double *t2 = t1 + 3;
+  if (dim == 1) {
+    vector[0] = in[0];
+    return;
+  }
   for (int k = 0; k < 3; k++) {
     vector[k] = in[0] * t1[k] + in[1] * t2[k];
   }
@@ -94,8 +102,11 @@ static void restore(const regularized *s, int g, reg_part *p) {
     p->s[0] = m[PAST_S];
     p->d[0] = m[PAST_D];
   } else {
-    to_frame(s->a.set, g, m + PAST_S, p->s);
-    to_frame(s->a.set, g, m + PAST_D, p->d);
+    const turn by = turn_of(s->a.set, g);
+    to_frame(s->a.set, g, by, m + PAST_S, p->s);
+    if (p->mode != REG_STICK) {
+      to_frame(s->a.set, g, by, m + PAST_D, p->d);
+    }
   }
   if (p->mode == REG_SECANT) {
     p->mode = REG_SLIP;
@@ -168,7 +179,7 @@ void reg_parts_build(regularized *s) {
   s->part_start[s->a.n_contact] = s->n_part;
 }
 
-double reg_norm(const double *x, int n) {
+static double norm_of(const double *x, int n) {
   return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
@@ -200,21 +211,25 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
 }
 
 static double bound_of(const reg_part *p, double lambda_n) {
-  return (p->sliding ? p->mu_kinetic : p->mu_static) * fmax(lambda_n, 0.0);
+  return (p->sliding ? p->mu_kinetic : p->mu_static) * ((lambda_n > 0) ? lambda_n : 0);
 }
 
 /* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATH 2.3.6). At
  * most one change to and fro in a step. */
-static void choose_coefficient(const regularized *s, reg_part *p, double tau, double lambda_n) {
+static void choose_coefficient(const regularized *s, reg_part *p, double lambda_n) {
   if (reg_is_lugre(s, p)) {
     return; /* mu_k and mu_s are both in its g */
   }
-  const double mu = p->sliding ? p->mu_kinetic : p->mu_static;
-  const bool slides = tau > mu * fmax(lambda_n, 0.0);
+  const bool slides = p->size > bound_of(p, lambda_n);
   if (slides != (p->sliding != 0) && p->flips < 2) {
     p->sliding = slides;
     p->flips = (unsigned char)(p->flips + (p->mu_static > p->mu_kinetic));
   }
+}
+
+/* The larger of two, the first where the other is no number: fmax as one instruction. */
+static inline double most(double a, double b) {
+  return (b > a) ? b : a;
 }
 
 double reg_law_residual(regularized *s, const double *lambda, const double *u) {
@@ -222,22 +237,22 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   double worst = 0;
   for (int i = 0; i < s->a.n_contact; i++) {
     const double ln = lambda[s->a.row[i]];
-    largest = fmax(largest, fabs(ln));
+    largest = most(largest, fabs(ln));
     for (int k = s->part_start[i]; k < s->part_start[i + 1]; k++) {
       reg_part *p = &s->part[k];
       trial(s, p, lambda, u);
-      const double tau = reg_norm(p->tau, p->dim);
-      choose_coefficient(s, p, tau, ln);
+      p->size = norm_of(p->tau, p->dim);
+      choose_coefficient(s, p, ln);
       const double bound = bound_of(p, ln);
-      const double scale = (tau > bound) ? bound / tau : 1;
-      const double arm = (p->kind == 0) ? 1 : p->mu_static;
+      const double scale = (p->size > bound) ? bound / p->size : 1;
+      const double inverse = (p->kind == 0) ? 1 : 1 / p->mu_static;
       for (int m = 0; m < p->dim; m++) {
         const double l = lambda[p->row + m] / axis_unit(p, m);
-        worst = fmax(worst, fabs(l + scale * p->tau[m]) / arm);
-        largest = fmax(largest, fabs(l) / arm);
+        worst = most(worst, fabs(l + scale * p->tau[m]) * inverse);
+        largest = most(largest, fabs(l) * inverse);
       }
       p->next_r = scale;
-      p->load = bound / arm;
+      p->load = bound * inverse;
     }
   }
   s->largest = largest;
@@ -247,7 +262,7 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
 /* Carries and asks for nothing that the tolerance can see: its direction is noise (MATH 2.5). */
 bool reg_is_idle(const regularized *s, const reg_part *p) {
   const double least = s->opt.tol * s->largest;
-  return p->load <= least && reg_norm(p->tau, p->dim) <= least;
+  return p->load <= least && p->size <= least;
 }
 
 static void store(regularized *s, const reg_part *p, const double *next) {
@@ -256,14 +271,10 @@ static void store(regularized *s, const reg_part *p, const double *next) {
   m[PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
   m[PAST_SLIDING] = p->sliding;
   m[PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
-  const double tau = reg_norm(p->tau, p->dim);
-  const double d[2] = {(tau > 0) ? p->tau[0] / tau : 0, (tau > 0) ? p->tau[1] / tau : 0};
-  if (p->dim == 1) {
-    m[PAST_S] = next[0];
-    m[PAST_D] = d[0];
-  } else {
-    to_world(s->a.set, g, next, m + PAST_S);
-    to_world(s->a.set, g, d, m + PAST_D);
+  carry(s->a.set, g, p->dim, next, m + PAST_S);
+  if (m[PAST_MODE] == REG_SLIP && p->size > 0) {
+    const double d[2] = {p->tau[0] / p->size, p->tau[1] / p->size};
+    carry(s->a.set, g, p->dim, d, m + PAST_D);
   }
 }
 

@@ -8,6 +8,7 @@
  * friction. It is factored inside its envelope (regularized_envelope.c) or, where that would be
  * wide, by CHOLMOD (regularized_sparse.c). All right sides pass the forward substitution together;
  * nothing of contact space is formed. */
+#include "formulations/dof_kernel.h"
 #include "formulations/regularized_factor.h"
 
 #include <cblas.h>
@@ -108,68 +109,6 @@ static void order_bodies(const contact_set *c, reg_mass *m) {
   }
 }
 
-/* f over the rows of group i times J, added to a vector of dofs with the given stride. */
-static void scatter(const regularized *s, const reg_mass *m, int i, const double *f, double *out,
-                    ptrdiff_t stride) {
-  const contact_set *c = s->a.set;
-  const int g = s->a.group[i];
-  const int rows = form_rows_of(&s->a, i);
-  const int all = c->row_start[g + 1] - c->row_start[g];
-  const double *jac = c->jac + c->jac_start[g];
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = contact_dofs(c, b);
-    for (int r = 0; r < rows; r++) {
-      double *to = out + ((n > 0) ? m->place[b] * stride : 0);
-      for (int k = 0; k < n && f[r] != 0; k++) {
-        to[k * stride] += f[r] * jac[r * n + k];
-      }
-    }
-    jac += (ptrdiff_t)all * n;
-  }
-}
-
-/* e' J of a compliant direction over the dofs of both sides, packed. */
-static void direction(const regularized *s, const reg_row *q, double *out) {
-  const contact_set *c = s->a.set;
-  const int g = s->a.group[q->group];
-  const int all = c->row_start[g + 1] - c->row_start[g];
-  const int row = q->row - s->a.row[q->group];
-  const double *jac = c->jac + c->jac_start[g];
-  for (int side = 0; side < 2; side++) {
-    const int n = contact_dofs(c, c->body[2 * g + side]);
-    for (int k = 0; k < n; k++) {
-      out[k] = q->c[0] * jac[row * n + k];
-      if (q->n == 2) {
-        out[k] += q->c[1] * jac[(row + 1) * n + k];
-      }
-    }
-    out += n;
-    jac += (ptrdiff_t)all * n;
-  }
-}
-
-/* M_hat += e e' / compliance for every compliant direction e. */
-static void add_springs(const regularized *s, reg_mass *m) {
-  const contact_set *c = s->a.set;
-  double *e = m->delta; /* scratch of at least two bodies' dofs */
-  for (int k = 0; k < s->n_rows; k++) {
-    const reg_row *q = &s->rows[k];
-    const int *b = c->body + 2 * (ptrdiff_t)s->a.group[q->group];
-    direction(s, q, e);
-    const int n[2] = {contact_dofs(c, b[0]), contact_dofs(c, b[1])};
-    const double *part[2] = {e, e + n[0]};
-    for (int xy = 0; xy < 4; xy++) {
-      const int x = xy / 2;
-      const int y = xy % 2;
-      if (n[x] > 0 && n[y] > 0 && m->place[b[x]] >= m->place[b[y]]) {
-        (m->by_sparse ? reg_sparse_add : reg_envelope_add)(
-            m, m->place[b[x]], part[x], n[x], m->place[b[y]], part[y], n[y], q->compliance);
-      }
-    }
-  }
-}
-
 static base_status reserve(regularized *s, base_error *err) {
   reg_mass *m = &s->mass;
   const contact_set *c = s->a.set;
@@ -203,39 +142,6 @@ base_status reg_mass_begin(regularized *s, base_error *err) {
   return done;
 }
 
-/* Right sides [c | J_n' | J' B | J_b'] with `all` columns, the third only where some part slips. */
-static void right_sides(regularized *s, int all) {
-  const reg_mass *m = &s->mass;
-  const int p = s->a.n_contact;
-  memset(m->Y, 0, (size_t)s->a.set->n_dof * (size_t)all * sizeof *m->Y);
-  for (int i = 0; i < p; i++) {
-    double f[MOST_ROWS] = {0};
-    for (int k = s->row_of[i]; k < s->row_of[i + 1]; k++) {
-      const reg_row *q = &s->rows[k];
-      const double *r = s->a.r + q->row;
-      const double speed = q->c[0] * r[0] + ((q->n == 2) ? q->c[1] * r[1] : 0);
-      for (int x = 0; x < q->n; x++) {
-        f[q->row - s->a.row[i] + x] += q->c[x] * (speed + q->offset) / q->compliance;
-      }
-    }
-    scatter(s, m, i, f, m->Y, all);
-    const double one[MOST_ROWS] = {1};
-    scatter(s, m, i, one, m->Y + 1 + i, all);
-    if (s->any_slip) {
-      reg_slip_column(s, i, f);
-      scatter(s, m, i, f, m->Y + 1 + p + i, all);
-    }
-  }
-  double *column = m->Y + all - m->joint.n;
-  for (int i = p; i < s->a.n_group; i++) {
-    for (int k = 0; k < form_rows_of(&s->a, i); k++) {
-      double f[MOST_ROWS] = {0};
-      f[k] = 1;
-      scatter(s, m, i, f, column++, all);
-    }
-  }
-}
-
 static int columns(const regularized *s) {
   return 1 + (s->any_slip ? 2 : 1) * s->a.n_contact;
 }
@@ -245,17 +151,40 @@ static bool substitute(regularized *s, int all) {
   reg_mass *m = &s->mass;
   const int n = s->a.set->n_dof;
   (m->by_sparse ? reg_sparse_mass : reg_envelope_mass)(s->a.set, m);
-  add_springs(s, m);
+  reg_sides_fill(s, all);
   s->answer.work.factorizations++;
-  if (!(m->by_sparse ? reg_sparse_factor(m) : reg_envelope_factor(m, n))) {
+  if (!(m->by_sparse ? reg_sparse_factor(m) : reg_envelope_factor(s->a.set, m))) {
     return false;
   }
-  right_sides(s, all);
   if (m->by_sparse) {
     return reg_sparse_forward(m, n, all);
   }
   reg_envelope_forward(s->a.set, m, all);
   return true;
+}
+
+enum { FEW = 4096 }; /* products for which BLAS does not pay */
+
+/* A = N N', N the p x n matrix of columns `all` apart. */
+static void square(double *A, const double *N, int p, int n, int all) {
+  if ((double)p * p * n > FEW) {
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, A, p);
+  } else {
+    for (int j = 0; j < p; j++) {
+      for (int i = j; i < p; i++) {
+        double sum = 0;
+        for (ptrdiff_t k = 0; k < n; k++) {
+          sum += N[k * all + i] * N[k * all + j];
+        }
+        A[(ptrdiff_t)j * p + i] = sum;
+      }
+    }
+  }
+  for (int j = 0; j < p; j++) {
+    for (int i = j + 1; i < p; i++) {
+      A[(ptrdiff_t)i * p + j] = A[(ptrdiff_t)j * p + i];
+    }
+  }
 }
 
 bool reg_mass_reduce(regularized *s) {
@@ -272,50 +201,19 @@ bool reg_mass_reduce(regularized *s) {
   }
   /* Y row-major with `all` columns is a column-major all x n matrix */
   const double *N = m->Y + 1;
-  cblas_dgemv(CblasColMajor, CblasNoTrans, p, n, -1, N, all, m->Y, all, 1, s->b, 1);
+  for (ptrdiff_t k = 0; k < n; k++) {
+    form_add_scaled(-m->Y[k * all], N + k * all, s->b, p);
+  }
   if (m->joint.n > 0) {
     reg_joint_project(s, width);
   }
   if (s->any_slip) {
     cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, all, N + p, all, 0, s->A,
                 p);
-  } else if (p > 0) { /* joints alone pose no problem */
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, s->A, p);
-    for (int j = 0; j < p; j++) {
-      for (int i = j + 1; i < p; i++) {
-        s->A[(ptrdiff_t)i * p + j] = s->A[(ptrdiff_t)j * p + i];
-      }
-    }
+  } else {
+    square(s->A, N, p, n, all);
   }
   return true;
-}
-
-/* u += J delta over the rows of active contact i. */
-static void add_motion(const regularized *s, int i, const double *delta, double *u) {
-  const contact_set *c = s->a.set;
-  const int g = s->a.group[i];
-  const int rows = form_rows_of(&s->a, i);
-  const int all = c->row_start[g + 1] - c->row_start[g];
-  const double *jac = c->jac + c->jac_start[g];
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = contact_dofs(c, b);
-    const double *d = delta + ((n > 0) ? s->mass.place[b] : 0);
-    for (int r = 0; r < rows; r++) {
-      for (int k = 0; k < n; k++) {
-        u[r] += jac[r * n + k] * d[k];
-      }
-    }
-    jac += (ptrdiff_t)all * n;
-  }
-}
-
-/* u = r + J delta over the rows in use. */
-static void relative(const regularized *s, const double *delta, double *u) {
-  memcpy(u, s->a.r, (size_t)s->a.n_row * sizeof *u);
-  for (int i = 0; i < s->a.n_contact; i++) {
-    add_motion(s, i, delta, u + s->a.row[i]);
-  }
 }
 
 /* delta = v - v_free = M_hat^-1 (J' B lambda_n - c); the compliant impulses follow from u. */
@@ -325,10 +223,12 @@ void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, dou
   const int p = s->a.n_contact;
   const int all = columns(s) + m->joint.n;
   const int first = 1 + (s->any_slip ? p : 0);
-  cblas_dcopy(n, m->Y, all, m->delta, 1);
-  cblas_dgemv(CblasColMajor, CblasTrans, p, n, 1, m->Y + first, all, lambda_n, 1, -1, m->delta, 1);
+  for (ptrdiff_t k = 0; k < n; k++) {
+    const double *row = m->Y + k * all;
+    m->delta[k] = form_long_dot(row + first, lambda_n, p) - row[0];
+  }
   (m->by_sparse ? reg_sparse_backward : reg_envelope_backward)(m, n, m->delta);
-  relative(s, m->delta, u);
+  reg_sides_motion(s, m->delta, u);
   memset(lambda, 0, (size_t)s->a.n_row * sizeof *lambda);
   if (m->joint.n > 0) {
     reg_joint_impulses(s, first, lambda_n, lambda);
@@ -342,9 +242,9 @@ void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, dou
   }
   for (int k = 0; k < s->n_rows; k++) {
     const reg_row *q = &s->rows[k];
-    const double speed = q->c[0] * u[q->row] + ((q->n == 2) ? q->c[1] * u[q->row + 1] : 0);
+    const double force = (reg_along(q, u + q->row) + q->offset) * q->stiffness;
     for (int x = 0; x < q->n; x++) {
-      lambda[q->row + x] -= q->c[x] * (speed + q->offset) / q->compliance;
+      lambda[q->row + x] -= q->c[x] * force;
     }
   }
 }

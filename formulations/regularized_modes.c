@@ -94,7 +94,7 @@ static bool takes_secants(regularized *s, double residual) {
 /* The law's mode at the present iterate. */
 static void choose_mode(regularized *s, reg_part *p, bool secant) {
   const unsigned char was = p->mode;
-  const double tau = reg_norm(p->tau, p->dim);
+  const double tau = p->size;
   p->r = next_factor(s, p);
   p->mode = REG_STICK;
   if (p->next_r < 1 && tau > 0) {

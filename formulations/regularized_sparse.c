@@ -183,7 +183,7 @@ void reg_sparse_mass(const contact_set *c, reg_mass *m) {
 }
 
 void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                    int ny, double compliance) {
+                    int ny, double stiffness) {
   const reg_sparse *s = m->sparse;
   double *value = s->A->x;
   int block = s->near_start[s->rank[column]];
@@ -195,7 +195,7 @@ void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, c
     double *to = value + s->colptr[column + j];
     to += (row == column) ? -j : ny - j + s->off[block];
     for (int i = first; i < nx; i++) {
-      to[i] += x[i] * y[j] / compliance;
+      to[i] += stiffness * x[i] * y[j];
     }
   }
 }

@@ -49,6 +49,8 @@ static bool loses(const char *form, const char *opt, int k) {
   return solved;
 }
 
+/* Of the random sets `regularized` leaves three in a thousand: their modes go round until mode_iter, and which
+ * sets these are is up to rounding (18 of 6000 with BLAS and 15 with own loops, seeds 1000 to 22000). */
 static void random_sets_only_lose(void **state) {
   (void)state;
   enum { SCENES = 1000 };
@@ -60,9 +62,9 @@ static void random_sets_only_lose(void **state) {
              {"velocity", "facets=7,cone=circumscribed", 0},
              {"velocity", "restitution=poisson", 0},
              {"position", "facets=8", 0},
-             {"regularized", "", 0},
+             {"regularized", "", 8},
              {"regularized", "model=viscous", 0},
-             {"regularized", "bias=position", 0},
+             {"regularized", "bias=position", 8},
              {"boxed", "", 100},
              {"coulomb", "", 5},
              {"acceleration", "", 10}};
