@@ -9,7 +9,7 @@ import plotly
 from markupsafe import Markup
 from PIL import Image
 
-from bench import chart as chart_, style
+from bench import accuracy, chart as chart_, style
 from bench.section import Cell, Table, error, si, table_html
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -116,18 +116,13 @@ def card(a):
     """One situation of the first screen, in words."""
     if not a["use"]:
         return {"situation": a["situation"], "use": "", "why": "Nothing in these rows reaches it." if a["scenes"] else "No scene of this kind in these rows."}
-    other = ""
-    if a["other"]:
-        (missing, slower), name = a["other"]
-        fewer = f", on {-missing} of {a['scenes']} scenes" if -missing < a["reached"] else ""
-        ratio = slower / a["slower"]
-        other = f"{name} takes no more than 1.2 times as long{fewer}." if ratio < 1.2 else f"Next: {name} takes {ratio:.2g} times as long{fewer}."
+    other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
     breaks = ""
     if a["falls"]:
         stands, of, fell = a["falls"]
         breaks = f"Stands on {stands} of {of} stressors" + (": " + "; ".join(f"{word} at {', '.join(parts)}" for word, parts in sorted(fell.items())) if fell else "") + "."
     return {"situation": a["situation"], "use": a["use"], "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN), "cost": f"{si(a['per_step'], 's', 2)} a step", "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
-            "why": f"Gets there on {a['reached']} of {a['scenes']} scenes.", "other": other, "breaks": breaks, "command": a["command"]}
+            "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.", "other": other, "breaks": breaks, "command": a["command"]}
 
 
 def render(title, counts, footer, cards, advice, sections):

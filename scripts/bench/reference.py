@@ -56,9 +56,7 @@ def advice_words(cells):
     for a in accuracy.advise(cells):
         if not a["use"]:
             continue
-        slower = a["other"][0][1] / a["slower"] if a["other"] else math.nan
-        other = f"{a['other'][1]}, {slower:.2g} times" if a["other"] else ""
-        body.append([a["situation"], Cell(f"`{a['use']}`"), f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)", f"{a['reached']} of {a['scenes']}", other])
+        body.append([a["situation"], Cell(f"`{a['use']}`"), f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)", f"{a['reached']} of {a['scenes']}", accuracy.rival_words(a["other"])])
     return section.table_md(Table("", "", ["scene", "use", "a step takes", "scenes within 0.01", "next formulation"], body)) if body else ""
 
 

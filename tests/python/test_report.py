@@ -183,6 +183,14 @@ class Judged(unittest.TestCase):
         self.assertEqual(cards["stack"]["use"], "regularized + lemke")
         self.assertEqual(cards["grasp"]["use"], "")
 
+    def test_the_next_one_is_compared_on_the_scenes_that_both_reach(self):
+        won = {p: {"cost": c} for p, c in (("a", 1.0), ("b", 1.0), ("c", 100.0))}
+        found = accuracy.rival(won, "velocity + lemke", {"a": {"cost": 2.0}, "b": {"cost": 2.0}, "d": {"cost": 1e-3}}, 5)
+        self.assertEqual((found["both"], found["reached"]), (2, 3))
+        self.assertEqual(accuracy.rival_words(found), "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there on 3 of 5")
+        apart = accuracy.rival(won, "event", {"d": {"cost": 1.0}}, 1)
+        self.assertEqual(accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same")
+
     def test_missing_rows_are_an_error(self):
         with self.assertRaises(rows.BadRows):
             rows.load_all(self.tmp.name + "/nothing")
