@@ -3,24 +3,19 @@ import argparse
 import csv
 import json
 import math
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from bench import binary  # noqa: E402
+
 VELOCITY, REGULARIZED, POSITION = ("velocity:facets=4", "lemke"), ("regularized", "lemke"), ("position:facets=4", "lemke")
 COULOMB, ACCELERATION = ("coulomb", "nsgs:tol=1e-13,max_iter=100000"), ("acceleration:facets=4", "lemke")
 
 
 def simulate(scene, way, *more):
-    done = subprocess.run([LCPBENCH, "simulate", scene, "--formulation", way[0], "--solver", way[1], *map(str, more)],
-                          capture_output=True, text=True, env=dict(os.environ, OPENBLAS_NUM_THREADS="1"))
-    if done.returncode not in (0, 3):
-        raise SystemExit(f"{scene}: {done.stderr}")
-    return json.loads(done.stdout)
+    return binary.simulate(scene, *way, *more)
 
 
 def end(o, name):

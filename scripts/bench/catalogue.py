@@ -1,15 +1,13 @@
 """catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture of each."""
 import argparse
-import json
-import os
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
-FOLDER = ROOT / "problems" / "scenes"
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from bench import binary  # noqa: E402
+
+FOLDER = binary.ROOT / "problems" / "scenes"
 
 # Where the defaults make a poor picture: parameters, the way it is solved, times as shares of the run, part of the plane shown.
 CONES = {"formulation": "coulomb", "solver": "nsgs:tol=1e-6"}
@@ -24,11 +22,6 @@ SHOWN = {
     "vise": {"times": (0,)},
     "tablecloth": {"look": ((-0.3, -0.1), (0.9, 0.3))},
 }
-
-
-def scenes():
-    out = subprocess.run([LCPBENCH, "list", "scenes", "--format", "json"], check=True, capture_output=True, text=True).stdout
-    return json.loads(out)
 
 
 # ---- text ------------------------------------------------------------------------------------------------------------------
@@ -88,10 +81,7 @@ def picture(s):
     solver, shares = extra.get("solver", "lemke"), extra.get("times", (0, 0.5, 1))
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "t.csv"
-        done = subprocess.run([LCPBENCH, "simulate", f"{s['name']}:{par}" if par else s["name"], "--formulation", form, "--solver", solver,
-                               "--trajectory", path], capture_output=True, text=True)
-        if done.returncode not in (0, 3):
-            raise SystemExit(f"{s['name']}: {done.stderr}")
+        binary.simulate(f"{s['name']}:{par}" if par else s["name"], form, solver, "--trajectory", path)
         run = render.Run(path)
     times = [run.nearest(run.times[0] + share * (run.times[-1] - run.times[0])) for share in shares]
     times[0] = run.times[min(1, len(run.times) - 1)]  # forces belong to steps
@@ -106,7 +96,7 @@ def main():
     parser.add_argument("--stdout", action="store_true", help="print the catalogue instead of writing it")
     parser.add_argument("scene", nargs="*", help="scenes to draw (default: all)")
     args = parser.parse_args()
-    everything = scenes()
+    everything = binary.listed("scenes")
     unknown = set(args.scene) - {s["name"] for s in everything}
     if unknown:
         print(f"catalogue: no scene {', '.join(sorted(unknown))}", file=sys.stderr)
@@ -116,7 +106,6 @@ def main():
         return 0
     (FOLDER / "README.md").write_text(markdown(everything), encoding="utf-8")
     if args.pictures:
-        sys.path.insert(0, str(ROOT / "scripts"))
         (FOLDER / "pictures").mkdir(exist_ok=True)
         for s in everything:
             if not args.scene or s["name"] in args.scene:

@@ -1,0 +1,30 @@
+"""The lcpbench that scripts ask (LCPBENCH, or the one in build/), and where the shared folder is."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
+SHARED = pathlib.Path(os.environ.get("LCPBENCH_SHARED", str(ROOT.parent / "shared")))
+HONEST = (0, 3)  # solved and verified, honest failure
+
+
+def ask(*args, exits=(0,), program=None, before=()):
+    """The JSON that a command prints; ends the script with one line where it exits otherwise or prints nothing.
+    before: a command that starts it (taskset ...)."""
+    command = [*map(str, before), str(program or LCPBENCH), *map(str, args)]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, env=dict(os.environ, OPENBLAS_NUM_THREADS="1"))
+    if done.returncode not in exits or not done.stdout:
+        sys.exit(f"{pathlib.Path(sys.argv[0]).stem}: {' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}")
+    return json.loads(done.stdout)
+
+
+def simulate(scene, formulation, solver, *more, exits=HONEST, program=None, before=()):
+    """One run as `lcpbench simulate` tells it."""
+    return ask("simulate", scene, "--formulation", formulation, "--solver", solver, *more, exits=exits, program=program, before=before)
+
+
+def listed(what):
+    return ask("list", what, "--format", "json")
