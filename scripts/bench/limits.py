@@ -77,9 +77,9 @@ class Probe:
         except subprocess.TimeoutExpired:
             return "time-out", f"not finished within {self.limit:g} s", command
         if done.returncode < 0:
-            return "fails honestly", f"killed by signal {-done.returncode}", command
+            return "dies", f"killed by signal {-done.returncode}", command
         if not done.stdout.strip():
-            return "not defined" if done.returncode == 2 else "fails honestly", done.stderr.strip()[:200], command
+            return "not defined" if done.returncode == 2 else "dies", done.stderr.strip()[:200] or f"no result, exit code {done.returncode}", command
         return (*stability.word(as_cell(json.loads(done.stdout), self.stressor, self.form)), command)
 
 

@@ -7,6 +7,11 @@ LADDER_MIN = 3  # sizes that make a ladder of contacts
 FLOOR = 1e-16  # drawn, not computed: an exact answer has no place on a logarithmic axis
 
 
+def own(cells):
+    """The scenes of the campaign `paper`."""
+    return cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+
+
 def variants(cells):
     """label -> index among the variants of one formulation (different dashes and markers)."""
     seen, index = {}, {}

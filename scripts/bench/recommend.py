@@ -40,6 +40,7 @@ def main():
     except rows.BadRows as problem:
         print(problem, file=sys.stderr)
         return 2
+    accuracy.NOISE = rows.noise(args.folder) or accuracy.NOISE
     match = [fnmatch.fnmatch(p, args.scene) or f == args.scene for p, f in zip(cells["problem"], cells["problem_family"])]
     found = cells[match]
     if found.empty:

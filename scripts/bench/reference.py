@@ -32,11 +32,10 @@ def pack(source, target):
                 shutil.copyfile(found.parent / name, out / name)
 
 
-def figures(cells, target):
+def figures(cells, ladders, target):
     """The pictures of the README."""
-    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
-    asked = cells[~cells["command"].str.contains("--effects")]
-    stable = stability.section(asked)
+    own = paper.own(cells)
+    stable = stability.section(ladders)
     effect = effects.section(cells)
     made = [paper.dimension(own), paper.time_and_error(own), accuracy.chart(accuracy.own(cells)), stable and stable.charts[0], effect and effect.charts and effect.charts[0]]
     shutil.rmtree(target, ignore_errors=True)
@@ -83,9 +82,9 @@ def accuracy_words(cells):
             f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}.")
 
 
-def stability_words(cells):
-    some = cells[cells["campaign"].str.startswith("stability")]
-    falls = stability.falls(cells)
+def stability_words(ladders):
+    falls = stability.falls(ladders)
+    stressors = {part for found in ladders.values() for part in found}
     fields = sum(of for _, of, _ in falls.values())
     stands = sum(n for n, _, _ in falls.values())
     full = [(n / of, f, s) for (f, s), (n, of, _) in falls.items() if of >= 15]
@@ -96,7 +95,7 @@ def stability_words(cells):
             causes[word] = causes.get(word, 0) + len(parts)
     worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
     names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
-    return (f"What breaks first: {some['part'].nunique()} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
+    return (f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
             f"brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
             + ", ".join(f"{word} ({n})" for word, n in worst) + ".")
 
@@ -120,14 +119,13 @@ def effects_words(cells):
             f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}.")
 
 
-def words(cells, have, manifests):
-    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
-    table = paper.summary(own)
+def words(cells, ladders, have, manifests):
+    table = paper.summary(paper.own(cells))
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
     out = [advice_words(cells), "\n",
            picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
-           picture("stability", "Stability map", have, stability_words(cells)),
+           picture("stability", "Stability map", have, stability_words(ladders)),
            picture("effects", "Effects", have, effects_words(cells)),
            picture("dimension", "Unknowns of the LCP against contacts", have, "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
                    "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many."),
@@ -157,8 +155,9 @@ def main():
     target.mkdir(parents=True, exist_ok=True)
     if source.resolve() != target.resolve():
         pack(source, target)
-    have = figures(cells, target / "figures")
-    text = words(cells, have, manifests)
+    ladders = stability.ladders(cells)
+    have = figures(cells, ladders, target / "figures")
+    text = words(cells, ladders, have, manifests)
     (root / "README.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, readme, flags=re.S))
     print(target)
     return 0

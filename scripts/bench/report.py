@@ -13,7 +13,7 @@ LIMIT = 5_000_000  # bytes of the page
 
 
 def paper_section(cells):
-    own = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    own = paper.own(cells)
     charts = [c for c in (make(own) for make in paper.CHARTS) if c] if len(own) else []
     if not charts:
         return None
@@ -28,16 +28,16 @@ def accuracy_section(cells, calibrated):
     return made
 
 
-def stability_section(cells, bounds):
-    made = stability.section(cells)
+def stability_section(ladders, bounds):
+    made = stability.section(ladders)
     if made and bounds:
         made.tables.insert(0, limits.table(bounds))
     return made
 
 
-def gather(cells, manifests, bounds, calibrated, noise):
+def gather(cells, manifests, ladders, bounds, calibrated, noise):
     """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
-    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda c: stability_section(c, bounds)),
+    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda _: stability_section(ladders, bounds)),
               ("effects", effects.section), ("scaling", scaling.section), ("library", lambda c: library.section(c, noise))]
     sections, absent = [], []
     asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
@@ -87,7 +87,8 @@ def main():
     title = "lcpbench: " + ", ".join(names)
     bounds = [r for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv")) for r in limits.load(path)]
     calibrated = [f for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl")) for f in calibration.load(path)]
-    sections = gather(cells, manifests, bounds, calibrated, noise)
+    ladders = stability.ladders(cells)
+    sections = gather(cells, manifests, ladders, bounds, calibrated, noise)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
     counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
@@ -96,7 +97,7 @@ def main():
     advised = accuracy.scenes(accuracy.own(cells))
     advice = accuracy.advice(cells) if advised else None
     cards = accuracy.advise(cells) if advised else []
-    falls = stability.falls(cells)
+    falls = stability.falls(ladders)
     for card in cards:
         card["falls"] = falls.get((card.get("formulation"), card.get("solver")))
     out.mkdir(parents=True, exist_ok=True)

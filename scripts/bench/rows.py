@@ -7,8 +7,6 @@ import pandas as pd
 
 from bench import converged, stats
 
-IDENTITY = ["campaign", "problem_family", "problem", "formulation", "formulation_options", "solver", "solver_options",
-            "step_s", "duration_s", "start", "effects", "tol"]
 TIMES = ["t_contacts_s", "t_assemble_s", "t_setup_s", "t_factor_s", "t_solve_s", "t_advance_s", "t_total_s",
          "t_step_max_s"]
 TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "formulation", "formulation_options",

@@ -11,11 +11,9 @@ OWN = "scaling"
 
 
 def ladders(cells):
-    """(family, combination, its cells) of every ladder of sizes that was asked for and is defined somewhere."""
+    """[(family, combination, its cells)] of every ladder of sizes that was asked for and is defined somewhere."""
     some = cells[(cells["formulation"] != "") & ~cells["status"].isin(["unsupported", "skipped"])]
-    for (family, combo), g in some.groupby(["problem_family", "combination"]):
-        if g["problem"].nunique() >= SIZES_MIN:
-            yield family, combo, g
+    return [(family, combo, g) for (family, combo), g in some.groupby(["problem_family", "combination"]) if g["problem"].nunique() >= SIZES_MIN]
 
 
 def ends(g):
@@ -50,7 +48,8 @@ def section(cells):
     cells = own if len(own) else cells
     table, lines = [], {}
     index = variants(cells)
-    for family, combo, g in ladders(cells):
+    found = ladders(cells)
+    for family, combo, g in found:
         table.append(line(family, combo, g))
         good = g[g["good"]]
         if good["p"].nunique() >= SIZES_MIN:
@@ -60,7 +59,7 @@ def section(cells):
     if not table:
         return None
     panels = [Panel(l, title=f"{f.replace('_', ' ')}, {s}", xlabel="contacts", ylabel="time per step [ms]", xlog=10) for (f, s), l in sorted(lines.items())][:9]
-    largest = max((float(g[g["good"]]["p"].max()) for _, _, g in ladders(cells) if g["good"].any()), default=math.nan)
+    largest = max((float(g[g["good"]]["p"].max()) for _, _, g in found if g["good"].any()), default=math.nan)
     return Section("scaling", "Cost against contacts",
                    f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the larger half of the verified sizes, with 95 % bootstrap intervals; memory is the peak of the process.",
                    [Chart("scaling", "Time per step against contacts; a cross is a size that was not solved.", panels, columns=3, height=1.95)] if panels else [],

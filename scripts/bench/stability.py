@@ -11,8 +11,9 @@ from bench.section import Cell, Section, Table
 from bench.style import FORMULATIONS, SOLVERS
 
 # Words of a run, the worst first; one letter each for the maps
-LETTERS = {"false claim": "x", "time-out": "t", "fails honestly": "f", "gains energy": "e", "penetrates": "p", "creeps": "c", "misses": "m", "not defined": "–"}
-MARK = {"stands": "good", "not defined": "none", "gains energy": "bad", "false claim": "bad", "time-out": "bad", "fails honestly": "bad"}
+LETTERS = {"false claim": "x", "dies": "d", "time-out": "t", "fails honestly": "f", "gains energy": "e", "penetrates": "p", "creeps": "c", "misses": "m", "not defined": "–"}
+MARK = {"stands": "good", "not defined": "none", "gains energy": "bad", "false claim": "bad", "dies": "bad", "time-out": "bad", "fails honestly": "bad"}
+DEATHS = {"crash", "oom", "no_output", "flood"}  # ends of a process that are nobody's word
 DEEP = 1e-2  # penetration [m] that counts where the scene begins without any
 # What is turned up along a ladder whose problems differ in more than one number, and where it is mild: part -> (name, key)
 MILD = {"near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
@@ -44,6 +45,8 @@ def word(cell):
         return "not defined", cell.get("note", "")
     if status == "unverified":
         return "false claim", "claimed solved, the judge disagrees"
+    if status in DEATHS:
+        return "dies", f"{status}: {cell.get('note', '')}"
     if status in ("timeout", "time_limit"):
         return "time-out", f"not finished within {cell.get('t_limit_s', math.nan):g} s"
     if status != "ok" or not cell["verified"]:
@@ -100,9 +103,10 @@ def order(names, known):
 
 
 def ladders(cells):
-    """(formulation, solver) -> part -> Ladder; formulations without solver have the solver ''."""
+    """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without solver have the solver ''."""
     out = {}
-    for (form, solver, part), g in cells.groupby(["formulation", "solver", "part"]):
+    some = cells[cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")]
+    for (form, solver, part), g in some.groupby(["formulation", "solver", "part"]):
         out.setdefault((form, "" if form == "penalty" else solver), {})[part] = Ladder(part, g)
     return out
 
@@ -148,11 +152,10 @@ def map_of_all(by, parts):
                 parts, panels, across=3, size=5.5)
 
 
-def falls(cells):
-    """(formulation, solver) -> (stressors it stands, stressors that are defined, {word: [stressors]})."""
-    some = cells[cells["campaign"].str.startswith("stability")]
+def falls(by):
+    """(formulation, solver) -> (stressors it stands, stressors that are defined, {word: [stressors]}), from ladders()."""
     out = {}
-    for key, by_part in (ladders(some) if len(some) else {}).items():
+    for key, by_part in by.items():
         defined = {p: l for p, l in by_part.items() if l.defined}
         fell = {}
         for part, ladder in sorted(defined.items()):
@@ -169,12 +172,11 @@ def why_missing(form, solver, part):
     return f"not run: {form} with {solver or 'no solver'} is not in this campaign's part"
 
 
-def section(cells):
-    some = cells[cells["campaign"].str.startswith("stability")]
-    if some.empty:
+def section(by):
+    """The map, from ladders()."""
+    if not by:
         return None
-    by = ladders(some)
-    parts = sorted(set(some["part"]), key=lambda p: (-np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]), p))
+    parts = sorted({p for found in by.values() for p in found}, key=lambda p: (-np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]), p))
     table, reasons = [], collections.Counter()
     for form, solver in sorted(by, key=lambda k: (order({f for f, _ in by}, FORMULATIONS).index(k[0]), order({s for _, s in by}, SOLVERS).index(k[1]))):
         line = [form, solver or "none (integrator)"]
@@ -187,7 +189,8 @@ def section(cells):
     fields = sum(reasons.values())
     counts = ", ".join(f"{n} {name}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
     return Section("stability", "What breaks first",
-                   f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. "
+                   f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
+                   "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
                    f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
                    f"({', '.join(NO_SOLUTION)}), only a refusal stands.", [overview(by, parts), map_of_all(by, parts)],
                    [Table("stability", f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.", ["formulation", "solver"] + parts, table, paper=False)],

@@ -127,7 +127,7 @@ class Judged(unittest.TestCase):
         self.assertTrue(all(judge(other) is None for _, judge in claims.CLAIMS))
 
     def test_the_stability_map_names_the_first_failing_rung(self):
-        table = stability.section(self.cells).tables[0]
+        table = stability.section(stability.ladders(self.cells)).tables[0]
         self.assertEqual(table.rows[0][:2], ["velocity", "lemke"])
         self.assertEqual(table.rows[0][2].text, "fails honestly 2/3")
         self.assertIn("mass_ratio = 100: ray", table.rows[0][2].title)
@@ -137,18 +137,28 @@ class Judged(unittest.TestCase):
         ends = {"stands": {}, "gains energy": {"n_predictions_missed": 2, "missed": "max_drift b.x 3x, energy_nonincrease 2x"}, "creeps": {"n_predictions_missed": 1, "missed": "max_drift b.x 3x"},
                 "penetrates": {"penetration_m": 0.02}, "misses": {"n_predictions_missed": 1, "missed": "state b.x 3x"}, "false claim": {"status": "unverified", "verified": False},
                 "time-out": {"status": "timeout", "verified": False}, "fails honestly": {"status": "max_iter", "verified": False},
-                "not defined": {"status": "unsupported", "verified": False}}
+                "dies": {"status": "crash", "verified": False}, "not defined": {"status": "unsupported", "verified": False}}
         self.assertEqual({w: stability.word({**ok, **change})[0] for w, change in ends.items()}, {w: w for w in ends})
         self.assertEqual(stability.missed_word("state b.vx = 0 3x"), "creeps")
         vise = {**ok, "part": "vise"}
-        self.assertEqual([stability.word({**vise, **c})[0] for c in ({}, ends["fails honestly"])], ["misses", "stands"])
+        self.assertEqual([stability.word({**vise, **c})[0] for c in ({}, ends["fails honestly"], {**ends["dies"], "status": "oom"})], ["misses", "stands", "dies"])
 
     def test_a_field_without_rows_gives_its_reason(self):
         some = self.cells[self.cells["campaign"] == "stability"]
         more = some.assign(part="stiffness", formulation="regularized", problem="stack")
-        table = stability.section(pd.concat([some, more])).tables[0]
+        table = stability.section(stability.ladders(pd.concat([some, more]))).tables[0]
         self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
         self.assertIn("no stiffness", next(r for r in table.rows if r[0] == "velocity")[3].text + next(r for r in table.rows if r[0] == "velocity")[2].text)
+
+    def test_a_probe_that_is_killed_or_prints_nothing_dies(self):
+        stressor = limits.Stressor("edge", "x={}", 1, 1e9)
+        ends = {"kill -9 $$": "dies", "exit 1": "dies", "echo no such scene >&2; exit 2": "not defined", "sleep 5": "time-out"}
+        with tempfile.TemporaryDirectory() as folder:
+            for script, word in ends.items():
+                binary = pathlib.Path(folder) / "lcpbench"
+                binary.write_text(f"#!/bin/sh\n{script}\n")
+                binary.chmod(0o755)
+                self.assertEqual(limits.Probe(str(binary), stressor, "velocity", "lemke", 0.5)(1.0)[0], word, script)
 
     def test_bisection_brackets_the_edge(self):
         stressor = limits.Stressor("edge", "x={}", 1, 1e9)
