@@ -23,7 +23,8 @@ def every_answer_is_right(d):
 def a_miss_is_shown(d):
     text = ANSWERS.read_text().replace("0.85)", "0.86)").replace("(pile, rocking, spin, belt, painleve, cradle)", "(rocking,)")
     (d / "wrong.py").write_text(text)
-    done = subprocess.run([sys.executable, d / "wrong.py"], capture_output=True, text=True, env={"LCPBENCH": LCPBENCH, "PATH": ""})
+    env = {"LCPBENCH": LCPBENCH, "PATH": "", "PYTHONPATH": str(ANSWERS.parents[1])}
+    done = subprocess.run([sys.executable, d / "wrong.py"], capture_output=True, text=True, env=env)
     assert done.returncode == 1 and done.stdout.splitlines()[-1] == "10 passed, 2 failed" and done.stdout.count("MISSED") == 2, done.stdout
 
 
