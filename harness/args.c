@@ -88,25 +88,30 @@ static const arg_option *find(const arg_table *t, const char *text, size_t len) 
 }
 
 /* LCPBENCH_TIME_LIMIT for --time-limit. */
-static const char *from_environment(const char *option) {
-  char name[64] = "LCPBENCH_";
-  size_t used = strlen(name);
-  for (const char *c = option + 2; *c != '\0' && used + 1 < sizeof name; c++) {
+static void variable_of(const char *option, char *name, size_t cap) {
+  size_t used = (size_t)snprintf(name, cap, "LCPBENCH_");
+  for (const char *c = option + 2; *c != '\0' && used + 1 < cap; c++) {
     const bool lower = *c >= 'a' && *c <= 'z';
     name[used++] = (char)(lower ? *c - 'a' + 'A' : *c == '-' ? '_' : *c);
   }
   name[used] = '\0';
-  const char *value = getenv(name);
-  return (value != NULL && *value != '\0') ? value : NULL;
 }
 
 static base_status take_environment(const arg_table *t, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
-    const char *value = from_environment(t->option[i].name);
-    if (value == NULL || t->option[i].kind == ARG_LIST) {
+    char name[64];
+    variable_of(t->option[i].name, name, sizeof name);
+    const char *value = getenv(name);
+    const arg_option o = {name, t->option[i].kind, t->option[i].to}; /* errors name the variable */
+    if (value == NULL || *value == '\0' || o.kind == ARG_LIST) {
       continue;
     }
-    BASE_TRY(store(&t->option[i], value, err));
+    if (o.kind == ARG_FLAG && strcmp(value, "0") != 0 && strcmp(value, "1") != 0) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need 1, or 0 for not", name, value);
+    }
+    if (o.kind != ARG_FLAG || *value == '1') {
+      BASE_TRY(store(&o, value, err));
+    }
   }
   return BASE_OK;
 }

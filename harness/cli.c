@@ -2,6 +2,7 @@
 
 #include "harness/version.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -28,10 +29,21 @@ static int help(FILE *to) {
   for (int i = 0; i < BASE_COUNT(verbs); i++) {
     (void)fprintf(to, "  lcpbench %s\n      %s\n", verbs[i]->usage, verbs[i]->help);
   }
-  (void)fprintf(to,
-                "\nExit codes: 0 done, 1 internal error, 2 usage or bad input, 3 honest failure,"
-                "\n            4 interrupted and resumable, 130 after Ctrl-C.\n");
+  (void)fprintf(
+      to, "\nExit codes: 0 done, 1 internal error, 2 usage, bad input or a file that cannot be"
+          "\nwritten, 3 honest failure, 4 interrupted and resumable, 130 after Ctrl-C.\n");
   return CLI_OK;
+}
+
+/* What was printed and did not arrive is no success. */
+static int finish(int code) {
+  errno = 0;
+  if (fflush(stdout) == 0 && ferror(stdout) == 0) {
+    return code;
+  }
+  (void)fprintf(stderr, "lcpbench: stdout: %s\n",
+                errno != 0 ? strerror(errno) : "could not be written");
+  return (code == CLI_OK || code == CLI_HONEST) ? CLI_INTERNAL : code;
 }
 
 static int run_verb(const cli_verb *v, int argc, char **argv) {
@@ -44,7 +56,7 @@ static int run_verb(const cli_verb *v, int argc, char **argv) {
   return v->run(argc, argv);
 }
 
-int cli_main(int argc, char **argv) {
+static int dispatch(int argc, char **argv) {
   if (argc < 2) {
     (void)help(stderr);
     return CLI_USAGE;
@@ -65,4 +77,8 @@ int cli_main(int argc, char **argv) {
   base_error err;
   (void)BASE_FAIL(&err, BASE_EINVAL, "'%s': unknown command; see lcpbench --help", word);
   return cli_report(&err);
+}
+
+int cli_main(int argc, char **argv) {
+  return finish(dispatch(argc, argv));
 }

@@ -6,7 +6,11 @@
 #include <sys/stat.h>
 
 base_status folder_make(const char *path, base_error *err) {
-  char part[1200];
+  char part[1000]; /* leaves room for the names in it (runner_path) */
+  if (path[0] == '\0' || strlen(path) >= sizeof part) {
+    return BASE_FAIL(err, BASE_EINVAL, "folder '%.80s': need a name of 1 to %zu characters", path,
+                     sizeof part - 1);
+  }
   (void)snprintf(part, sizeof part, "%s", path);
   for (char *at = part + 1; *at != '\0'; at++) {
     if (*at == '/') {

@@ -67,8 +67,8 @@ static void limit_child(const isolate_limits *l) {
   (void)prctl(PR_SET_PDEATHSIG, SIGKILL); /* nobody measures on after the parent was killed */
   const struct rlimit none = {0, 0};
   (void)setrlimit(RLIMIT_CORE, &none);
-#ifndef __SANITIZE_ADDRESS__ /* whose shadow memory is far larger than any limit */
-  if (l->memory > 0) {
+#ifndef __SANITIZE_ADDRESS__                 /* whose shadow memory is far larger than any limit */
+  if (l->memory > 0 && l->memory < 0x1p62) { /* beyond that: no limit */
     const struct rlimit space = {(rlim_t)l->memory, (rlim_t)l->memory};
     (void)setrlimit(RLIMIT_AS, &space);
   }

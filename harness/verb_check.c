@@ -61,6 +61,9 @@ static base_status make_plan(const check_options *o, check_plan *plan, base_erro
   if (o->step != NULL && (!base_parse_real(o->step, &plan->step) || !(plan->step > 0.0))) {
     return BASE_FAIL(err, BASE_EINVAL, "--step %s: need a number above 0", o->step);
   }
+  if (!(o->time_limit > 0.0)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--time-limit: need a time above 0");
+  }
   plan->limits =
       (isolate_limits){.wall = o->time_limit, .grace = 2.0, .output = 1048576.0, .cpu = -1};
   BASE_TRY(choose_solvers(o, plan, err));

@@ -2,6 +2,7 @@
 #include "harness/args.h"
 #include "harness/cli.h"
 #include "harness/doctor.h"
+#include "harness/folder.h"
 #include "harness/machine.h"
 
 static int run(int argc, char **argv) {
@@ -15,12 +16,22 @@ static int run(int argc, char **argv) {
   if (args_parse(&table, argc, argv, NULL, &n, &err) != BASE_OK) {
     return cli_report(&err);
   }
+  if (!(seconds > 0.0)) {
+    (void)BASE_FAIL(&err, BASE_EINVAL, "--seconds: need a time above 0");
+    return cli_report(&err);
+  }
+  if (out != NULL && folder_make(out, &err) != BASE_OK) {
+    return cli_report(&err); /* before the measuring */
+  }
   machine_pin(machine_last_cpu());
   noise_measure(seconds, 1, &report);
   json_t *o = doctor_json(&report);
-  const base_status done = (out != NULL) ? doctor_store(o, out, &err) : BASE_OK;
+  if (out != NULL && doctor_store(o, out, &err) != BASE_OK) {
+    json_decref(o);
+    return cli_report(&err);
+  }
   const bool printed = json_out_print(o, stdout);
-  return (done != BASE_OK) ? cli_report(&err) : printed ? CLI_OK : CLI_INTERNAL;
+  return printed ? CLI_OK : CLI_INTERNAL;
 }
 
 extern const cli_verb verb_doctor;

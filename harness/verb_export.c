@@ -15,6 +15,9 @@ static base_status export_friction(const char *problem, const char *format, cons
                                    base_error *err) {
   import_kind kind;
   friction_problem f;
+  if (strchr(problem, '.') == NULL) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: --format %s needs a file", problem, format);
+  }
   BASE_TRY(import_detect(problem, &kind, err));
   if (kind == IMPORT_FCLIB) {
     BASE_TRY(friction_read_fclib(problem, &f, err));

@@ -262,8 +262,11 @@ static base_status with_files(simulation *s, const char *scene, const simulate_f
   if (done == BASE_OK) {
     done = with_dump(s, scene, f, code, err);
   }
-  if (s->request.trajectory != NULL && fclose(s->request.trajectory) != 0 && done == BASE_OK) {
-    done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
+  if (s->request.trajectory != NULL) {
+    const bool whole = ferror(s->request.trajectory) == 0;
+    if ((fclose(s->request.trajectory) != 0 || !whole) && (done == BASE_OK || done == BASE_EIO)) {
+      done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
+    }
   }
   if (s->request.trace != NULL) {
     const base_status closed = trace_close(&history, done == BASE_OK, err);
