@@ -238,11 +238,13 @@ static void close_measured(measured *m) {
   }
 }
 
-static void emit_error(record *r, const base_error *err, isolate_channel *out) {
+/* unstored: answers or history could not be written, which says nothing of the cell (cell_run.h). */
+static void emit_error(record *r, const base_error *err, bool unstored, isolate_channel *out) {
+  const run_status word = (err->code == BASE_ENOMEM)         ? RUN_OOM
+                          : (err->code == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED
+                                                             : RUN_ERROR;
   r->rep = 0;
-  SET_TEXT(r->status, run_status_name(err->code == BASE_ENOMEM         ? RUN_OOM
-                                      : err->code == BASE_EUNSUPPORTED ? RUN_UNSUPPORTED
-                                                                       : RUN_ERROR));
+  SET_TEXT(r->status, unstored ? "" : run_status_name(word));
   (void)snprintf(r->note, sizeof r->note, "%.230s", err->text);
   (void)isolate_emit(out, r);
 }
@@ -275,14 +277,16 @@ void cell_run(const cell_job *job, isolate_channel *out) {
   if (done == BASE_OK) {
     done = prepare(&m, &base, &err);
   }
+  bool unstored = false; /* everything was read before: the only files are our own */
   if (done == BASE_OK) {
     done = (job->trace != NULL ? run_twin : repeat)(&m, &base, &s, &err);
+    unstored = done == BASE_EIO;
   }
   for (int i = 0; done == BASE_OK && i < s.n; i++) {
     (void)isolate_emit(out, &s.row[i]);
   }
   if (done != BASE_OK) {
-    emit_error(&base, &err, out);
+    emit_error(&base, &err, unstored, out);
   }
   sampling_close(&s);
   close_measured(&m);

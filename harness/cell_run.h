@@ -16,7 +16,8 @@ typedef struct cell_job {
 } cell_job;
 
 /* Emits one record per repetition (of a twin: one without times); failures of the solver, of the
- * input and of memory are records too. */
+ * input and of memory are records too. One without a status is no row: answers or history could not
+ * be stored, and its note says why. */
 void cell_run(const cell_job *job, isolate_channel *out);
 
 /* The row that the answers stored at path imply: every verdict anew, no times, no work. */

@@ -139,6 +139,27 @@ static base_status selected(const cell *c, const plan_filter *f, bool *out, base
 
 /* ---- cells ------------------------------------------------------------------------------------*/
 
+/* A row holds the texts of its cell whole, and its command quotes them. */
+static base_status check_texts(const cell *c, base_error *err) {
+  const struct {
+    const char *what, *text;
+    size_t room;
+  } texts[] = {{"problem", c->problem, sizeof((record *)0)->problem},
+               {"formulation", c->formulation, sizeof((record *)0)->formulation_options},
+               {"solver", c->solver, sizeof((record *)0)->solver_options}};
+  for (int i = 0; i < BASE_COUNT(texts); i++) {
+    if (strlen(texts[i].text) >= texts[i].room) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s '%.60s...': longer than %zu characters", texts[i].what,
+                       texts[i].text, texts[i].room - 1);
+    }
+    if (strchr(texts[i].text, '\'') != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s \"%.200s\": a row's command cannot quote a '",
+                       texts[i].what, texts[i].text);
+    }
+  }
+  return BASE_OK;
+}
+
 static base_status add_cell(plan *p, const campaign_part *part, const char *const value[AXIS_COUNT],
                             const plan_filter *f, problem_hashes *known, base_error *err) {
   cell c = {.skip = ""};
@@ -151,6 +172,7 @@ static base_status add_cell(plan *p, const campaign_part *part, const char *cons
   for (int a = 0; a < AXIS_COUNT; a++) {
     BASE_TRY(keep(p, value[a], text[a], err));
   }
+  BASE_TRY(check_texts(&c, err));
   BASE_TRY(cell_key(p->campaign, known, &c, err));
   bool wanted;
   BASE_TRY(selected(&c, f, &wanted, err));

@@ -58,7 +58,8 @@ static base_status run_units(runner *r, base_error *err) {
   }
   measure_canary(r);
   r->sum->interrupted = isolate_stop_requested() != 0;
-  return runner_close_rows(r, err);
+  BASE_TRY(runner_close_rows(r, err));
+  return runner_count_cells(r->plan, r->o->out, r->sum->by_status, err);
 }
 
 /* ---- preparing --------------------------------------------------------------------------------*/
@@ -136,7 +137,7 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
   }
   out->wall = base_seconds() - from;
   if (r.fd >= 0 && close(r.fd) != 0 && done == BASE_OK) {
-    done = BASE_FAIL(err, BASE_EIO, "results.csv: %s", strerror(errno));
+    done = BASE_FAIL(err, BASE_EIO, "%s/results.csv: %s", o->out, strerror(errno));
   }
   if (r.lock >= 0) {
     (void)close(r.lock);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "harness/plan.h"
+#include "harness/verdict.h"
 
 typedef enum rerun_what {
   RERUN_NONE,
@@ -24,9 +25,8 @@ typedef struct runner_options {
 
 typedef struct runner_summary {
   int units, measured, resumed; /* processes: in the plan, measured now, found done */
-  int cells, cells_ok;
   int rows, stale; /* rows of cells that the plan does not know any more, moved to stale.csv */
-  int by_status[32];
+  int cells, by_status[RUN_STATUS_COUNT]; /* cells of the plan; those with rows, of any session */
   bool interrupted;
   double wall, inside; /* [s] of the run; of it spent in child processes */
 } runner_summary;
@@ -45,6 +45,14 @@ bool runner_wanted_again(const record *r, const runner_options *o);
 
 /* A cell that failed in one process is not tried in the others. */
 bool runner_ends_cell(const record *r);
+
+/* What a cell comes to: the word of the first of its n > 0 rows that is not ok. */
+run_status runner_cell_status(const row_ref *row, int n);
+
+/* Counts the plan's cells in DIR by their status, whenever they were measured on this class of
+ * machine. */
+base_status runner_count_cells(const plan *p, const char *dir, int by_status[RUN_STATUS_COUNT],
+                               base_error *err);
 
 /* DIR/results.csv, read and written whole (harness/record.h). */
 base_status runner_read_rows(const char *dir, record_table *out, base_error *err);

@@ -67,6 +67,64 @@ static base_status done_on(const plan *p, const record_table *rows, const char *
   return BASE_OK;
 }
 
+run_status runner_cell_status(const row_ref *row, int n) {
+  run_status word = RUN_OK;
+  for (int i = 0; i < n && word == RUN_OK; i++) {
+    (void)run_status_find(row[i].r->status, &word); /* rows with other words are not read */
+  }
+  return word;
+}
+
+static int by_cell_id(const void *a, const void *b) {
+  return strcmp(((const cell *)a)->id, ((const cell *)b)->id);
+}
+
+/* Rows of the plan's cells that count as measured, by cell. */
+static base_status count_known(const cell *known, int n_known, record_table *rows,
+                               int by_status[RUN_STATUS_COUNT], base_error *err) {
+  machine m;
+  row_ref *row;
+  machine_read(&m);
+  int n = 0;
+  for (int i = 0; i < rows->n; i++) {
+    cell key;
+    (void)snprintf(key.id, sizeof key.id, "%.16s", rows->row[i].cell_id);
+    if (strcmp(rows->row[i].base_hash, build_base()) == 0 &&
+        strcmp(rows->row[i].host_class, m.cpu_model) == 0 &&
+        bsearch(&key, known, (size_t)n_known, sizeof key, by_cell_id) != NULL) {
+      rows->row[n++] = rows->row[i];
+    }
+  }
+  rows->n = n;
+  BASE_TRY(record_table_by_cell(rows, &row, err));
+  for (int i = 0; i < n;) {
+    const int same = record_same_cell(row + i, n - i);
+    by_status[runner_cell_status(row + i, same)]++;
+    i += same;
+  }
+  free(row);
+  return BASE_OK;
+}
+
+base_status runner_count_cells(const plan *p, const char *dir, int by_status[RUN_STATUS_COUNT],
+                               base_error *err) {
+  record_table rows;
+  memset(by_status, 0, RUN_STATUS_COUNT * sizeof *by_status);
+  cell *known = malloc(((size_t)p->n_cell + 1) * sizeof *known);
+  if (known == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory to count %d cells", p->n_cell);
+  }
+  memcpy(known, p->cell, (size_t)p->n_cell * sizeof *known);
+  qsort(known, (size_t)p->n_cell, sizeof *known, by_cell_id);
+  base_status done = runner_read_rows(dir, &rows, err);
+  if (done == BASE_OK) {
+    done = count_known(known, p->n_cell, &rows, by_status, err);
+    record_table_free(&rows);
+  }
+  free(known);
+  return done;
+}
+
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err) {
   machine m;
   machine_read(&m);

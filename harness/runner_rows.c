@@ -14,19 +14,23 @@
 
 /* ---- appending --------------------------------------------------------------------------------*/
 
-static base_status write_whole(int fd, const char *data, size_t n, base_error *err) {
+static base_status not_written(const runner *r, base_error *err) {
+  return BASE_FAIL(err, BASE_EIO, "%s/results.csv: %s", r->o->out, strerror(errno));
+}
+
+static base_status write_whole(const runner *r, const char *data, size_t n, base_error *err) {
   while (n > 0) {
-    const ssize_t wrote = write(fd, data, n);
+    const ssize_t wrote = write(r->fd, data, n);
     if (wrote < 0 && errno == EINTR) {
       continue;
     }
     if (wrote <= 0) {
-      return BASE_FAIL(err, BASE_EIO, "results.csv: %s", strerror(errno));
+      return not_written(r, err);
     }
     data += wrote;
     n -= (size_t)wrote;
   }
-  return (fsync(fd) == 0) ? BASE_OK : BASE_FAIL(err, BASE_EIO, "results.csv: %s", strerror(errno));
+  return (fsync(r->fd) == 0) ? BASE_OK : not_written(r, err);
 }
 
 base_status runner_append_rows(runner *r, base_error *err) {
@@ -39,7 +43,7 @@ base_status runner_append_rows(runner *r, base_error *err) {
   for (int i = 0; i < r->unit_rows.n; i++) {
     used += record_row(&r->unit_rows.row[i], text + used, cap - used);
   }
-  const base_status done = write_whole(r->fd, text, used, err);
+  const base_status done = write_whole(r, text, used, err);
   free(text);
   r->sum->rows += (done == BASE_OK) ? r->unit_rows.n : 0;
   return done;
@@ -164,7 +168,7 @@ base_status runner_open_rows(runner *r, record_table *rows, base_error *err) {
   struct stat st;
   if (fstat(r->fd, &st) == 0 && st.st_size == 0) {
     const size_t n = record_header(header, sizeof header);
-    return write_whole(r->fd, header, n, err);
+    return write_whole(r, header, n, err);
   }
   return BASE_OK;
 }

@@ -130,6 +130,9 @@ base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, 
     r->unit_rows.n = 0;
     death_row(r, end, err);
   }
+  if (r->unit_rows.n > 0 && r->unit_rows.row[0].status[0] == '\0') {
+    return BASE_FAIL(err, BASE_EIO, "%s", r->unit_rows.row[0].note);
+  }
   if (r->lost) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the rows of a cell");
   }
@@ -139,14 +142,6 @@ base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, 
 
 void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap) {
   (void)snprintf(buf, cap, "%s/solutions/%s.ans", r->o->out, id);
-}
-
-static void count_status(runner *r) {
-  const record *last = &r->unit_rows.row[r->unit_rows.n - 1];
-  run_status s;
-  if (run_status_find(last->status, &s)) {
-    r->sum->by_status[s]++;
-  }
 }
 
 static void show_progress(runner *r, const cell *c, double wall) {
@@ -182,7 +177,6 @@ base_status runner_unit(runner *r, int u, base_error *err) {
     runner_twin_check(r, un->cell);
   }
   BASE_TRY(runner_append_rows(r, err));
-  count_status(r);
   r->ended[un->cell] =
       r->ended[un->cell] || runner_ends_cell(&r->unit_rows.row[r->unit_rows.n - 1]);
   r->sum->measured++;

@@ -9,11 +9,14 @@
 #include "harness/verdict.h"
 #include "lcp/base/fields.h"
 
+#include <limits.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+enum { NOT_GIVEN = INT_MIN };
 
 typedef struct run_options {
   const char *out, *shard, *rerun, *cache, *solutions;
@@ -67,19 +70,34 @@ static base_status choice(const char *name, const char *text, const char *no, co
   return BASE_OK;
 }
 
+/* Numbers that are out of range are refused, not left out. */
+static base_status check_numbers(const run_options *o, base_error *err) {
+  if (o->reps != NOT_GIVEN && o->reps < 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
+  }
+  if (o->seed != NOT_GIVEN && o->seed < 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--seed %d: need at least 0", o->seed);
+  }
+  if (o->time_limit == 0.0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--time-limit: need a time above 0");
+  }
+  if (o->out != NULL && o->out[0] == '\0') {
+    return BASE_FAIL(err, BASE_EINVAL, "--out: need a folder");
+  }
+  return BASE_OK;
+}
+
 static base_status override(const run_options *o, campaign *c, base_error *err) {
-  if (o->reps > 0) {
+  if (o->reps != NOT_GIVEN) {
     c->sampling.samples = o->reps;
     c->sampling.max_samples = o->reps;
-  } else if (o->reps < 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
   }
   BASE_TRY(choice("--cache", o->cache, "warm", "cold", &c->sampling.cold, err));
   BASE_TRY(choice("--solutions", o->solutions, "off", "on", &c->solutions, err));
   c->trace = c->trace || o->trace;
-  c->seed = (o->seed >= 0) ? (uint64_t)o->seed : c->seed;
-  c->limits.time = (o->time_limit > 0) ? o->time_limit : c->limits.time;
-  c->limits.memory = (o->memory_limit > 0) ? o->memory_limit : c->limits.memory;
+  c->seed = (o->seed != NOT_GIVEN) ? (uint64_t)o->seed : c->seed;
+  c->limits.time = (o->time_limit != NOT_GIVEN) ? o->time_limit : c->limits.time;
+  c->limits.memory = (o->memory_limit != NOT_GIVEN) ? o->memory_limit : c->limits.memory;
   return BASE_OK;
 }
 
@@ -95,14 +113,18 @@ static void print_summary(const runner_summary *s, const char *out) {
                s->wall > 0 ? 100.0 * (1.0 - s->inside / s->wall) : 0.0, s->wall);
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
     if (s->by_status[i] > 0) {
-      (void)printf("  %-11s %d\n", run_status_name((run_status)i), s->by_status[i]);
+      (void)printf("  %-11s %d cells\n", run_status_name((run_status)i), s->by_status[i]);
     }
   }
 }
 
+static int stopped_by(void) {
+  return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+}
+
 static int exit_code(const runner_summary *s, bool strict) {
   if (s->interrupted) {
-    return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+    return stopped_by();
   }
   int bad = 0;
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
@@ -149,7 +171,8 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
 }
 
 static int run(int argc, char **argv) {
-  run_options o = {.seed = -1};
+  run_options o = {
+      .reps = NOT_GIVEN, .seed = NOT_GIVEN, .time_limit = NOT_GIVEN, .memory_limit = NOT_GIVEN};
   const arg_option options[] = {{"--out", ARG_TEXT, &o.out},
                                 {"--filter", ARG_LIST, &o.filter.filter},
                                 {"--reps", ARG_INT, &o.reps},
@@ -174,6 +197,9 @@ static int run(int argc, char **argv) {
   int code = CLI_INTERNAL;
   base_status done = args_parse(&table, argc, argv, &text, &n_positional, &err);
   if (done == BASE_OK) {
+    done = check_numbers(&o, &err);
+  }
+  if (done == BASE_OK) {
     done = parse_shard(o.shard, &o.filter, &err);
   }
   if (done == BASE_OK) {
@@ -181,6 +207,10 @@ static int run(int argc, char **argv) {
     (void)setenv("OPENBLAS_NUM_THREADS", "1", 1);
     (void)setenv("OMP_NUM_THREADS", "1", 1);
     done = run_campaign(text, &o, &code, &err);
+  }
+  if (done != BASE_OK && isolate_stop_requested() != 0) {
+    (void)cli_report(&err); /* stopped while it waited for another run */
+    return stopped_by();
   }
   return (done == BASE_OK) ? code : cli_report(&err);
 }

@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int by_cell(const void *a, const void *b) {
-  return strcmp(((const record *)a)->cell_id, ((const record *)b)->cell_id);
-}
-
 static const char *const flag_words[] = {
     "zero_iterations", "fallback",     "allocates", "same_bits",  "not_repeatable",
     "twin_differs",    "canary_drift", "outlier",   "remeasured", "first_run"};
@@ -22,15 +18,7 @@ typedef struct status_counts {
   double slow, fast; /* canary [s] */
 } status_counts;
 
-static void count_row(const record *r, bool first_of_cell, status_counts *c) {
-  run_status s;
-  if (first_of_cell) {
-    c->cells++;
-    c->missed += (r->n_predictions_missed > 0) ? 1 : 0;
-    if (run_status_find(r->status, &s)) {
-      c->by_status[s]++;
-    }
-  }
+static void count_row(const record *r, status_counts *c) {
   for (int i = 0; i < BASE_COUNT(flag_words); i++) {
     c->by_flag[i] += record_has_flag(r, flag_words[i]) ? 1 : 0;
   }
@@ -40,30 +28,46 @@ static void count_row(const record *r, bool first_of_cell, status_counts *c) {
   }
 }
 
-static void print_status(record_table *t, const char *dir) {
-  status_counts c = {0};
-  if (t->n > 0) {
-    qsort(t->row, (size_t)t->n, sizeof *t->row, by_cell);
+static void count_cell(const row_ref *row, int n, status_counts *c) {
+  int64_t missed = 0;
+  for (int i = 0; i < n; i++) {
+    count_row(row[i].r, c);
+    missed = (row[i].r->n_predictions_missed > missed) ? row[i].r->n_predictions_missed : missed;
   }
-  for (int i = 0; i < t->n; i++) {
-    count_row(&t->row[i], i == 0 || by_cell(&t->row[i], &t->row[i - 1]) != 0, &c);
+  c->cells++;
+  c->missed += (missed > 0) ? 1 : 0;
+  c->by_status[runner_cell_status(row, n)]++;
+}
+
+static base_status count_rows(const record_table *t, status_counts *c, base_error *err) {
+  row_ref *row;
+  BASE_TRY(record_table_by_cell(t, &row, err));
+  for (int i = 0; i < t->n;) {
+    const int same = record_same_cell(row + i, t->n - i);
+    count_cell(row + i, same, c);
+    i += same;
   }
-  (void)printf("%s: %d rows of %d cells%s\n", dir, t->n, c.cells,
+  free(row);
+  return BASE_OK;
+}
+
+static void print_status(const record_table *t, const status_counts *c, const char *dir) {
+  (void)printf("%s: %d rows of %d cells%s\n", dir, t->n, c->cells,
                t->torn ? ", the last row is torn (the next run drops it)" : "");
   for (int s = 0; s < RUN_STATUS_COUNT; s++) {
-    if (c.by_status[s] > 0) {
-      (void)printf("  %-11s %d\n", run_status_name((run_status)s), c.by_status[s]);
+    if (c->by_status[s] > 0) {
+      (void)printf("  %-11s %d\n", run_status_name((run_status)s), c->by_status[s]);
     }
   }
-  (void)printf("  %d cells miss a prediction\n", c.missed);
+  (void)printf("  %d cells miss a prediction\n", c->missed);
   for (int i = 0; i < BASE_COUNT(flag_words); i++) {
-    if (c.by_flag[i] > 0) {
-      (void)printf("  %d rows flagged %s\n", c.by_flag[i], flag_words[i]);
+    if (c->by_flag[i] > 0) {
+      (void)printf("  %d rows flagged %s\n", c->by_flag[i], flag_words[i]);
     }
   }
-  if (c.fast > 0.0 && c.slow > 1.03 * c.fast) {
+  if (c->fast > 0.0 && c->slow > 1.03 * c->fast) {
     (void)printf("  the canary drifted by %.1f %%: times are not comparable throughout\n",
-                 100.0 * (c.slow / c.fast - 1.0));
+                 100.0 * (c->slow / c->fast - 1.0));
   }
 }
 
@@ -80,9 +84,13 @@ static int run(int argc, char **argv) {
   if (done != BASE_OK) {
     return cli_report(&err);
   }
-  print_status(&t, dir);
+  status_counts c = {0};
+  done = count_rows(&t, &c, &err);
+  if (done == BASE_OK) {
+    print_status(&t, &c, dir);
+  }
   record_table_free(&t);
-  return CLI_OK;
+  return (done == BASE_OK) ? CLI_OK : cli_report(&err);
 }
 
 extern const cli_verb verb_status;

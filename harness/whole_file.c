@@ -13,8 +13,8 @@ base_status whole_file_open(whole_file *w, const char *path, base_error *err) {
   (void)snprintf(w->path, sizeof w->path, "%s", path);
   (void)snprintf(w->temporary, sizeof w->temporary, "%s.tmp", path);
   w->to = fopen(w->temporary, "wb");
-  return (w->to != NULL) ? BASE_OK
-                         : BASE_FAIL(err, BASE_EIO, "%s: %s", w->temporary, strerror(errno));
+  const base_status word = (errno == ENOMEM) ? BASE_ENOMEM : BASE_EIO;
+  return (w->to != NULL) ? BASE_OK : BASE_FAIL(err, word, "%s: %s", w->temporary, strerror(errno));
 }
 
 base_status whole_file_close(whole_file *w, bool keep, base_error *err) {

@@ -1,6 +1,8 @@
 """Folders of results: what is measured in them stays, what does not belong together is refused."""
 import json
+import os
 import resource
+import signal
 import subprocess
 
 from support import FAULTY, LCPBENCH, SANITIZED, campaign, diagonal, one_line_error, rows, run, tap
@@ -139,4 +141,53 @@ def twins_that_die_are_run_once(d):
     assert index("--filter", "solver=lemke") == [f for f in first if f[1] == "lemke"]
 
 
-tap([twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+def limited(words, size, why="File too large"):
+    """Runs lcpbench where no file may grow beyond size bytes: a full disk, as far as it can tell."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    env = dict(os.environ, OPENBLAS_NUM_THREADS="1")
+    done = subprocess.run([LCPBENCH, *map(str, words)], capture_output=True, text=True, env=env, preexec_fn=limit, restore_signals=False, timeout=60)
+    lines = done.stderr.strip().splitlines()
+    assert done.returncode == 2 and len(lines) == 1 and why in lines[0], (words, done.returncode, done.stderr)
+    return lines[0]
+
+
+def full_disks_lose_nothing(d):
+    """One line that names the file; what was measured is there, and the same command goes on. A cell whose answers find no room is no
+    failed cell."""
+    c = small(d)
+    run("run", c, "--out", d / "whole", "--quiet")
+    want = {(r["cell_id"], r["process"], r["rep"]) for r in rows(d / "whole")}
+    size = (d / "whole/results.csv").stat().st_size
+    assert "o/results.csv" in limited(("run", c, "--out", d / "o", "--quiet"), size * 2 // 3)
+    assert 0 < (d / "o/results.csv").read_text().count("\n") < 25
+    run("run", c, "--out", d / "o", "--quiet")
+    assert {(r["cell_id"], r["process"], r["rep"]) for r in rows(d / "o")} == want and len(rows(d / "o")) == len(want)
+    long = campaign(d, SMALL.split("parts:")[0] % "" + "parts: [{name: p, problems: ['stack:n=10,duration=2'], formulations: [velocity], solvers: [lemke]}]\n", "long.yaml")
+    assert "p/solutions/" in limited(("run", long, "--out", d / "p", "--quiet"), 16384)
+    assert not rows(d / "p") and [f for f in (d / "p/solutions").iterdir()] == []
+    run("run", long, "--out", d / "p", "--quiet")
+    assert {r["status"] for r in rows(d / "p")} == {"ok"}
+    assert "m/" in limited(("merge", d / "whole", "--out", d / "m"), size - 1) and not (d / "m/results.csv").exists()
+    run("merge", d / "whole", "--out", d / "m")
+    assert "t.csv" in limited(("simulate", "slide", "--formulation", "velocity", "--solver", "lemke", "--trajectory", d / "t.csv"), 4096, "could not be written")
+
+
+def strict_counts_all_sessions(d):
+    """--strict tells of a failed cell also when nothing was left to measure; status tells what the whole cell came to."""
+    c = campaign(d, SMALL.replace("[lemke, pgs]", "[lemke, 'pgs:max_iter=1']") % "")
+    for _ in range(2):
+        done = run("run", c, "--out", d / "o", "--quiet", "--strict", code=3)
+    assert "0 measured now" in done.stdout and "max_iter    1 cells" in done.stdout and "ok          5 cells" in done.stdout, done.stdout
+    run("run", c, "--out", d / "o", "--quiet", "--strict", "--filter", "solver=lemke")
+    # a cell that failed in its second process only
+    text = (d / "o/results.csv").read_text().splitlines(keepends=True)
+    at = next(i for i, r in enumerate(rows(d / "o"), 1) if (r["process"], r["solver"]) == ("1", "lemke"))
+    (d / "o/results.csv").write_text("".join(text[:at] + [text[at].replace(",ok,ok,", ",crash,ok,")] + text[at + 1:]))
+    out = run("status", d / "o").stdout
+    assert "crash       1\n" in out and "ok          4\n" in out, out
+
+
+tap([full_disks_lose_nothing, strict_counts_all_sessions, twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])

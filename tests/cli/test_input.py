@@ -2,6 +2,7 @@
 import csv
 import json
 import pathlib
+import subprocess
 
 from support import LCPBENCH, SANITIZED, SHARED, Skip, one_line_error, run, run_json, tap
 
@@ -28,6 +29,32 @@ def usage_errors(d):
     one_line_error("solve", problem(d), "--solver", names=["--solver"])
     one_line_error("list", "colours", names=["colours"])
     one_line_error("list", "solvers", "--format", "xml", names=["xml"])
+
+
+def options_out_of_range_are_refused(d):
+    """Not taken for their defaults."""
+    plan = ("run", "smoke", "--dry-run")
+    for option, value in (("--reps", 0), ("--reps", -1), ("--seed", -5), ("--time-limit", 0), ("--time-limit", "-3s"), ("--memory-limit", "-1"), ("--out", "")):
+        one_line_error(*plan, option, value, names=[option])
+    for folder in ("x" * 2000, "/".join(["y" * 200] * 6)):
+        one_line_error("run", "smoke", "--out", d / folder, names=["999"])
+    one_line_error("doctor", "--seconds", 0, names=["--seconds"])
+    one_line_error("doctor", "--out", "/proc/none", names=["/proc/none"])
+    one_line_error("check", problem(d), "--time-limit", 0, names=["--time-limit"])
+    one_line_error("export", "murty:n=4", "--format", "fclib", "--out", d / "x", names=["murty", "fclib"])
+    (d / "long.yaml").write_text("name: long\nparts: [{name: a, problems: ['murty:%s'], solvers: [lemke]}]\n" % ",".join(["n=4"] * 99))
+    one_line_error("run", d / "long.yaml", "--dry-run", names=["long.yaml", "319"])
+    (d / "it's.M.mtx").write_text(GOOD_M)
+    (d / "quote.yaml").write_text('name: q\nparts: [{name: a, problems: ["%s/*.M.mtx"], solvers: [lemke]}]\n' % d)
+    one_line_error("run", d / "quote.yaml", "--dry-run", names=["it's.M.mtx"])
+
+
+def output_that_does_not_arrive_is_no_success(d):
+    problem(d)
+    for words in (("list", "solvers"), ("list", "scenes", "--format", "json"), ("--help",), ("run", "smoke", "--dry-run"), ("solve", d / "a.M.mtx", "--solver", "lemke")):
+        with open("/dev/full", "w") as full:
+            done = subprocess.run([LCPBENCH, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True)
+        assert done.returncode == 1 and done.stderr.startswith("lcpbench: stdout: ") and done.stderr.count("\n") == 1, (words, done.returncode, done.stderr)
 
 
 def problem_errors(d):
@@ -259,9 +286,15 @@ def steps_are_dumped(d):
 def environment_gives_options(d):
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
+    plan = ("run", "families", "--dry-run", "--out", d / "o")
+    whole, quick = (run(*plan, *more).stdout for more in ((), ("--quick",)))
+    assert whole != quick and run(*plan, LCPBENCH_QUICK="1").stdout == quick and run(*plan, LCPBENCH_QUICK="0").stdout == whole
+    for name, value in (("LCPBENCH_QUICK", "maybe"), ("LCPBENCH_REPS", "many"), ("LCPBENCH_TIME_LIMIT", "soon")):
+        done = run(*plan, code=2, **{name: value})
+        assert name in done.stderr and value in done.stderr and done.stderr.count("\n") == 1, done.stderr
 
 
-tap([usage_errors, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
+tap([usage_errors, options_out_of_range_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
      certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])
