@@ -1,12 +1,6 @@
 #include "lcp/solvers/contact_sweep_kernel.h"
 
-/* Compiled for AVX-512, AVX2 and the baseline and chosen at load time; without contraction into fused
- * multiply-adds all of them give the same bits. */
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__)
-#define CLONES __attribute__((target_clones("arch=x86-64-v4", "avx2", "default")))
-#else
-#define CLONES
-#endif
+#include "lcp/base/clones.h"
 
 /* Rows x0..x3 to columns, in place. */
 #define TRANSPOSE(x)                                                                               \
@@ -53,8 +47,8 @@
                 : (m)[2] * (c)[0] + ((m)[4] * (c)[1] + (m)[5] * (c)[2]))
 
 /* NOLINTNEXTLINE(readability-function-size,readability-function-cognitive-complexity): one kernel */
-CLONES void lcp_contact_kernel_full(lcp_contact_batch *batch, int count, double *body,
-                                    double omega) {
+BASE_CLONES void lcp_contact_kernel_full(lcp_contact_batch *batch, int count, double *body,
+                                         double omega) {
   const lcp_v4 zero = {0, 0, 0, 0};
   for (int k = 0; k < count; k++) {
     lcp_contact_batch *c = &batch[k];

@@ -10,7 +10,9 @@ typedef struct lemke_system {
   int n; /* rows of the problem */
   int rows;
   int *colptr, *rowind;
-  double *val;
+  double *val;      /* of a factored M the entries of S come first in a column */
+  int *jptr, *jdof; /* J of a factored M by rows, n+1 and its entries, scaled as val */
+  double *jval;
   double *q;
   int q_exp;              /* q' = 2^(row_exp - q_exp) q, max |q'| in [1, 2) */
   int *row_exp, *col_exp; /* M' = 2^row_exp M 2^col_exp, z = 2^(q_exp + col_exp) z' */
@@ -24,6 +26,15 @@ typedef struct lemke_system {
 
 void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a);
 void lemke_system_build(lemke_system *s, const lcp_problem *p);
+
+/* (J u)_i of a factored M, scaled. */
+static inline double lemke_row_speed(const lemke_system *s, int i, const double *u) {
+  double w = 0;
+  for (int p = s->jptr[i]; p < s->jptr[i + 1]; ++p) {
+    w += s->jval[p] * u[s->jdof[p]];
+  }
+  return w;
+}
 
 /* rho of lcp_judge.h at the scaled point z (rows; velocities beyond n are recomputed); for a
  * factored M an upper bound of it. Any scaling gives the same rho. *defect is max |min(z, w)| of the
@@ -46,9 +57,28 @@ typedef enum lemke_end {
   LEMKE_BROKEN,  /* a basis could not be factored */
 } lemke_end;
 
+enum {
+  LEMKE_TABLE_ROWS = 256
+}; /* most rows of a tableau: at 256 a pivot costs what a solve with a factored basis does */
+
+/* A small basis as a condensed tableau: B^-1 of every nonbasic column is there to be read. A pivot is
+ * n^2 operations of the fastest kind and nothing is ever factored, but round-off adds up from pivot
+ * to pivot: the values of the basis it ends in are to be computed again (lemke_table.c). */
+typedef struct lemke_table {
+  int cap, n;
+  bool covered; /* z0 takes part: column n is in use */
+  double *a;    /* cap x (cap+1) by columns: B^-1 of variable var[c], by row position */
+  int *var;     /* cap+1 */
+  int *column;  /* 2 cap+1: column of a variable, -1 where basic */
+  double *part; /* cap: scratch */
+  int *at;      /* cap: scratch */
+} lemke_table;
+
 typedef struct lemke_path {
   lin_system sys;
-  lin_basis basis;
+  lin_basis basis; /* of a tableau: head and where only */
+  lemke_table table;
+  bool tabular; /* the basis is in the table */
   const lemke_system *system;
   lemke_tolerance tol;
   double *x;         /* rows: basic values by position */
@@ -73,10 +103,21 @@ typedef struct lemke_path {
   long pivots;
 } lemke_path;
 
-void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a);
+/* rows and nnz of the largest system; table: rows of the table, 0 for none. */
+void lemke_path_layout(lemke_path *t, int rows, int nnz, int table, base_arena *a);
 
 /* Pivots from the complementary basis in_z until the path ends. */
 lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
+
+/* The same on the table, from its basis; of s only n, rows and is_free are read. LEMKE_BROKEN also
+ * where a pivot is doubtful. After any end but LEMKE_SOLVED the table is lost. */
+lemke_end lemke_path_run_table(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
+
+/* Makes z_i of the table basic in the place of w_i; false where that pivot is doubtful. */
+bool lemke_path_take(lemke_path *t, const lemke_system *s, int i);
+
+/* B^-1 of a nonbasic variable, by position; valid until the next call. */
+const double *lemke_path_column(lemke_path *t, int var);
 
 /* Solution of the basis in_z, refined in extended precision: values by position in t->x. False when
  * that basis is singular. */
@@ -85,6 +126,21 @@ bool lemke_path_settle(lemke_path *t, const lemke_system *s);
 /* y >= 0, M'y <= 0, q'y < 0 from the ray of the path, into y (by row of the problem). True only when the
  * three hold exactly for the binary numbers of the problem. */
 bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y);
+
+/* lemke_table.c: a table grows by rows whose w is basic, between paths. */
+
+void lemke_table_layout(lemke_table *b, int cap, base_arena *a);
+void lemke_table_clear(lemke_path *t);
+
+/* Pair n: column[0..n] and row[0..n] are M_in and M_ni for i = 0..n, q is q_n. Updates x. Needs n < cap. */
+void lemke_table_append(lemke_path *t, const double *column, const double *row, double q);
+
+/* Brings z0 in, with B^-1 of its column in d; takes it out again once it is nonbasic. */
+void lemke_table_cover(lemke_path *t, const double *d);
+void lemke_table_uncover(lemke_path *t);
+
+/* `entering`, whose column is d, takes position p. */
+void lemke_table_replace(lemke_path *t, int p, int entering, const double *d);
 
 /* lemke_ratio.c */
 

@@ -12,9 +12,11 @@ enum { REPAIRS = 64 };      /* rounds of repairing a singular first basis */
 enum { GENERIC_FROM = 16 }; /* rows from which ties are first compared by the generic column */
 static const double doubtful = 1e-7; /* a pivot this small is computed afresh before use [1] */
 
-void lemke_path_layout(lemke_path *t, int rows, int nnz, base_arena *a) {
+void lemke_path_layout(lemke_path *t, int rows, int nnz, int table, base_arena *a) {
   const size_t n = (size_t)rows;
   lin_basis_layout(&t->basis, rows, nnz, a);
+  lemke_table_layout(&t->table, table, a);
+  t->tabular = false;
   t->x = BASE_ARRAY(a, double, n);
   t->d = BASE_ARRAY(a, double, n);
   t->lex = BASE_ARRAY(a, double, n);
@@ -71,8 +73,17 @@ static bool refactor(lemke_path *t) {
   return true;
 }
 
+const double *lemke_path_column(lemke_path *t, int var) {
+  if (t->tabular) {
+    return t->table.a + (ptrdiff_t)t->table.column[var] * t->table.cap;
+  }
+  lin_basis_column(&t->basis, var, t->lex);
+  lin_basis_solve(&t->basis, t->lex);
+  return t->lex;
+}
+
 /* Enters `entering` at position p; returns the variable that left. */
-static int pivot(lemke_path *t, int p) {
+static int exchange(lemke_path *t, int p) {
   const int n = t->sys.n;
   const double step = t->x[p] / t->d[p];
   subtract(n, step, t->d, t->x);
@@ -83,14 +94,35 @@ static int pivot(lemke_path *t, int p) {
     t->delta[p] = shift;
   }
   const int left = t->basis.head[p];
-  lin_basis_replace(&t->basis, p, t->entering, t->d);
+  if (t->tabular) {
+    lemke_table_replace(t, p, t->entering, t->d);
+  } else {
+    lin_basis_replace(&t->basis, p, t->entering, t->d);
+  }
   t->may_leave[p] = bounded(t, p);
-  t->pivots++;
   return left;
+}
+
+static int pivot(lemke_path *t, int p) {
+  t->pivots++;
+  return exchange(t, p);
 }
 
 static bool covered(const lemke_path *t, int i) {
   return bounded(t, i) && (!t->tol.local || t->x[i] < -lemke_slack(t, i, 0));
+}
+
+/* The covering vector whose solved column is d. */
+static void store_cover(lemke_path *t) {
+  if (t->tabular) {
+    lemke_table_cover(t, t->d);
+    return;
+  }
+  memset(t->lex, 0, sizeof *t->lex * (size_t)t->sys.n);
+  lin_basis_residual(&t->basis, t->d, t->lex, t->sum); /* 0 - B (-1) */
+  for (int i = 0; i < t->sys.n; ++i) {
+    t->cover[i] = (double)t->sum[i];
+  }
 }
 
 /* Brings z0 in against the most negative basic value; false when there is none. The covering
@@ -104,15 +136,13 @@ static bool enter_cover(lemke_path *t) {
   bool any = false;
   for (int i = 0; i < n; ++i) {
     t->d[i] = covered(t, i) ? -1 : 0;
-    t->lex[i] = 0;
     any = any || (t->d[i] != 0 && (t->tol.local || t->x[i] < low));
   }
   if (!any) {
     return false;
   }
-  lin_basis_residual(&t->basis, t->d, t->lex, t->sum); /* 0 - B (-1) */
+  store_cover(t);
   for (int i = 0; i < n; ++i) {
-    t->cover[i] = (double)t->sum[i];
     low = bounded(t, i) ? fmin(low, t->x[i]) : low;
   }
   for (int i = 0; i < n; ++i) {
@@ -136,6 +166,12 @@ static bool enter_cover(lemke_path *t) {
  * recomputed from a new factorisation. False when the basis is singular. */
 static bool choose(lemke_path *t, int *p) {
   const int n = t->sys.n;
+  if (t->tabular) {
+    memcpy(t->d, lemke_path_column(t, t->entering), sizeof *t->d * (size_t)n);
+    t->size_d = lemke_largest(t->d, n);
+    *p = lemke_ratio_test(t);
+    return *p < 0 || t->d[*p] > doubtful * t->size_d;
+  }
   for (int again = 0; again < 2; ++again) {
     lin_basis_column(&t->basis, t->entering, t->d);
     lin_basis_solve(&t->basis, t->d);
@@ -191,7 +227,7 @@ static lemke_end follow(lemke_path *t) {
     if (t->pivots % TIME_EVERY == 0 && base_seconds() > t->deadline) {
       return LEMKE_TIMEOUT;
     }
-    if ((lin_basis_due(&t->basis) && !refactor(t)) || !choose(t, &p)) {
+    if ((!t->tabular && lin_basis_due(&t->basis) && !refactor(t)) || !choose(t, &p)) {
       return LEMKE_BROKEN;
     }
     if (p < 0) {
@@ -220,6 +256,9 @@ static void start_generic(lemke_path *t) {
     const double v = base_rng_between(&random, 1, 2);
     t->delta[i] = bounded(t, i) ? v : 0;
     t->lex[i] = 0;
+  }
+  if (t->tabular) {
+    return; /* never solved for again */
   }
   lin_basis_residual(&t->basis, t->delta, t->lex, t->sum);
   for (int i = 0; i < n; ++i) {
@@ -281,23 +320,20 @@ static bool factor_first(lemke_path *t) {
   return false;
 }
 
-static void bind(lemke_path *t, const lemke_system *s) {
-  if (t->system != s) {
+static void bind(lemke_path *t, const lemke_system *s, bool tabular) {
+  if (t->system != s || t->tabular || tabular) {
     t->basis.fresh = false; /* what is factored is another system's */
   }
+  t->tabular = tabular;
   t->system = s;
   t->sys = (lin_system){s->rows, s->colptr, s->rowind, s->val, t->cover};
 }
 
-lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
-  bind(t, s);
-  t->tol = tol;
-  t->generic = false;
-  if (!factor_first(t)) {
-    return LEMKE_BROKEN;
-  }
-  for (int i = 0; i < s->rows; ++i) {
-    t->first[i] = t->in_z[i] ? s->rows + i : i;
+/* From the basis of in_z, which is there with its x. */
+static lemke_end walk(lemke_path *t) {
+  const int n = t->sys.n;
+  for (int i = 0; i < n; ++i) {
+    t->first[i] = t->in_z[i] ? n + i : i;
   }
   start_generic(t);
   const lemke_end end = enter_cover(t) ? follow(t) : LEMKE_SOLVED;
@@ -305,8 +341,43 @@ lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance t
   return end;
 }
 
+lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  bind(t, s, false);
+  t->tol = tol;
+  t->generic = false;
+  return factor_first(t) ? walk(t) : LEMKE_BROKEN;
+}
+
+lemke_end lemke_path_run_table(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  bind(t, s, true);
+  t->tol = tol;
+  note_basis(t);
+  for (int i = 0; i < t->sys.n; ++i) {
+    t->may_leave[i] = bounded(t, i);
+  }
+  const lemke_end end = walk(t);
+  if (end == LEMKE_SOLVED && t->table.covered) {
+    lemke_table_uncover(t);
+  }
+  return end;
+}
+
+bool lemke_path_take(lemke_path *t, const lemke_system *s, int i) {
+  bind(t, s, true);
+  const int n = t->sys.n;
+  const int at = t->basis.where[i];
+  memcpy(t->d, lemke_path_column(t, n + i), sizeof *t->d * (size_t)n);
+  const bool sure = fabs(t->d[at]) > doubtful * lemke_largest(t->d, n);
+  if (sure) {
+    t->generic = false;
+    t->entering = n + i;
+    (void)exchange(t, at);
+  }
+  return sure;
+}
+
 bool lemke_path_settle(lemke_path *t, const lemke_system *s) {
-  bind(t, s);
+  bind(t, s, false);
   const int n = t->sys.n;
   t->generic = false;
   if (!is_factored(t)) {

@@ -58,9 +58,7 @@ int lemke_break_ties(lemke_path *t, int count) {
     if (at >= 0) { /* a basic column is a unit vector: only its own row has the entry 1/d > 0 */
       count = keep_others(t, at, count);
     } else {
-      lin_basis_column(&t->basis, var, t->lex);
-      lin_basis_solve(&t->basis, t->lex);
-      count = keep_smallest(t, t->lex, count);
+      count = keep_smallest(t, lemke_path_column(t, var), count);
     }
   }
   return t->tied[0];

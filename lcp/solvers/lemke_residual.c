@@ -7,16 +7,34 @@
 #include "lcp/solvers/lemke.h"
 
 #include <math.h>
+#include <string.h>
 
 static const double looks_bad = 5e-15;
 
 /* Diagonal of P: what S does not account for. Into zref for the time being. */
 static void product_diagonal(const lemke_system *s) {
   for (int j = 0; j < s->n; ++j) {
-    s->zref[j] = (s->rows > s->n) ? s->diagonal[j] : 0;
-    for (int p = s->colptr[j]; p < s->colptr[j + 1] && s->rows > s->n; ++p) {
+    s->zref[j] = s->diagonal[j];
+    for (int p = s->colptr[j]; p < s->colptr[j + 1] && s->rowind[p] < s->n; ++p) {
       s->zref[j] -= (s->rowind[p] == j) ? s->val[p] : 0;
     }
+  }
+}
+
+/* Of a factored M: velocities from the rows beyond n of w, scaled row j of which reads  d u + (W J' z)_j = 0, then
+ * what they add to w and tau0. */
+static void add_velocities(const lemke_system *s, const double *z) {
+  for (int j = s->n; j < s->rows; ++j) {
+    s->row_sum[j] = -s->w[j] / (long double)s->val[s->colptr[j + 1] - 1];
+  }
+  for (int i = 0; i < s->n; ++i) {
+    const long double own = (long double)s->zref[i] * (long double)z[i];
+    long double g = 0;
+    for (int p = s->jptr[i]; p < s->jptr[i + 1]; ++p) {
+      g += (long double)s->jval[p] * s->row_sum[s->n + s->jdof[p]];
+    }
+    s->w[i] += g;
+    s->tau0[i] += fabs((double)own) + fabs((double)(g - own));
   }
 }
 
@@ -27,32 +45,15 @@ static void products(const lemke_system *s, const double *z) {
     s->tau0[i] = fabs(s->q[i]);
   }
   for (int j = 0; j < s->n; ++j) {
-    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+    for (int p = s->colptr[j]; p < s->colptr[j + 1] && z[j] != 0; ++p) {
       const long double term = (long double)s->val[p] * (long double)z[j];
       s->w[s->rowind[p]] += term;
       s->tau0[s->rowind[p]] += fabs((double)term);
     }
   }
-  if (s->rows == s->n) {
-    return;
-  }
-  product_diagonal(s);
-  for (int i = 0; i < s->n; ++i) {
-    s->tau0[i] += fabs(s->zref[i] * z[i]);
-  }
-  for (int i = 0; i < s->n; ++i) { /* g alone, to bound the rest of the row */
-    s->row_sum[i] = 0;
-  }
-  for (int j = s->n; j < s->rows; ++j) { /* velocity: scaled row j reads  d u + (W J' z)_j = 0 */
-    const int last = s->colptr[j + 1] - 1;
-    const long double u = -s->w[j] / (long double)s->val[last];
-    for (int p = s->colptr[j]; p < last; ++p) {
-      s->row_sum[s->rowind[p]] += (long double)s->val[p] * u;
-    }
-  }
-  for (int i = 0; i < s->n; ++i) {
-    s->w[i] += s->row_sum[i];
-    s->tau0[i] += fabs((double)(s->row_sum[i] - (long double)s->zref[i] * (long double)z[i]));
+  if (s->rows > s->n) {
+    product_diagonal(s);
+    add_velocities(s, z);
   }
 }
 
@@ -61,8 +62,9 @@ static void scales(const lemke_system *s) {
   for (int j = 0; j < s->n; ++j) { /* P_jj zref_j is added below, while zref still holds P_jj */
     const double own = (s->rows > s->n) ? s->zref[j] : 0;
     double ref = (s->diagonal[j] != 0) ? s->tau0[j] / fabs(s->diagonal[j]) : 0;
-    for (int p = s->colptr[j]; p < s->colptr[j + 1] && s->diagonal[j] == 0; ++p) {
-      ref = (s->rowind[p] < s->n) ? fmax(ref, s->tau0[s->rowind[p]] / fabs(s->val[p])) : ref;
+    for (int p = s->colptr[j]; s->diagonal[j] == 0 && p < s->colptr[j + 1] && s->rowind[p] < s->n;
+         ++p) {
+      ref = fmax(ref, s->tau0[s->rowind[p]] / fabs(s->val[p]));
     }
     s->zref[j] = (s->colptr[j] == s->colptr[j + 1]) ? 1 : ref;
     s->row_sum[j] = (long double)(own * ref);
@@ -71,7 +73,7 @@ static void scales(const lemke_system *s) {
     s->tau0[i] = fabs(s->q[i]) + (double)s->row_sum[i];
   }
   for (int j = 0; j < s->n; ++j) {
-    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+    for (int p = s->colptr[j]; p < s->colptr[j + 1] && s->rowind[p] < s->n; ++p) {
       s->tau0[s->rowind[p]] += fabs(s->val[p]) * s->zref[j];
     }
   }
@@ -81,25 +83,33 @@ static double over(double v, double scale) {
   return (scale > 0) ? v / scale : (v == 0) ? 0 : copysign(HUGE_VAL, v);
 }
 
-/* sum_j |P_ij z_j| by forming row i of P as column i, scaled back: P is symmetric as given. */
-static double row_size(const lemke_system *s, int i, const double *z) {
+/* Lists the nonzero z in row_top; returns how many. */
+static int list_support(const lemke_system *s, const double *z) {
+  int count = 0;
+  for (int j = 0; j < s->n; ++j) {
+    s->row_top[count] = j;
+    count += z[j] != 0;
+  }
+  return count;
+}
+
+/* sum_j |P_ij z_j| over the support, P_ij from row i of J and column j of W J'. */
+static double row_size(const lemke_system *s, int i, const double *z, int support) {
+  long double *back = s->row_sum + s->n; /* row i of J over the diagonals, by velocity */
   double size = 0;
-  for (int j = 0; j < s->n; ++j) {
-    s->row_sum[j] = 0;
+  memset(back, 0, sizeof *back * (size_t)(s->rows - s->n));
+  for (int p = s->jptr[i]; p < s->jptr[i + 1]; ++p) {
+    const int c = s->n + s->jdof[p];
+    back[s->jdof[p]] = (long double)s->jval[p] / (long double)s->val[s->colptr[c + 1] - 1];
   }
-  for (int p = s->colptr[i]; p < s->colptr[i + 1]; ++p) {
-    const int u = s->rowind[p];
-    const int last = s->colptr[u + 1] - 1;
-    for (int k = s->colptr[u]; u >= s->n && k < last; ++k) {
-      s->row_sum[s->rowind[k]] -=
-          (long double)s->val[p] / (long double)s->val[last] * (long double)s->val[k];
+  for (int k = 0; k < support; ++k) {
+    const int j = s->row_top[k];
+    long double entry = 0;
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      const int r = s->rowind[p];
+      entry += (r >= s->n) ? (long double)s->val[p] * back[r - s->n] : 0;
     }
-  }
-  for (int j = 0; j < s->n; ++j) {
-    if (z[j] != 0) {
-      const int e = s->row_exp[i] + s->col_exp[j] - s->row_exp[j] - s->col_exp[i];
-      size += fabs(ldexp((double)s->row_sum[j] * z[j], e));
-    }
+    size += fabs((double)(entry * (long double)z[j]));
   }
   return size;
 }
@@ -115,11 +125,12 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
   *defect = 0;
   products(s, z);
   scales(s);
+  const int support = list_support(s, z);
   for (int i = 0; i < s->n; ++i) {
     double r = row_residual(s, i, z[i], s->zref[i], s->tau0[i]);
     if (r > looks_bad && s->rows > s->n && s->diagonal[i] != 0) {
       /* tau_i >= |P_ii| zref_i = tau0_i >= the true row, S left out */
-      const double size = row_size(s, i, z);
+      const double size = row_size(s, i, z, support);
       r = fmin(r, row_residual(s, i, z[i], fmax(s->zref[i], size / fabs(s->diagonal[i])),
                                fmax(s->tau0[i], size)));
     }

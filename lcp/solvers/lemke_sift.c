@@ -14,9 +14,6 @@ void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a) {
   *k = (lemke_sift){0};
   k->helper = BASE_ARRAY(a, int, n);
   k->gain = BASE_ARRAY(a, double, n);
-  k->jptr = BASE_ARRAY(a, int, n + 1);
-  k->jdof = BASE_ARRAY(a, int, cap->n_jac);
-  k->jval = BASE_ARRAY(a, double, cap->n_jac);
   k->u = BASE_ARRAY(a, double, cap->n_dof);
   k->worst = BASE_ARRAY(a, int, cap->n_body);
   k->depth = BASE_ARRAY(a, double, cap->n_body);
@@ -24,6 +21,12 @@ void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a) {
   k->chosen = BASE_ARRAY(a, unsigned char, n);
   k->row = BASE_ARRAY(a, int, n);
   k->local = BASE_ARRAY(a, int, n);
+  const int table = lemke_sift_table_rows(cap);
+  k->group = BASE_ARRAY(a, int, table);
+  k->entry_column = BASE_ARRAY(a, double, table);
+  k->entry_row = BASE_ARRAY(a, double, table);
+  k->reply = BASE_ARRAY(a, double, cap->n_dof);
+  k->back = BASE_ARRAY(a, double, cap->n_dof);
   k->sub.colptr = BASE_ARRAY(a, int, rows + 1);
   k->sub.rowind = BASE_ARRAY(a, int, nnz);
   k->sub.val = BASE_ARRAY(a, double, nnz);
@@ -86,28 +89,6 @@ static bool contacts_are_closed(const lemke_system *s, const lcp_factored *f) {
   return true;
 }
 
-/* Transposes the velocity columns; the last entry of each is its diagonal. */
-static void list_jacobian(lemke_sift *k, const lemke_system *s) {
-  memset(k->jptr, 0, sizeof(int) * ((size_t)s->n + 1));
-  for (int c = s->n; c < s->rows; ++c) {
-    for (int p = s->colptr[c]; p < s->colptr[c + 1] - 1; ++p) {
-      k->jptr[s->rowind[p]]++;
-    }
-  }
-  int at = 0;
-  for (int i = 0; i <= s->n; ++i) { /* ends first; filling backwards turns them into beginnings */
-    at += (i < s->n) ? k->jptr[i] : 0;
-    k->jptr[i] = at;
-  }
-  for (int c = s->rows - 1; c >= s->n; --c) {
-    for (int p = s->colptr[c + 1] - 2; p >= s->colptr[c]; --p) {
-      const int to = --k->jptr[s->rowind[p]];
-      k->jdof[to] = c - s->n;
-      k->jval[to] = s->val[p];
-    }
-  }
-}
-
 /* Where sifting was measured to pay: with friction from as many contacts as velocities on, without
  * from twice as many. */
 static bool bodies_are_few(const lemke_sift *k, int n_dof) {
@@ -124,16 +105,11 @@ void lemke_sift_prepare(lemke_sift *k, const lemke_system *s, const lcp_problem 
     k->f = NULL;
     return;
   }
-  list_jacobian(k, s);
 }
 
 /* w_i of a row outside the set, helpers at zero. */
 static double speed(const lemke_sift *k, const lemke_system *s, int i) {
-  double w = s->q[i];
-  for (int p = k->jptr[i]; p < k->jptr[i + 1]; ++p) {
-    w += k->jval[p] * k->u[k->jdof[p]];
-  }
-  return w;
+  return s->q[i] + lemke_row_speed(s, i, k->u);
 }
 
 /* Basis of a contact at rest outside: where some w_i < 0 a helper comes in, against the row that needs
@@ -182,8 +158,8 @@ static void sub_velocities(lemke_sift *k, const lemke_system *s, int at) {
   int *next = sub->colptr + sub->n + 1; /* shifted by one: counts, then ends */
   memset(next, 0, sizeof(int) * (size_t)n_dof);
   for (int l = 0; l < sub->n; ++l) {
-    for (int p = k->jptr[k->row[l]]; p < k->jptr[k->row[l] + 1]; ++p) {
-      next[k->jdof[p]]++;
+    for (int p = s->jptr[k->row[l]]; p < s->jptr[k->row[l] + 1]; ++p) {
+      next[s->jdof[p]]++;
     }
   }
   for (int c = 0; c < n_dof; ++c) {
@@ -197,10 +173,10 @@ static void sub_velocities(lemke_sift *k, const lemke_system *s, int at) {
     sub->is_free[sub->n + c] = 1;
   }
   for (int l = 0; l < sub->n; ++l) {
-    for (int p = k->jptr[k->row[l]]; p < k->jptr[k->row[l] + 1]; ++p) {
-      const int to = next[k->jdof[p]]++;
+    for (int p = s->jptr[k->row[l]]; p < s->jptr[k->row[l] + 1]; ++p) {
+      const int to = next[s->jdof[p]]++;
       sub->rowind[to] = l;
-      sub->val[to] = k->jval[p];
+      sub->val[to] = s->jval[p];
     }
   }
   for (int c = 0; c < n_dof; ++c) { /* past the diagonal */
@@ -225,17 +201,20 @@ static void build_sub(lemke_sift *k, const lemke_system *s) {
 
 /* ---- rounds --------------------------------------------------------------------------------- */
 
-static void admit(lemke_sift *k, const lemke_system *s, int g) {
+static void admit(lemke_sift *k, lemke_path *t, const lemke_system *s, int g) {
   if (!k->inside[g]) {
     k->inside[g] = 1;
     k->set_groups++;
     choose_helpers(k, s, g);
+    k->tabular = k->tabular && lemke_sift_append(k, t, s, g);
   }
 }
 
 /* The first set: contacts with an impulse in the start basis, joints, and what moves no body. */
-static void begin(lemke_sift *k, const lemke_system *s, const unsigned char *in_z) {
+static void begin(lemke_sift *k, lemke_path *t, const lemke_system *s, const unsigned char *in_z) {
   k->set_groups = 0;
+  k->tabular = !k->one_by_one;
+  lemke_sift_open_table(k, t, s);
   memset(k->u, 0, sizeof *k->u * (size_t)(s->rows - s->n));
   memset(k->inside, 0, (size_t)k->f->n_group);
   memset(k->chosen, 0, (size_t)s->n);
@@ -249,6 +228,7 @@ static void begin(lemke_sift *k, const lemke_system *s, const unsigned char *in_
     for (int i = k->f->row_start[g]; i < k->f->row_start[g + 1] && taken; ++i) {
       k->chosen[i] = in_z[i];
     }
+    k->tabular = k->tabular && (!taken || lemke_sift_append(k, t, s, g));
   }
 }
 
@@ -285,6 +265,10 @@ static int worst_of_all(const lemke_sift *k) {
 /* From an advanced basis the covering vector B 1 has negative entries, and where M is not symmetric the
  * path may end on a ray where one from the origin does not. */
 static bool solve_set(lemke_sift *k, lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  k->tabular = k->tabular && lemke_sift_follow_table(k, t, s, tol);
+  if (k->tabular) {
+    return true;
+  }
   build_sub(k, s);
   return follow_set(k, t, tol, false) || follow_set(k, t, tol, true);
 }
@@ -311,12 +295,12 @@ static void price(lemke_sift *k, const lemke_system *s, double noise) {
 }
 
 /* Takes in what is violated; false when nothing is. */
-static bool widen(lemke_sift *k, const lemke_system *s, double noise) {
+static bool widen(lemke_sift *k, lemke_path *t, const lemke_system *s, double noise) {
   price(k, s, noise);
   const int worst = worst_of_all(k);
   for (int b = 0; b < k->f->n_body && worst >= 0; ++b) {
     if (k->worst[b] >= 0 && (!k->one_by_one || k->worst[b] == worst)) {
-      admit(k, s, k->worst[b]);
+      admit(k, t, s, k->worst[b]);
     }
   }
   return worst >= 0;
@@ -325,11 +309,11 @@ static bool widen(lemke_sift *k, const lemke_system *s, double noise) {
 lemke_sift_end lemke_sift_run(lemke_sift *k, lemke_path *t, const lemke_system *s,
                               lemke_tolerance tol) {
   const lcp_factored *f = k->f;
-  begin(k, s, t->in_z);
+  begin(k, t, s, t->in_z);
   bool solved = k->set_groups == 0 || solve_set(k, t, s, tol);
   bool done = false;
   while (solved && !done && 2 * k->set_groups <= f->n_group) {
-    done = !widen(k, s, tol.tie);
+    done = !widen(k, t, s, tol.tie);
     solved = done || solve_set(k, t, s, tol);
   }
   for (int g = 0; g < f->n_group && solved; ++g) {

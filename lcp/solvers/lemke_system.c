@@ -18,6 +18,9 @@ void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a
   s->colptr = BASE_ARRAY(a, int, rows + 1);
   s->rowind = BASE_ARRAY(a, int, nnz);
   s->val = BASE_ARRAY(a, double, nnz);
+  s->jptr = BASE_ARRAY(a, int, (cap->n_dof > 0) ? cap->n + 1 : 0);
+  s->jdof = BASE_ARRAY(a, int, cap->n_jac);
+  s->jval = BASE_ARRAY(a, double, cap->n_jac);
   s->q = BASE_ARRAY(a, double, rows);
   s->row_exp = BASE_ARRAY(a, int, rows);
   s->col_exp = BASE_ARRAY(a, int, rows);
@@ -239,6 +242,28 @@ static void scale_right_side(lemke_system *s, const double *q) {
   s->q_exp = top;
 }
 
+/* Transposes the velocity columns; the last entry of each is its diagonal. */
+static void list_jacobian(lemke_system *s) {
+  memset(s->jptr, 0, sizeof(int) * ((size_t)s->n + 1));
+  for (int c = s->n; c < s->rows; ++c) {
+    for (int p = s->colptr[c]; p < s->colptr[c + 1] - 1; ++p) {
+      s->jptr[s->rowind[p]]++;
+    }
+  }
+  int at = 0;
+  for (int i = 0; i <= s->n; ++i) { /* ends first; filling backwards turns them into beginnings */
+    at += (i < s->n) ? s->jptr[i] : 0;
+    s->jptr[i] = at;
+  }
+  for (int c = s->rows - 1; c >= s->n; --c) {
+    for (int p = s->colptr[c + 1] - 2; p >= s->colptr[c]; --p) {
+      const int to = --s->jptr[s->rowind[p]];
+      s->jdof[to] = c - s->n;
+      s->jval[to] = s->val[p];
+    }
+  }
+}
+
 void lemke_system_build(lemke_system *s, const lcp_problem *p) {
   const lcp_matrix *M = &p->M;
   s->n = M->n;
@@ -261,6 +286,9 @@ void lemke_system_build(lemke_system *s, const lcp_problem *p) {
     memset(s->is_free + M->n, 1, (size_t)n_dof);
   }
   equilibrate(s);
+  if (M->storage == LCP_FACTORED) {
+    list_jacobian(s);
+  }
   lcp_matrix_diagonal(M, s->diagonal);
   for (int i = 0; i < s->n; ++i) {
     s->diagonal[i] = scaled(s->diagonal[i], s->row_exp[i] + s->col_exp[i]);

@@ -54,7 +54,8 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   lemke_state *k = state;
   const size_t n = (size_t)cap->n;
   lemke_system_layout(&k->system, cap, a);
-  lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof, a);
+  lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof,
+                    lemke_sift_table_rows(cap), a);
   lemke_sift_layout(&k->sift, cap, a);
   k->best = BASE_ARRAY(a, double, n);
   k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
@@ -85,13 +86,9 @@ static void read_point(const lemke_state *k, double *z) {
   }
 }
 
-/* Judges the basis the path ended in; keeps it when it is the best so far. True when no other
- * attempt is needed. */
-static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
-  if (!lemke_path_settle(&k->path, &k->system)) {
-    return false;
-  }
-  read_point(k, k->trial);
+/* Judges the point in k->trial, of the basis path.in_z; keeps it when it is the best so far. True when no
+ * other attempt is needed. */
+static bool judge(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
   double defect = 0;
   const double rho = lemke_residual(&k->system, k->trial, &defect);
   res->work.matvecs++;
@@ -103,6 +100,15 @@ static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
     memcpy(k->basis, k->path.in_z, (size_t)k->system.n);
   }
   return rho <= fmin(stop->tol, round_off) && defect <= data_share;
+}
+
+/* The same for the basis the path ended in, factored afresh. */
+static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+  if (!lemke_path_settle(&k->path, &k->system)) {
+    return false;
+  }
+  read_point(k, k->trial);
+  return judge(k, stop, res);
 }
 
 /* True when the start point names a basis other than that of a cold start. */
@@ -244,26 +250,36 @@ static bool ray_is_final(const lcp_problem *p) {
   return (p->traits & (LCP_PSD | LCP_PD | LCP_COPOSITIVE_PLUS)) != 0;
 }
 
-/* From a basis sifted with the usual tolerances, then from there with sharper ones, which see a contact
- * left out that is violated by little more than round-off. True when no other attempt is needed. */
-static bool sift_attempts(lemke_state *k, const lemke_options *o, const double *z,
-                          lcp_result *res) {
+/* The basis that sifting ended in, from what the table still knows or factored. */
+static bool accept_sifted(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+  if (!k->sift.tabular) {
+    return accept(k, stop, res);
+  }
+  lemke_sift_point(&k->sift, &k->path, &k->system, k->trial);
+  return judge(k, stop, res);
+}
+
+/* From a sifted basis, polished like any other: the sharp tolerances see a contact left out that is
+ * violated by little more than round-off. True when no other attempt is needed. */
+static bool sift_attempt(lemke_state *k, const lemke_options *o, const double *z, lcp_result *res) {
   (void)start_basis(k, z);
-  lemke_sift_end sifted = LEMKE_SIFT_DONE;
-  for (int a = 0; a < 2 && sifted == LEMKE_SIFT_DONE; ++a) {
-    sifted = lemke_sift_run(&k->sift, &k->path, &k->system, attempts[a]);
-    const lemke_end end = (sifted == LEMKE_SIFT_WIDE)
-                              ? lemke_path_run(&k->path, &k->system, attempts[a])
-                              : LEMKE_SOLVED;
-    res->variant = "sifted";
-    res->outcome = outcome_of(end);
-    if ((sifted != LEMKE_SIFT_FAILED && accept(k, &o->stop, res)) || end == LEMKE_LIMIT ||
-        end == LEMKE_TIMEOUT) {
-      return true;
-    }
+  res->variant = "sifted";
+  const lemke_sift_end sifted = lemke_sift_run(&k->sift, &k->path, &k->system, attempts[0]);
+  lemke_end end = LEMKE_SOLVED;
+  bool right = sifted == LEMKE_SIFT_DONE && accept_sifted(k, &o->stop, res);
+  if (sifted == LEMKE_SIFT_WIDE) {
+    end = lemke_path_run(&k->path, &k->system, attempts[0]);
+    right = accept(k, &o->stop, res);
+  }
+  res->outcome = outcome_of(end);
+  if (!right && end == LEMKE_SOLVED && res->residual < HUGE_VAL) {
+    right = polish(k, o, res);
+  }
+  if (right || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT || res->residual <= o->stop.tol) {
+    return true;
   }
   res->work.fallbacks++;
-  return res->residual <= o->stop.tol;
+  return false;
 }
 
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
@@ -321,7 +337,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   t->basis.factorizations = 0;
   t->basis.backsolves = 0;
   const bool sift = o->start == START_SIFT && k->sift.f != NULL;
-  if (!sift || !sift_attempts(k, o, z, res)) {
+  if (!sift || !sift_attempt(k, o, z, res)) {
     run_attempts(k, p, o, z, res);
   }
   conclude(k, o, res);

@@ -4,7 +4,7 @@
  *
  * usage: bench_lemke SHARED [REPETITIONS [grasp]]
  * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB.
- * CSV on stdout, one row per problem and method: seconds are set-up and solve together, median and
+ * CSV on stdout, one row per problem and method: CPU seconds of set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
  * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of contacts. */
 #include "lcp/base/clock.h"
@@ -54,7 +54,7 @@ static base_status method_open(method *m, const char *name, const lcp_problem *p
 }
 
 static base_status method_run(method *m, double *seconds, base_error *err) {
-  const double started = base_seconds();
+  const double started = base_cpu_seconds();
   memset(m->z, 0, sizeof *m->z * (size_t)m->p->M.n);
   if (m->solver == NULL) {
     long pivots = 0;
@@ -64,7 +64,7 @@ static base_status method_run(method *m, double *seconds, base_error *err) {
     BASE_TRY(lcp_instance_prepare(m->instance, m->p, err));
     BASE_TRY(lcp_instance_solve(m->instance, NULL, m->z, &m->res, err));
   }
-  *seconds = base_seconds() - started;
+  *seconds = base_cpu_seconds() - started;
   return BASE_OK;
 }
 

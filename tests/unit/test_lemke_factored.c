@@ -172,6 +172,134 @@ static void sifting_keeps_joints(void **state) {
   known_lcp_free(&k);
 }
 
+/* Without friction the rounds run on a tableau: nothing is factored, not even by a warm start. */
+static void sifting_without_friction_factors_nothing(void **state) {
+  (void)state;
+  for (uint64_t seed = 1; seed <= 6; ++seed) {
+    known_lcp k;
+    base_error err = {0};
+    lcp_verdict v;
+    check_ok(few_bodies(&k, 4, 100, 0, seed, &err), &err);
+    double *z = calloc((size_t)k.p.M.n, sizeof *z);
+    const lcp_result res = run_few(&k.p, "", z, &v);
+    assert_int_equal(res.outcome, LCP_SOLVED);
+    assert_string_equal(res.variant, "sifted");
+    assert_int_equal(res.work.factorizations, 0);
+    assert_true(res.work.pivots > 0);
+    assert_true(v.rho <= 1e-14);
+    check_close(velocity_gap(&k.p, z), 0, 1e-11);
+    const lcp_result again = run_few(&k.p, "", z, &v);
+    assert_int_equal(again.outcome, LCP_SOLVED);
+    assert_int_equal(again.work.pivots, 0);
+    assert_int_equal(again.work.factorizations, 0);
+    assert_true(v.rho <= 1e-14);
+    free(z);
+    known_lcp_free(&k);
+  }
+}
+
+/* A set that outgrows the tableau goes on with a factored basis. */
+static void sifting_outgrows_the_tableau(void **state) {
+  (void)state;
+  known_lcp k;
+  base_error err = {0};
+  lcp_verdict v;
+  check_ok(few_bodies(&k, 50, 900, 0, 2, &err), &err);
+  double *z = calloc((size_t)k.p.M.n, sizeof *z);
+  const lcp_result res = run_few(&k.p, "", z, &v);
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  assert_string_equal(res.variant, "sifted");
+  assert_true(res.work.factorizations > 0);
+  assert_int_equal(res.work.fallbacks, 0);
+  assert_true(v.rho <= 1e-12);
+  free(z);
+  known_lcp_free(&k);
+}
+
+/* Contacts of two rows, joined by a compliance that is not symmetric; rows in units far apart. */
+static void sifting_sees_compliance(void **state) {
+  (void)state;
+  enum { ROWS = 120, PAIRS = ROWS / 2, DOF = 6 };
+  known_lcp k;
+  base_error err = {0};
+  lcp_verdict v;
+  int row_start[PAIRS + 1], jac_start[PAIRS + 1], body[2 * PAIRS], colptr[ROWS + 1],
+      rowind[2 * ROWS];
+  double val[2 * ROWS], jac[ROWS * DOF], q[ROWS], z[ROWS] = {0};
+  check_ok(few_bodies(&k, 1, ROWS, 0, 5, &err), &err);
+  for (int g = 0; g <= PAIRS; ++g) {
+    row_start[g] = 2 * g;
+    jac_start[g] = 2 * g * DOF;
+  }
+  for (int i = 0; i < ROWS; ++i) {
+    const int unit = (i % 7) * 6; /* up to 2^36 */
+    body[i] = (i % 2) ? -1 : 0;
+    colptr[i] = 2 * i;
+    for (int e = 0; e < 2; ++e) {
+      rowind[2 * i + e] = i - i % 2 + e;
+      val[2 * i + e] =
+          ldexp((e == i % 2) ? 0x1p-6 : (e ? 0x1p-7 : -0x1p-8), unit + ((i - i % 2 + e) % 7) * 6);
+    }
+    q[i] = ldexp(k.p.q[i] + 0.5 * (i / 2 * 17 % PAIRS) / PAIRS, unit); /* gaps: few touch */
+    for (int c = 0; c < DOF; ++c) {
+      jac[DOF * i + c] = ldexp(k.p.M.factored->jac[DOF * i + c], unit);
+    }
+  }
+  colptr[ROWS] = 2 * ROWS;
+  const lcp_csc S = {ROWS, ROWS, colptr, rowind, val};
+  lcp_factored f = *k.p.M.factored;
+  f.n_group = PAIRS;
+  f.row_start = row_start;
+  f.body = body;
+  f.jac_start = jac_start;
+  f.jac = jac;
+  f.shift = &S;
+  const lcp_problem p = {.M = {.storage = LCP_FACTORED, .n = ROWS, .factored = &f}, .q = q};
+  const lcp_result res = run_few(&p, "", z, &v);
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  assert_string_equal(res.variant, "sifted");
+  assert_int_equal(res.work.factorizations, 0);
+  assert_true(v.rho <= 1e-14);
+  known_lcp_free(&k);
+}
+
+/* A contact outside the set that the others leave 5e-13 below zero, too little for the usual tie
+ * tolerance, is brought in by polishing. */
+static void sifted_answers_are_polished(void **state) {
+  (void)state;
+  enum { CONTACTS = 60 };
+  known_lcp k;
+  base_error err = {0};
+  lcp_verdict v;
+  double M[CONTACTS * CONTACTS], q[CONTACTS], z[CONTACTS] = {0}, other[CONTACTS];
+  int polished = 0;
+  check_ok(few_bodies(&k, 1, CONTACTS, 0, 11, &err), &err);
+  assert_int_equal(run_few(&k.p, "", z, &v).outcome, LCP_SOLVED);
+  lcp_matrix_to_dense(&k.p.M, M);
+  for (int j = 0; j < CONTACTS; ++j) {
+    double w = k.p.q[j];
+    for (int i = 0; i < CONTACTS; ++i) {
+      w += M[CONTACTS * i + j] * z[i];
+    }
+    if (z[j] > 0) {
+      continue;
+    }
+    memcpy(q, k.p.q, sizeof q);
+    memset(other, 0, sizeof other);
+    q[j] -= w + 5e-14;
+    lcp_problem p = k.p;
+    p.q = q;
+    const lcp_result res = run_few(&p, "", other, &v);
+    assert_int_equal(res.outcome, LCP_SOLVED);
+    assert_string_equal(res.variant, "sifted");
+    assert_int_equal(res.work.fallbacks, 0);
+    assert_true(v.rho <= 1e-14);
+    polished += res.work.refinements > 0;
+  }
+  assert_true(polished > 0);
+  known_lcp_free(&k);
+}
+
 /* A body of one velocity that two walls approach: no solution, and y >= 0 with J'y = 0 shows it. */
 static void squeezed_body_is_proved_infeasible(void **state) {
   (void)state;
@@ -225,6 +353,10 @@ int main(void) {
       cmocka_unit_test(sifting_takes_pivots_by_bodies),
       cmocka_unit_test(sifting_solves_grasps),
       cmocka_unit_test(sifting_keeps_joints),
+      cmocka_unit_test(sifting_without_friction_factors_nothing),
+      cmocka_unit_test(sifting_outgrows_the_tableau),
+      cmocka_unit_test(sifting_sees_compliance),
+      cmocka_unit_test(sifted_answers_are_polished),
       cmocka_unit_test(squeezed_body_is_proved_infeasible),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
