@@ -99,6 +99,9 @@ typedef struct reg_mass {
   size_t *at;             /* n_dof+1: where the row starts */
   int *link_start, *link; /* bodies sharing a friction contact */
   double *L, *Y, *delta;
+  double *c;      /* n_dof: first column of Y while it is summed */
+  double *e;      /* directions of one contact */
+  int *from, *to; /* n_body: columns of Y that begin at a body lie in from .. to-1 */
   int cap_body, cap_dof, cap_contact;
   size_t cap_L, cap_Y;
   void *mem, *val_mem; /* owned */

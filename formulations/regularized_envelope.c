@@ -46,19 +46,35 @@ void reg_envelope_mass(const contact_set *c, reg_mass *m) {
   }
 }
 
-/* Rows of one body: as long as one another. */
-static inline void add_rows(double *to, ptrdiff_t stride, const double *x, int nx, double stiffness,
-                            const double *y, int ny) {
-  for (int i = 0; i < nx; i++) {
-    form_add_scaled(stiffness * x[i], y, to + i * stride, ny);
+/* out += s x + t y */
+static inline void add_two(double s, const double *restrict x, double t, const double *restrict y,
+                           double *restrict out, int n) {
+  for (int k = 0; k < n; k++) {
+    out[k] = (out[k] + s * x[k]) + t * y[k];
+  }
+}
+
+/* Rows of side x, which are as long as one another. */
+static inline void add_rows(const reg_springs *s, int x, int y, double *to, ptrdiff_t stride,
+                            int n) {
+  for (int i = 0; i < s->n[x]; i++, to += stride) {
+    const double *ex = s->e[x] + i;
+    const double *ey = s->e[y];
+    int r = 0;
+    for (; r + 2 <= s->rank; r += 2, ex += 2 * (ptrdiff_t)s->n[x], ey += 2 * (ptrdiff_t)n) {
+      add_two(s->stiffness[r] * ex[0], ey, s->stiffness[r + 1] * ex[s->n[x]], ey + n, to, n);
+    }
+    if (r < s->rank) {
+      form_add_scaled(s->stiffness[r] * ex[0], ey, to, n);
+    }
   }
 }
 
 /* A block on the diagonal gets what lies above it too, which nothing reads. */
-void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                      int ny, double stiffness) {
+void reg_envelope_add(reg_mass *m, const reg_springs *s, int x, int y) {
+  const int row = s->place[x];
   const ptrdiff_t stride = (ptrdiff_t)(m->at[row + 1] - m->at[row]);
-  FORM_WITH_DOFS(ny, add_rows, entry(m, row, column), stride, x, nx, stiffness, y);
+  FORM_WITH_DOFS(s->n[y], add_rows, s, x, y, entry(m, row, s->place[y]), stride);
 }
 
 /* Columns of earlier bodies in the n rows from `row`: entry (i, j) <- (entry - sum) / L_jj. Row by row the
@@ -112,45 +128,77 @@ bool reg_envelope_factor(const contact_set *c, reg_mass *m) {
 
 enum { FEW = 4096 }; /* products for which BLAS does not pay */
 
-/* n rows of y, `width` long, minus L times the rows before them from y0 on. */
-static void subtract_before(const double *L, ptrdiff_t stride, int n, int before, const double *y0,
-                            double *y, int width) {
-  if ((double)n * before * width > FEW) {
-    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, (int)stride, y0,
-                width, 1, y, width);
-    return;
+/* y -= sum_j l_j y_j over m rows `stride` apart, three of them in a sweep. */
+static void subtract_rows(const double *l, int m, const double *restrict rows, ptrdiff_t stride,
+                          double *restrict y, int n) {
+  int j = 0;
+  for (; j + 3 <= m; j += 3, rows += 3 * stride) {
+    const double *restrict b = rows + stride;
+    const double *restrict c = b + stride;
+    for (int k = 0; k < n; k++) {
+      y[k] = ((y[k] - l[j] * rows[k]) - l[j + 1] * b[k]) - l[j + 2] * c[k];
+    }
+  }
+  for (; j < m; j++, rows += stride) {
+    form_add_scaled(-l[j], rows, y, n);
+  }
+}
+
+/* The n rows y of one body, `width` columns of them: `before` rows above are done. */
+static void forward_body(const double *L, int n, int before, double *y, int width, int all) {
+  const double *above = y - (ptrdiff_t)before * all;
+  const bool many = (double)n * before * width > FEW;
+  if (many) {
+    cblas_dgemm(CblasRowMajor, CblasNoTrans, CblasNoTrans, n, width, before, -1, L, before + n,
+                above, all, 1, y, all);
   }
   for (int i = 0; i < n; i++) {
-    for (int j = 0; j < before; j++) {
-      form_add_scaled(-L[i * stride + j], y0 + (ptrdiff_t)j * width, y + (ptrdiff_t)i * width,
-                      width);
+    const double *l = L + (ptrdiff_t)i * (before + n);
+    double *yi = y + (ptrdiff_t)i * all;
+    const int done = many ? before : 0;
+    subtract_rows(l + done, before - done + i, above + (ptrdiff_t)done * all, all, yi, width);
+    const double inverse = 1 / l[before + i];
+    for (int k = 0; k < width; k++) {
+      yi[k] *= inverse;
     }
   }
 }
 
-/* Y <- L^-1 Y, Y row-major with `width` right sides, body by body. */
-void reg_envelope_forward(const contact_set *c, reg_mass *m, int width) {
-  for (int b = c->n_body - 1; b >= 0; b--) {
-    const int n = contact_dofs(c, m->order[b]);
-    const int at = m->place[m->order[b]];
+/* The same of one vector, whose part before y is done. */
+static void forward_vector(const double *L, int n, int before, double *y) {
+  for (int i = 0; i < n; i++) {
+    const double *l = L + (ptrdiff_t)i * (before + n);
+    y[i] = (y[i] - form_dot(l, y - before, before + i)) / l[before + i];
+  }
+}
+
+/* Body by body. A column is zero above the first body that it touches, so that only the columns which have
+ * begun are passed: half of them in a stack. */
+void reg_envelope_forward(const contact_set *c, reg_mass *m, int p, int sets, int all) {
+  int from = p;
+  int to = 0;
+  for (int k = c->n_body - 1; k >= 0; k--) {
+    const int b = m->order[k];
+    const int n = contact_dofs(c, b);
     if (n == 0) {
       continue;
     }
-    const int from = m->first[at];
-    const int before = at - from;
-    const double *L = entry(m, at, from);
-    double *y = m->Y + (ptrdiff_t)at * width;
-    subtract_before(L, before + n, n, before, m->Y + (ptrdiff_t)from * width, y, width);
+    const int at = m->place[b];
+    const int before = at - m->first[at];
+    const double *L = entry(m, at, m->first[at]);
+    double *y = m->Y + (ptrdiff_t)at * all;
+    from = (m->from[b] < from) ? m->from[b] : from;
+    to = (m->to[b] > to) ? m->to[b] : to;
+    forward_vector(L, n, before, m->c + at);
     for (int i = 0; i < n; i++) {
-      const double *row = L + (ptrdiff_t)i * (before + n) + before;
-      double *yi = y + (ptrdiff_t)i * width;
-      for (int j = 0; j < i; j++) {
-        form_add_scaled(-row[j], y + (ptrdiff_t)j * width, yi, width);
-      }
-      const double inverse = 1 / row[i];
-      for (int k = 0; k < width; k++) {
-        yi[k] *= inverse;
-      }
+      y[(ptrdiff_t)i * all] = m->c[at + i];
+    }
+    for (int set = 0; set < sets && from < to; set++) {
+      forward_body(L, n, before, y + 1 + (ptrdiff_t)set * p + from, to - from, all);
+    }
+    const int rest = 1 + sets * p;
+    if (rest < all) {
+      forward_body(L, n, before, y + rest, all - rest, all);
     }
   }
 }

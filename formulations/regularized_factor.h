@@ -5,18 +5,26 @@
 
 #include "formulations/regularized.h"
 
+enum { REG_ROWS_MAX = 8 }; /* of a group */
+
 /* regularized_envelope.c: L in its envelope, no heap in a step. */
 void reg_envelope_plan(const contact_set *c, reg_mass *m);
 void reg_envelope_mass(const contact_set *c, reg_mass *m);
-/* M_hat += stiffness x y', its part in the rows from `row` and the columns from `column`. */
-typedef void (*reg_add)(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                        int ny, double stiffness);
-void reg_envelope_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                      int ny, double stiffness);
+/* The compliant directions of one contact, over the dofs of both sides. */
+typedef struct reg_springs {
+  int rank, n[2], place[2];
+  const double *e[2]; /* rank x n, row-major */
+  double stiffness[REG_ROWS_MAX];
+} reg_springs;
+
+/* M_hat += sum of stiffness e_x' e_y over the directions: the rows of side x, the columns of side y. */
+typedef void (*reg_add)(reg_mass *m, const reg_springs *s, int x, int y);
+void reg_envelope_add(reg_mass *m, const reg_springs *s, int x, int y);
 /* L L' = M_hat in place; false if it is not positive definite. */
 bool reg_envelope_factor(const contact_set *c, reg_mass *m);
-/* Y <- L^-1 Y, Y row-major with `width` right sides. */
-void reg_envelope_forward(const contact_set *c, reg_mass *m, int width);
+/* Y <- L^-1 Y, Y row-major with `all` right sides: c, `sets` sets of p columns of which `from` and `to` say
+ * where they begin, the rest full. */
+void reg_envelope_forward(const contact_set *c, reg_mass *m, int p, int sets, int all);
 /* x <- L'^-1 x. */
 void reg_envelope_backward(reg_mass *m, int n, double *x);
 
@@ -24,8 +32,7 @@ void reg_envelope_backward(reg_mass *m, int n, double *x);
  * bodies share contacts. */
 base_status reg_sparse_plan(const contact_set *c, reg_mass *m, base_error *err);
 void reg_sparse_mass(const contact_set *c, reg_mass *m);
-void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                    int ny, double stiffness);
+void reg_sparse_add(reg_mass *m, const reg_springs *p, int x, int y);
 bool reg_sparse_factor(reg_mass *m);
 bool reg_sparse_forward(reg_mass *m, int n, int width);
 /* NaN without memory: the step's residual then shows it. */

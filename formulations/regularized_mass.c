@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ROWS = 8 };
-
 /* Mean entries in a row of the envelope beyond which CHOLMOD is taken. The p right sides cost more than
  * the factor: up to a width of 500 (3840 dofs, 2080 contacts) the envelope was 1.4 to 2 times faster. */
 static const size_t wide_envelope = 1024;
@@ -31,6 +29,10 @@ static void layout(void *state, base_arena *m) {
   s->link_start = BASE_ARRAY(m, int, s->cap_body + 2);
   s->link = BASE_ARRAY(m, int, 2 * (size_t)s->cap_contact);
   s->delta = BASE_ARRAY(m, double, n);
+  s->c = BASE_ARRAY(m, double, n);
+  s->e = BASE_ARRAY(m, double, REG_ROWS_MAX *n);
+  s->from = BASE_ARRAY(m, int, s->cap_body);
+  s->to = BASE_ARRAY(m, int, s->cap_body);
 }
 
 static void layout_values(void *state, base_arena *m) {
@@ -115,7 +117,7 @@ static base_status reserve(regularized *s, base_error *err) {
   if (m->mem == NULL || c->n_body > m->cap_body || c->n_dof > m->cap_dof ||
       c->n_contact > m->cap_contact) {
     m->cap_body = c->n_body + c->n_body / 2;
-    m->cap_dof = c->n_dof + c->n_dof / 2 + 64; /* delta is also scratch for two bodies */
+    m->cap_dof = c->n_dof + c->n_dof / 2;
     m->cap_contact = c->n_contact + c->n_contact / 2;
     BASE_TRY(form_memory(&m->mem, layout, m, err));
   }
@@ -159,7 +161,7 @@ static bool substitute(regularized *s, int all) {
   if (m->by_sparse) {
     return reg_sparse_forward(m, n, all);
   }
-  reg_envelope_forward(s->a.set, m, all);
+  reg_envelope_forward(s->a.set, m, s->a.n_contact, s->any_slip ? 2 : 1, all);
   return true;
 }
 
@@ -234,7 +236,7 @@ void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, dou
     reg_joint_impulses(s, first, lambda_n, lambda);
   }
   for (int i = 0; i < p; i++) {
-    double f[MOST_ROWS];
+    double f[REG_ROWS_MAX];
     reg_slip_column(s, i, f);
     for (int k = 0; k < form_rows_of(&s->a, i); k++) {
       lambda[s->a.row[i] + k] = f[k] * lambda_n[i];

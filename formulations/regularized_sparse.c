@@ -182,20 +182,24 @@ void reg_sparse_mass(const contact_set *c, reg_mass *m) {
   }
 }
 
-void reg_sparse_add(reg_mass *m, int row, const double *x, int nx, int column, const double *y,
-                    int ny, double stiffness) {
+void reg_sparse_add(reg_mass *m, const reg_springs *p, int x, int y) {
   const reg_sparse *s = m->sparse;
+  const int row = p->place[x];
+  const int column = p->place[y];
   double *value = s->A->x;
   int block = s->near_start[s->rank[column]];
   while (row != column && s->near[block] != row) {
     block++;
   }
-  for (int j = 0; j < ny; j++) {
+  for (int j = 0; j < p->n[y]; j++) {
     const int first = (row == column) ? j : 0;
     double *to = value + s->colptr[column + j];
-    to += (row == column) ? -j : ny - j + s->off[block];
-    for (int i = first; i < nx; i++) {
-      to[i] += stiffness * x[i] * y[j];
+    to += (row == column) ? -j : p->n[y] - j + s->off[block];
+    for (int r = 0; r < p->rank; r++) {
+      const double scaled = p->stiffness[r] * p->e[y][r * p->n[y] + j];
+      for (int i = first; i < p->n[x]; i++) {
+        to[i] += scaled * p->e[x][r * p->n[x] + i];
+      }
     }
   }
 }
