@@ -1,5 +1,7 @@
 #include "lcp/linear/basis.h"
 
+#include "lcp/linear/extended.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -189,6 +191,7 @@ void lin_basis_solve(lin_basis *b, double *x) {
 void lin_basis_residual(const lin_basis *b, const double *y, const double *r, long double *sum) {
   const lin_system *s = b->sys;
   const int n = s->n;
+  lin_extended e = {.n = n, .sum = sum};
   for (int i = 0; i < n; ++i) {
     sum[i] = (long double)r[i];
   }
@@ -201,15 +204,13 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
     if (var < n) {
       sum[var] -= t;
     } else if (var == 2 * n) {
-      for (int i = 0; i < n; ++i) {
-        sum[i] += t * (long double)s->cover[i];
-      }
+      lin_extended_add(&e, t, s->cover, NULL, n);
     } else {
-      for (int p = s->colptr[var - n]; p < s->colptr[var - n + 1]; ++p) {
-        sum[s->rowind[p]] += t * (long double)s->val[p];
-      }
+      const int first = s->colptr[var - n];
+      lin_extended_add(&e, t, s->val + first, s->rowind + first, s->colptr[var - n + 1] - first);
     }
   }
+  lin_extended_flush(&e);
 }
 
 void lin_basis_defect(const lin_basis *b, const double *y, const double *r, double *x) {

@@ -4,6 +4,7 @@
  * Of a factored M only S is known entry by entry; of P = J W J' the product g = P z and the diagonal
  * are. There tau uses |P_ii z_i| + |g_i - P_ii z_i| <= sum_j |P_ij||z_j|, so rho comes out larger,
  * never smaller, than with P formed. Rows that this makes look bad have their row of P formed. */
+#include "lcp/linear/extended.h"
 #include "lcp/solvers/lemke.h"
 
 #include <math.h>
@@ -38,19 +39,36 @@ static void add_velocities(const lemke_system *s, const double *z) {
   }
 }
 
+/* sum_i += |M_ij t| over the rows of the problem, which come first. */
+static void add_sizes(const lemke_system *s, int j, double t, double *restrict sum) {
+  const int first = s->colptr[j];
+  const int count = s->colptr[j + 1] - first;
+  const double *restrict val = s->val + first;
+  const int *row = s->rowind + first;
+  for (int p = 0; p < count && count < s->rows && row[p] < s->n; ++p) {
+    sum[row[p]] += fabs(val[p] * t);
+  }
+  for (int i = 0; i < count && count == s->rows; ++i) { /* a full column needs no index */
+    sum[i] += fabs(val[i] * t);
+  }
+}
+
 /* w = M z + q and tau0. */
 static void products(const lemke_system *s, const double *z) {
   for (int i = 0; i < s->rows; ++i) {
     s->w[i] = (long double)s->q[i];
     s->tau0[i] = fabs(s->q[i]);
   }
+  lin_extended w = {.n = s->rows, .sum = s->w};
   for (int j = 0; j < s->n; ++j) {
-    for (int p = s->colptr[j]; p < s->colptr[j + 1] && z[j] != 0; ++p) {
-      const long double term = (long double)s->val[p] * (long double)z[j];
-      s->w[s->rowind[p]] += term;
-      s->tau0[s->rowind[p]] += fabs((double)term);
+    const int first = s->colptr[j];
+    if (z[j] != 0) {
+      lin_extended_add(&w, (long double)z[j], s->val + first, s->rowind + first,
+                       s->colptr[j + 1] - first);
+      add_sizes(s, j, z[j], s->tau0);
     }
   }
+  lin_extended_flush(&w);
   if (s->rows > s->n) {
     product_diagonal(s);
     add_velocities(s, z);
@@ -73,9 +91,7 @@ static void scales(const lemke_system *s) {
     s->tau0[i] = fabs(s->q[i]) + (double)s->row_sum[i];
   }
   for (int j = 0; j < s->n; ++j) {
-    for (int p = s->colptr[j]; p < s->colptr[j + 1] && s->rowind[p] < s->n; ++p) {
-      s->tau0[s->rowind[p]] += fabs(s->val[p]) * s->zref[j];
-    }
+    add_sizes(s, j, s->zref[j], s->tau0);
   }
 }
 
