@@ -173,12 +173,8 @@ static void fill(arc *a, const int *group, size_t m, const work *w) {
 }
 
 base_status arc_forces(arc *a, double *acc, base_error *err) {
-  const int n_dof = world_n_dof(a->w);
-  const size_t n = (size_t)n_dof;
+  const size_t n = (size_t)world_n_dof(a->w);
   int group[64];
-  if (n_dof < 1) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "event: nothing moves in this scene");
-  }
   if (a->n > 64) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "event: %d touching contacts, at most 64", a->n);
   }

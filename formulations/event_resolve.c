@@ -4,17 +4,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Distance from the circle's law over the largest friction. */
+static const double circle_tol = 1e-9;
+/* Random piles of boxes settle in 8 turns (median) and 46 (most), or never. */
+static const int max_turns = 100;
+
 static base_status grow_scratch(event_run *s, const contact_set *c, base_error *err) {
   if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
     s->cap_row = 2 * c->n_row + 8;
     s->cap_contact = 2 * c->n_contact + 8;
-    s->cap_z = s->cap_contact * (s->opt->facets + 2);
+    const size_t unknowns = (size_t)s->cap_contact * (size_t)(s->opt->facets + 2);
     free(s->row);
     free(s->gap);
     free(s->z);
     s->row = calloc((size_t)s->cap_row * 3, sizeof *s->row);
     s->gap = calloc((size_t)s->cap_contact, sizeof *s->gap);
-    s->z = calloc((size_t)s->cap_z, sizeof *s->z);
+    s->z = calloc(unknowns, sizeof *s->z);
     if (s->row == NULL || s->gap == NULL || s->z == NULL) {
       s->cap_row = s->cap_contact = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "event: no memory for %d contacts", c->n_contact);
@@ -67,6 +72,7 @@ static base_status solve(event_run *s, const double *u0, double *lambda, base_er
   s->answer.lcp_dim = (p.M.n > s->answer.lcp_dim) ? p.M.n : s->answer.lcp_dim;
   s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
   s->solved = claimed == LCP_SOLVED;
+  s->answer.residual = s->solved ? 0.0 : 1.0; /* without a solution nothing of the model is met */
   slip_impulses(&s->p, &s->a, s->z, lambda);
   return BASE_OK;
 }
@@ -124,29 +130,10 @@ static void set_directions(event_run *s, const contact_set *c) {
   }
 }
 
-/* Tangential acceleration of contact i: u0 + C lambda over its tangent rows. */
-static double departure(const event_run *s, int i, const double *u0, const double *lambda,
-                        double along[2]) {
-  const form_assembly *a = &s->a;
-  along[0] = along[1] = 0.0;
-  for (int t = 0; t < form_rows_of(a, i) - 1; t++) {
-    const int r = a->row[i] + 1 + t;
-    along[t] = u0[r];
-    for (int j = 0; j < a->n_row; j++) {
-      along[t] += s->p.C[(size_t)j * (size_t)a->n_row + (size_t)r] * lambda[j];
-    }
-  }
-  return hypot(along[0], along[1]);
-}
-
 /* The force of contact i lies on the circle itself, not only on a facet. */
 static bool saturated(const event_run *s, int i, const double *f) {
-  return f[0] > 0.0 && hypot(f[1], f[2]) >= s->p.mu[i] * f[0] * (1.0 - 1e-9);
-}
-
-static bool at_rest(const event_run *s, int i) {
-  const double *d = s->p.direction + 2 * i;
-  return d[0] == 0.0 && d[1] == 0.0 && form_rows_of(&s->a, i) > 1;
+  const double friction = hypot(f[1], f[2]);
+  return friction > 0.0 && friction >= s->p.mu[i] * f[0] * (1.0 - 1e-9);
 }
 
 /* Largest free acceleration: what is smaller than 1e-9 of it is none. */
@@ -158,9 +145,10 @@ static double scale_of(const event_run *s, const double *u0) {
   return scale;
 }
 
-/* A contact at rest sticks if the forces leave it at rest inside its cone. It starts to slide along
- * its acceleration; one that redundant neighbours hold at rest on the edge of its cone keeps that
- * force, as if it slid against it: sharing among sticking contacts could not. */
+/* A contact at rest sticks if the forces leave it at rest inside its cone. On the edge of its cone it
+ * slides against its force: where it starts to move its acceleration may be too small to point
+ * anywhere, and where redundant neighbours hold it, sharing among sticking contacts could not give
+ * it that force. */
 static base_status keep_contact(event_run *s, const contact_set *c, int i, const double *u0,
                                 const double *lambda, base_error *err) {
   const double *d = s->p.direction + 2 * i;
@@ -170,42 +158,19 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   arc_contact *k = &s->arc.contact[s->arc.n++];
   *k = (arc_contact){
       .id = c->id[s->a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
-  k->stick = at_rest(s, i);
-  const double size = departure(s, i, u0, lambda, along);
-  if (k->stick && size > 1e-9 * scale_of(s, u0)) {
-    k->stick = false;
-    k->direction[0] = along[0] / size;
-    k->direction[1] = along[1] / size;
-  } else if (k->stick && saturated(s, i, f)) {
-    const double friction = hypot(f[1], f[2]);
+  k->stick = slip_at_rest(&s->p, &s->a, i);
+  slip_departure(&s->p, &s->a, i, u0, lambda, along);
+  const double size = hypot(along[0], along[1]), friction = hypot(f[1], f[2]);
+  if (k->stick && saturated(s, i, f)) {
     k->stick = false;
     k->direction[0] = -f[1] / friction;
     k->direction[1] = -f[2] / friction;
+  } else if (k->stick && size > 1e-9 * scale_of(s, u0)) {
+    k->stick = false;
+    k->direction[0] = along[0] / size;
+    k->direction[1] = along[1] / size;
   }
   return BASE_OK;
-}
-
-/* Turns the facets of spatial contacts that start to slide so that one points against the
- * acceleration: sliding friction then is that of the circle, as it will be on the arc. False when
- * they do already. */
-static bool turn_facets(event_run *s, const double *u0, const double *lambda) {
-  const double scale = scale_of(s, u0);
-  bool turned = false;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    double along[2];
-    const double *f = lambda + s->a.row[i];
-    if (!at_rest(s, i) || form_rows_of(&s->a, i) != 3 || !(f[0] > 0.0) || !(s->p.mu[i] > 0.0)) {
-      continue;
-    }
-    const double size = departure(s, i, u0, lambda, along);
-    const double limit = s->p.mu[i] * f[0];
-    const double miss = hypot(f[1] + limit * along[0] / size, f[2] + limit * along[1] / size);
-    if (size > 1e-9 * scale && miss > 1e-9 * limit) {
-      s->p.turn[i] = atan2(-along[1], -along[0]);
-      turned = true;
-    }
-  }
-  return turned;
 }
 
 /* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
@@ -217,10 +182,28 @@ static void stabilise(const event_run *s, const contact_set *c, double *u0) {
     const double *u = c->u_before + c->row_start[g];
     double *row = u0 + s->a.row[i];
     row[0] += 2.0 * rate * u[0] + rate * rate * c->gap[g];
-    for (int t = 1; t < form_rows_of(&s->a, i) && at_rest(s, i); t++) {
+    for (int t = 1; t < form_rows_of(&s->a, i) && slip_at_rest(&s->p, &s->a, i); t++) {
       row[t] += rate * u[t];
     }
   }
+}
+
+/* Solves the problem posed by s->p with its facets turned until friction is that of the circle; where
+ * it never is, the answer is unsolved and carries how far it is off. */
+static base_status solve_turning(event_run *s, const double *u0, double *lambda, base_error *err) {
+  BASE_TRY(turns_begin(&s->turns, s->a.n_contact, err));
+  BASE_TRY(solve(s, u0, lambda, err));
+  double off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
+  while (s->solved && off > circle_tol && s->turns.turns < max_turns) {
+    BASE_TRY(turns_next(&s->turns, &s->p, &s->a, u0, lambda, err));
+    BASE_TRY(solve(s, u0, lambda, err));
+    off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
+  }
+  if (off > circle_tol) {
+    s->solved = false;
+    s->answer.residual = off;
+  }
+  return BASE_OK;
 }
 
 /* Which touching contacts persist, and how: the acceleration-level problem. */
@@ -241,10 +224,7 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   stabilise(s, c, u0);
   drop_noise(s->a.n_row, u0);
   double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
-  BASE_TRY(solve(s, u0, lambda, err));
-  for (int k = 0; k < 16 && s->solved && turn_facets(s, u0, lambda); k++) {
-    BASE_TRY(solve(s, u0, lambda, err));
-  }
+  BASE_TRY(solve_turning(s, u0, lambda, err));
   double largest = 0.0;
   for (int i = 0; i < s->a.n_contact; i++) {
     largest = fmax(largest, lambda[s->a.row[i]]);
@@ -297,6 +277,7 @@ base_status event_resolve(event_run *s, double t, base_error *err) {
 
 void event_resolve_close(event_run *s) {
   form_assembly_close(&s->a);
+  turns_close(&s->turns);
   contact_memory_close(&s->memory);
   slip_close(&s->p);
   free(s->row);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formulations/event_arc.h"
-#include "formulations/slip_problem.h"
+#include "formulations/event_turns.h"
 
 #include <gsl/gsl_odeiv2.h>
 
@@ -23,6 +23,7 @@ typedef struct event_run {
   form_assembly a;
   contact_memory memory;
   slip_problem p;
+  facet_turns turns;
   bool started, solved;
   int n_config, n_dof;
   gsl_odeiv2_system system;
@@ -31,7 +32,7 @@ typedef struct event_run {
   double *y, *from, *acc, *dev; /* n_config + n_dof each */
   double substep;
   double *row, *gap, *z; /* scratch of a problem: rows, contacts, unknowns */
-  int cap_row, cap_contact, cap_z;
+  int cap_row, cap_contact;
   double *impulse, *bias; /* of the answer */
   int cap_out;
   contact_set out;

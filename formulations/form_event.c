@@ -37,7 +37,7 @@ static const base_field fields[] = {
                "Baumgarte stabilisation of contacts"),
     BASE_FIELD(event_options, rtol, BASE_REAL, "1", 1e-9, 1e-13, 1, "relative error per substep"),
     BASE_FIELD(event_options, atol, BASE_REAL, "m, m/s", 1e-11, 1e-15, 1,
-               "absolute error per substep"),
+               "absolute error per substep, never below 64 roundings of the farthest coordinate"),
 };
 
 static int right_hand_side(double t, const double y[], double dy[], void *params) {
@@ -178,7 +178,7 @@ static base_status bind(event_run *s, world *w, base_error *err) {
   s->n_config = world_n_config(w);
   s->n_dof = world_n_dof(w);
   const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
-  if (n == 0) {
+  if (s->n_dof < 1) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "event: nothing moves in this scene");
   }
   s->y = calloc(4 * n, sizeof *s->y);
@@ -231,7 +231,6 @@ static base_status report(event_run *s, double h, formulation_answer *out, base_
   out->v_next = s->y + s->n_config;
   out->set = c;
   out->solved = s->solved;
-  out->residual = s->solved ? 0.0 : 1.0;
   out->n_active = s->arc.n;
   out->work.evaluations = s->arc.evaluations;
   return BASE_OK;

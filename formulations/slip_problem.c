@@ -32,12 +32,16 @@ static bool slips(const slip_problem *s, int i) {
   return s->direction[2 * i] != 0.0 || s->direction[2 * i + 1] != 0.0;
 }
 
+bool slip_at_rest(const slip_problem *s, const form_assembly *a, int i) {
+  return tangents(a, i) > 0 && !slips(s, i);
+}
+
 static int facets_of(const slip_problem *s, const form_assembly *a, int i) {
   return (tangents(a, i) == 1) ? 2 : s->facets;
 }
 
 static int width(const slip_problem *s, const form_assembly *a, int i) {
-  return (tangents(a, i) == 0 || slips(s, i)) ? 1 : facets_of(s, a, i) + 2;
+  return slip_at_rest(s, a, i) ? facets_of(s, a, i) + 2 : 1;
 }
 
 /* Unit vector of facet k in the tangent rows of contact i. */
@@ -162,6 +166,19 @@ void slip_impulses(const slip_problem *s, const form_assembly *a, const double *
   for (int i = 0; i < a->n_contact; i++) {
     for (int k = 0; k < s->first[i + 1] - s->first[i]; k++) {
       spread(s, a, i, k, z[s->first[i] + k], lambda + a->row[i]);
+    }
+  }
+}
+
+void slip_departure(const slip_problem *s, const form_assembly *a, int i, const double *u0,
+                    const double *lambda, double along[2]) {
+  const size_t n = (size_t)a->n_row;
+  along[0] = along[1] = 0.0;
+  for (int t = 0; t < tangents(a, i); t++) {
+    const size_t r = (size_t)a->row[i] + 1 + (size_t)t;
+    along[t] = u0[r];
+    for (size_t j = 0; j < n; j++) {
+      along[t] += s->C[j * n + r] * lambda[j];
     }
   }
 }

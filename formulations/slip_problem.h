@@ -39,5 +39,11 @@ void slip_close(slip_problem *s);
  * entries, the bias added to the normals. */
 void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_problem *out);
 
+/* Contact i has a faceted cone: it may hold or start to slide. */
+bool slip_at_rest(const slip_problem *s, const form_assembly *a, int i);
+/* Tangential part of u0 + C lambda at contact i, zeros where it has fewer than two tangents. */
+void slip_departure(const slip_problem *s, const form_assembly *a, int i, const double *u0,
+                    const double *lambda, double along[2]);
+
 /* lambda (n_row) of a solution z. */
 void slip_impulses(const slip_problem *s, const form_assembly *a, const double *z, double *lambda);
