@@ -82,6 +82,5 @@ void contact_memory_forget(contact_memory *m) {
 
 void contact_memory_close(contact_memory *m) {
   free(m->mem);
-  m->mem = NULL;
   *m = (contact_memory){0};
 }

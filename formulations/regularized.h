@@ -49,7 +49,7 @@ typedef struct reg_options {
 typedef struct reg_part {
   int contact;  /* active contact */
   int kind;     /* 0 friction, 1 torsion, 2 rolling */
-  int row, dim; /* rows row .. row+dim-1 of the assembly */
+  int row, dim; /* rows row .. row+dim-1 of the assembly, dim 1 or 2 */
   double mu_static, mu_kinetic;
   double k, c, G, m; /* m: effective mass m_t [kg] */
   double pull;       /* h k: impulse per deflection [N s/m]; LuGre: kappa */

@@ -35,7 +35,7 @@ static void part_rows(regularized *s, const reg_part *p) {
   }
   const double spring = p->pull / p->G; /* of s, as a velocity */
   if (p->mode != REG_SLIP) {
-    for (int m = 0; m < p->dim && m < 2; m++) {
+    for (int m = 0; m < p->dim; m++) {
       add_row(s, p->contact, p->row + m, 1, &axis[m], stiffness, spring * p->s[m]);
     }
   } else if (p->dim == 2 && s->opt.modes != REG_PLAIN) {

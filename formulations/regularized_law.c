@@ -199,7 +199,7 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
     reg_lugre_trial(&s->opt, s->a.set->h, p, lambda[s->a.row[p->contact]], v);
     return;
   }
-  for (int m = 0; m < p->dim && m < 2; m++) {
+  for (int m = 0; m < p->dim; m++) {
     p->tau[m] = p->pull * p->s[m] + p->G * v[m];
   }
   if (p->mode == REG_STICK || (p->mode == REG_SECANT && p->r > 0)) {
@@ -283,7 +283,7 @@ static void settle(regularized *s, const reg_part *p, double ln, double *lambda,
   const double h = s->a.set->h;
   const double creep = h * p->k + p->c;
   const bool idle = reg_is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
-  for (int m = 0; m < p->dim && m < 2; m++) {
+  for (int m = 0; m < p->dim; m++) {
     const double unit = axis_unit(p, m);
     const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];
     lambda[p->row + m] = l * unit;
