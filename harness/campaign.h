@@ -18,6 +18,7 @@
  *       tolerances: [1e-8]                       # optional: the solver's own
  *       starts: [cold, previous]                 # optional: cold
  *       effects: [declared]                      # optional: declared
+ *       contact_orders: [given, "random:{1,2}"]  # optional: given
  *       quick: {problems: [...]}                 # any of the axes, replaced under --quick
  *   quick: {limits: ..., sampling: ...}          # replaced under --quick
  *
@@ -54,7 +55,9 @@ typedef struct campaign_sampling {
 } campaign_sampling;
 
 #define CAMPAIGN_AXES(X)                                                                           \
-  X(problems) X(formulations) X(solvers) X(steps) X(durations) X(tolerances) X(starts) X(effects)
+  X(problems)                                                                                      \
+  X(formulations) X(solvers) X(steps) X(durations) X(tolerances) X(starts) X(effects)              \
+      X(contact_orders)
 #define CAMPAIGN_AXIS_ENUM_(name) AXIS_##name,
 enum campaign_axis { CAMPAIGN_AXES(CAMPAIGN_AXIS_ENUM_) AXIS_COUNT };
 const char *campaign_axis_name(int axis);

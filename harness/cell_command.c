@@ -46,8 +46,10 @@ void cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap
     used = put_option(buf, cap, used, "step", c->step);
     used = put_option(buf, cap, used, "duration", c->duration);
     used = put_option(buf, cap, used, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
-    (void)put_option(buf, cap, used, "effects",
-                     strcmp(c->effects, "declared") == 0 ? "" : c->effects);
+    used = put_option(buf, cap, used, "effects",
+                      strcmp(c->effects, "declared") == 0 ? "" : c->effects);
+    (void)put_option(buf, cap, used, "contact-order",
+                     strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
   }
 }
 
@@ -82,6 +84,7 @@ base_status cell_of_command(char *text, cell *c, base_error *err) {
               .tol = "",
               .start = "cold",
               .effects = "declared",
+              .contact_order = "given",
               .skip = ""};
   const struct {
     const char *name, **to;
@@ -91,7 +94,8 @@ base_status cell_of_command(char *text, cell *c, base_error *err) {
                  {"--step", &c->step},
                  {"--duration", &c->duration},
                  {"--start", &c->start},
-                 {"--effects", &c->effects}};
+                 {"--effects", &c->effects},
+                 {"--contact-order", &c->contact_order}};
   if (n < 3 || n % 2 == 0) {
     return BASE_FAIL(err, BASE_EINVAL, "not a command of a cell: %.100s", text);
   }

@@ -198,7 +198,8 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
                               .step = c->step,
                               .duration = c->duration,
                               .effects = c->effects,
-                              .start = c->start};
+                              .start = c->start,
+                              .contact_order = c->contact_order};
   simulation *s = &m->sim;
   m->is_scene = true;
   m->sample = sample_with_files;
@@ -211,6 +212,7 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", s->solver.config);
   (void)snprintf(r->formulation_config, sizeof r->formulation_config, "%.479s", s->form.config);
   SET_TEXT(r->start, c->start[0] != '\0' ? c->start : "cold");
+  SET_TEXT(r->contact_order, c->contact_order);
   effects_print(s->request.effects, r->effects, sizeof r->effects);
   model_words(s->form.form->model, r->model, sizeof r->model);
   return BASE_OK;

@@ -140,7 +140,8 @@ static int experiment(const record *a, const record *b) {
                                  {a->formulation, b->formulation},
                                  {a->formulation_config, b->formulation_config},
                                  {a->start, b->start},
-                                 {a->effects, b->effects}};
+                                 {a->effects, b->effects},
+                                 {a->contact_order, b->contact_order}};
   int order = order_of(a->step_s, b->step_s);
   for (int i = 0; order == 0 && i < BASE_COUNT(pair); i++) {
     order = strcmp(pair[i][0], pair[i][1]);

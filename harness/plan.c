@@ -102,6 +102,7 @@ static const char *filter_value(const cell *c, const char *axis, size_t len) {
               {"start", c->start},
               {"effects", c->effects},
               {"duration", c->duration},
+              {"contact_order", c->contact_order},
               {"cell", c->id},
               {"cell_id", c->id}};
   for (int i = 0; i < BASE_COUNT(axes); i++) {
@@ -120,7 +121,7 @@ static base_status matches(const cell *c, const char *filter, bool *out, base_er
   if (value == NULL || axis[len] != '=') {
     return BASE_FAIL(err, BASE_EINVAL,
                      "--filter %s: need axis=glob with axis part, problem, formulation, solver, "
-                     "step, duration, tol, start, effects or cell",
+                     "step, duration, tol, start, effects, contact_order or cell",
                      filter);
   }
   *out = (fnmatch(axis + len + 1, value, 0) == 0) != negate;
@@ -163,11 +164,15 @@ static base_status check_texts(const cell *c, base_error *err) {
 static base_status add_cell(plan *p, const campaign_part *part, const char *const value[AXIS_COUNT],
                             const plan_filter *f, problem_hashes *known, base_error *err) {
   cell c = {.skip = ""};
-  const char **text[AXIS_COUNT] = {
-      [AXIS_problems] = &c.problem,   [AXIS_formulations] = &c.formulation,
-      [AXIS_solvers] = &c.solver,     [AXIS_steps] = &c.step,
-      [AXIS_durations] = &c.duration, [AXIS_tolerances] = &c.tol,
-      [AXIS_starts] = &c.start,       [AXIS_effects] = &c.effects};
+  const char **text[AXIS_COUNT] = {[AXIS_problems] = &c.problem,
+                                   [AXIS_formulations] = &c.formulation,
+                                   [AXIS_solvers] = &c.solver,
+                                   [AXIS_steps] = &c.step,
+                                   [AXIS_durations] = &c.duration,
+                                   [AXIS_tolerances] = &c.tol,
+                                   [AXIS_starts] = &c.start,
+                                   [AXIS_effects] = &c.effects,
+                                   [AXIS_contact_orders] = &c.contact_order};
   BASE_TRY(keep(p, part->name, &c.part, err));
   for (int a = 0; a < AXIS_COUNT; a++) {
     BASE_TRY(keep(p, value[a], text[a], err));
@@ -221,7 +226,10 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
   memset(list, 0, sizeof list);
   base_status done = BASE_OK;
   for (int a = 0; done == BASE_OK && a < AXIS_COUNT; a++) {
-    const char *dflt = (a == AXIS_starts) ? "cold" : (a == AXIS_effects) ? "declared" : "";
+    const char *dflt = (a == AXIS_starts)           ? "cold"
+                       : (a == AXIS_effects)        ? "declared"
+                       : (a == AXIS_contact_orders) ? "given"
+                                                    : "";
     done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
     for (int i = 0; done == BASE_OK && i < list[a].n; i++) {
       done = plan_check_value(a, part->axis[AXIS_formulations].n > 0, list[a].item[i], err);

@@ -2,6 +2,7 @@
  * and files are read with the key of their cells (plan_key.c). */
 #include "harness/plan_check.h"
 
+#include "harness/contact_order.h"
 #include "problems/family.h"
 #include "problems/scene.h"
 
@@ -54,6 +55,14 @@ static base_status problem(bool is_scene, const char *text, base_error *err) {
                    is_scene ? "scene" : "family", name, is_scene ? "scenes" : "problems");
 }
 
+static base_status order(bool is_scene, const char *text, base_error *err) {
+  uint64_t seed;
+  BASE_TRY(contact_order_parse(text, &seed, err));
+  return (is_scene || seed == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "contact_orders: %.60s: needs scenes", text);
+}
+
 base_status plan_check_value(int axis, bool is_scene, const char *text, base_error *err) {
   switch (axis) {
   case AXIS_problems:
@@ -62,6 +71,8 @@ base_status plan_check_value(int axis, bool is_scene, const char *text, base_err
     return positive("steps", text, err);
   case AXIS_durations:
     return positive("durations", text, err);
+  case AXIS_contact_orders:
+    return order(is_scene, text, err);
   case AXIS_starts:
     if (strcmp(text, "cold") != 0 && strcmp(text, "previous") != 0) {
       return BASE_FAIL(err, BASE_EINVAL, "starts: %.60s: need cold or previous", text);

@@ -78,6 +78,7 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
 /* Steps that a formulation with complementarity problems takes. */
 static base_status step_lcp(sim *s, series *record, base_error *err) {
   contact_set set;
+  const contact_set *posed;
   formulation_answer a = {0};
   sim_times *t = &s->out->time;
   double from = base_seconds();
@@ -85,10 +86,13 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   BASE_TRY(curved ? world_contacts_curved(s->w, s->q->h, -1.0, &set, err)
                   : world_contacts(s->w, s->q->h, -1.0, &set, err));
   lap(&t->contacts, &from);
-  BASE_TRY(formulation_begin(s->form, &set, s->q->start, err));
+  BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
+  from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */
+  BASE_TRY(formulation_begin(s->form, posed, s->q->start, err));
   BASE_TRY(solve_step(s, &from, err));
   formulation_answer_of(s->form, &a);
   lap(&t->assemble, &from);
+  contact_order_restore(&s->order, &set, &a);
   sim_settle_held(s);
   series_penetration(record, &set);
   note_answer(s, &set, &a);
@@ -107,6 +111,11 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 static base_status step_own(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
   const formulation_solver solver = {sim_solve_for_formulation, s};
+  if (s->order.seed != 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "%s finds its contacts itself: in no order but the given",
+                     s->q->form->form->name);
+  }
   const double from = base_seconds();
   s->called = 0;
   BASE_TRY(formulation_step(s->form, s->w, s->q->h, &solver, &a, err));
@@ -208,10 +217,11 @@ base_status simulate(const sim_request *q, series *record, sim_result *out, base
     return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need 0 < step, duration", q->h,
                      q->duration);
   }
-  sim s = {.q = q, .out = out};
+  sim s = {.q = q, .out = out, .order.seed = q->contact_order};
   const base_status done = run_opened(&s, record, err);
   lcp_instance_close(s.instance);
   formulation_close(s.form);
+  contact_order_close(&s.order);
   if (s.w != NULL) {
     world_close(s.w);
   }

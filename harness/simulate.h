@@ -26,11 +26,12 @@ typedef struct sim_request {
   double h;        /* [s] */
   double duration; /* [s] */
   formulation_start start;
-  FILE *trajectory;  /* NULL: none; otherwise CSV, one row per body and step */
-  trace_file *trace; /* NULL: none; a traced run is not to be timed */
-  dump *dump;        /* NULL: none; the problems of chosen steps are written as files */
-  answers *store;    /* NULL: none; every answer is written here */
-  answers *replay;   /* NULL: the solver solves; otherwise its answers are taken from here */
+  uint64_t contact_order; /* seed of the order of contacts; 0: as the scene lists them */
+  FILE *trajectory;       /* NULL: none; otherwise CSV, one row per body and step */
+  trace_file *trace;      /* NULL: none; a traced run is not to be timed */
+  dump *dump;             /* NULL: none; the problems of chosen steps are written as files */
+  answers *store;         /* NULL: none; every answer is written here */
+  answers *replay;        /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;
 
 typedef struct sim_times {

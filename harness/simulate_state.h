@@ -1,6 +1,7 @@
 /* harness/simulate_state.h - what the step loop and its solves share. Private to simulate*.c. */
 #pragma once
 
+#include "harness/contact_order.h"
 #include "harness/simulate.h"
 
 /* What a solve came to. */
@@ -18,6 +19,7 @@ typedef struct sim {
   world *w;
   formulation_run *form;
   lcp_instance *instance;
+  contact_order order;
   double *z;
   int z_cap;
   double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */

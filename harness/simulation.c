@@ -1,5 +1,6 @@
 #include "harness/simulation.h"
 
+#include "harness/contact_order.h"
 #include "lcp/base/fields.h"
 #include "problems/scene.h"
 
@@ -47,6 +48,9 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
   BASE_TRY(start_of(t->start, &q->start, err));
+  if (given(t->contact_order)) {
+    BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));
+  }
   return effects_choose(q, given(t->effects) ? t->effects : "declared", &out->effects, err);
 }
 

@@ -6,7 +6,7 @@
 /* As typed; NULL or "": the default. */
 typedef struct simulation_texts {
   const char *scene, *formulation, *solver, *tol;
-  const char *step, *duration, *effects, *start;
+  const char *step, *duration, *effects, *start, *contact_order;
 } simulation_texts;
 
 /* What the texts choose; owns everything the request points to. */

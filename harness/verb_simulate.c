@@ -166,6 +166,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   json_out_text(o, "solver", s->solver.solver->name);
   json_out_text(o, "solver_options", s->solver.config);
   json_out_text(o, "variant", r->variant);
+  json_out_int(o, "contact_order", (long long)s->request.contact_order); /* 0: given */
   json_out_real(o, "step_s", s->request.h);
   json_out_int(o, "steps", r->steps);
   json_out_text(o, "status", run_status_name(r->status));
@@ -286,6 +287,7 @@ static int run(int argc, char **argv) {
                                 {"--tol", ARG_TEXT, &t.tol},
                                 {"--effects", ARG_TEXT, &t.effects},
                                 {"--start", ARG_TEXT, &t.start},
+                                {"--contact-order", ARG_TEXT, &t.contact_order},
                                 {"--trajectory", ARG_TEXT, &f.trajectory},
                                 {"--trace", ARG_TEXT, &f.trace},
                                 {"--dump-step", ARG_TEXT, &f.dump_step},
@@ -312,6 +314,7 @@ const cli_verb verb_simulate = {
     .name = "simulate",
     .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
              " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
+             " [--contact-order given|random:N]"
              " [--trajectory FILE.csv] [--trace FILE.csv]"
              " [--dump-step N | --dump-steps A:B, with --out DIR]",
     .help = "runs one scene and prints one JSON object with its predictions judged",

@@ -1,0 +1,107 @@
+/* Contacts in another order are the same contacts: the same motion for the same impulses, and every
+ * answer back where it belongs. */
+#include "tests/support/check.h"
+
+#include "harness/contact_order.h"
+#include "lcp/base/rng.h"
+#include "problems/scene.h"
+#include "problems/world.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void texts_are_read(void **state) {
+  (void)state;
+  uint64_t seed;
+  base_error err;
+  check_ok(contact_order_parse("given", &seed, &err), &err);
+  assert_true(seed == 0);
+  check_ok(contact_order_parse("random:12", &seed, &err), &err);
+  assert_true(seed == 12);
+  static const char *const bad[] = {"",         "random",     "random:", "random:0",
+                                    "random:x", "random:1.5", "Random:1"};
+  for (int i = 0; i < BASE_COUNT(bad); i++) {
+    assert_int_equal(contact_order_parse(bad[i], &seed, &err), BASE_EINVAL);
+  }
+}
+
+/* Same v_next from the permuted impulses, row by row the same relative velocities. */
+static void check_permuted(const contact_set *c, contact_order *o, const contact_set *p) {
+  base_error err;
+  base_rng rng = base_rng_seeded(o->seed);
+  double *impulse = malloc((size_t)c->n_row * sizeof *impulse);
+  double *bias = malloc((size_t)c->n_contact * sizeof *bias);
+  unsigned char *mode = malloc((size_t)c->n_contact);
+  double *v = malloc(3 * (size_t)c->n_dof * sizeof *v);
+  assert_true(impulse != NULL && bias != NULL && mode != NULL && v != NULL);
+  for (int i = 0; i < c->n_row; i++) {
+    impulse[i] = base_rng_uniform(&rng);
+  }
+  for (int i = 0; i < c->n_contact; i++) {
+    bias[i] = i;
+    mode[i] = (unsigned char)i;
+  }
+  check_ok(contact_set_check(p, &err), &err);
+  formulation_answer a = {.impulse = impulse, .bias = bias, .mode = mode};
+  contact_velocity(p, a.impulse, v, v + 2 * c->n_dof);
+  contact_order_restore(o, c, &a);
+  contact_velocity(c, a.impulse, v + c->n_dof, v + 2 * c->n_dof);
+  for (int i = 0; i < c->n_dof; i++) {
+    check_close(v[i], v[c->n_dof + i], 1e-12);
+  }
+  for (int i = 0; i < c->n_contact; i++) { /* bias tells where in p it came from */
+    const int at = (int)a.bias[i];
+    assert_int_equal(a.mode[i], (unsigned char)at);
+    assert_true(p->gap[at] == c->gap[i] && p->mu_static[at] == c->mu_static[i]);
+    assert_memory_equal(p->frame + 9 * (size_t)at, c->frame + 9 * (size_t)i, 9 * sizeof *c->frame);
+    assert_memory_equal(p->body + 2 * (size_t)at, c->body + 2 * (size_t)i, 2 * sizeof *c->body);
+    assert_memory_equal(p->u_before + p->row_start[at], c->u_before + c->row_start[i],
+                        (size_t)(c->row_start[i + 1] - c->row_start[i]) * sizeof *c->u_before);
+  }
+  free(impulse);
+  free(bias);
+  free(mode);
+  free(v);
+}
+
+/* A stack; an impact with torsion and rolling; a chain with joints; a foot with redundant contacts. */
+static void contacts_are_the_same(void **state) {
+  (void)state;
+  static const char *const scenes[] = {"stack:n=4", "billiard", "chain", "wall",
+                                       "walking_foot:multiplicity=3"};
+  int moved = 0;
+  for (int k = 0; k < BASE_COUNT(scenes); k++) {
+    scene_spec spec;
+    world *w;
+    base_error err;
+    contact_set c;
+    spec_init(&spec);
+    check_ok(scene_load(scenes[k], &spec, &err), &err);
+    check_ok(world_open(&w, &spec, spec.effects, &err), &err);
+    check_ok(world_contacts(w, 0.01, 0.1, &c, &err), &err);
+    contact_order given = {.seed = 0};
+    const contact_set *p;
+    check_ok(contact_order_apply(&given, &c, &p, &err), &err);
+    assert_ptr_equal(p, &c);
+    for (uint64_t seed = 1; seed < 4; seed++) {
+      contact_order o = {.seed = seed};
+      for (int again = 0; again < 2; again++) { /* memory of the step before is used again */
+        check_ok(contact_order_apply(&o, &c, &p, &err), &err);
+        check_permuted(&c, &o, p);
+      }
+      moved += (o.from[0] != 0) ? 1 : 0;
+      contact_order_close(&o);
+    }
+    world_close(w);
+    spec_free(&spec);
+  }
+  assert_true(moved > 5); /* of 15 */
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(texts_are_read),
+      cmocka_unit_test(contacts_are_the_same),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
