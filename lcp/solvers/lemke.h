@@ -113,6 +113,11 @@ lemke_end lemke_path_run(lemke_path *t, const lemke_system *s, lemke_tolerance t
  * where a pivot is doubtful. After any end but LEMKE_SOLVED the table is lost. */
 lemke_end lemke_path_run_table(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
 
+/* The path from the basis of all w on the table, which it fills: for a system of at most table.cap rows,
+ * none of them free. LEMKE_BROKEN also where a pivot is doubtful; a ray is one of the table, not proved by
+ * a factorisation. */
+lemke_end lemke_path_run_small(lemke_path *t, const lemke_system *s, lemke_tolerance tol);
+
 /* Makes z_i of the table basic in the place of w_i; false where that pivot is doubtful. */
 bool lemke_path_take(lemke_path *t, const lemke_system *s, int i);
 
@@ -130,6 +135,9 @@ bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem 
 /* lemke_table.c: a table grows by rows whose w is basic, between paths. */
 
 void lemke_table_layout(lemke_table *b, int cap, base_arena *a);
+
+/* The basis of all w of a system of at most cap rows, with its x. */
+void lemke_table_fill(lemke_path *t, const lemke_system *s);
 void lemke_table_clear(lemke_path *t);
 
 /* Pair n: column[0..n] and row[0..n] are M_in and M_ni for i = 0..n, q is q_n. Updates x. Needs n < cap. */

@@ -362,6 +362,11 @@ lemke_end lemke_path_run_table(lemke_path *t, const lemke_system *s, lemke_toler
   return end;
 }
 
+lemke_end lemke_path_run_small(lemke_path *t, const lemke_system *s, lemke_tolerance tol) {
+  lemke_table_fill(t, s);
+  return lemke_path_run_table(t, s, tol);
+}
+
 bool lemke_path_take(lemke_path *t, const lemke_system *s, int i) {
   bind(t, s, true);
   const int n = t->sys.n;

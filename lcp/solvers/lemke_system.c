@@ -210,25 +210,10 @@ static void shift_down(int *exponent, const int *top, int n, int divisor) {
   }
 }
 
-/* max |v|, four at a time: one comparison need not wait for the last. */
-static double largest(const double *v, int n) {
-  double top[4] = {0};
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    for (int k = 0; k < 4; ++k) {
-      top[k] = lemke_larger(fabs(v[i + k]), top[k]);
-    }
-  }
-  for (; i < n; ++i) {
-    top[0] = lemke_larger(fabs(v[i]), top[0]);
-  }
-  return lemke_larger(lemke_larger(top[0], top[1]), lemke_larger(top[2], top[3]));
-}
-
 /* Columns to maximum 1..2, the first step of every scaling. */
 static void scale_columns(lemke_system *s) {
   for (int j = 0; j < s->rows; ++j) {
-    const double top = largest(s->val + s->colptr[j], s->colptr[j + 1] - s->colptr[j]);
+    const double top = lemke_largest(s->val + s->colptr[j], s->colptr[j + 1] - s->colptr[j]);
     s->row_exp[j] = 0;
     s->col_exp[j] = (top > 0) ? -exponent(top) : 0;
   }

@@ -24,6 +24,29 @@ void lemke_table_clear(lemke_path *t) {
   t->table.column[0] = -1; /* z0 */
 }
 
+void lemke_table_fill(lemke_path *t, const lemke_system *s) {
+  lemke_table *b = &t->table;
+  const int n = s->rows;
+  b->n = n;
+  b->covered = false;
+  for (int j = 0; j < n; ++j) {
+    double *restrict a = entries(b, j);
+    memset(a, 0, sizeof *a * (size_t)n);
+    for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
+      a[s->rowind[p]] = -s->val[p];
+    }
+    b->var[j] = n + j;
+    b->column[j] = -1;
+    b->column[n + j] = j;
+    t->basis.head[j] = j;
+    t->basis.where[j] = j;
+    t->basis.where[n + j] = -1;
+    t->x[j] = s->q[j];
+  }
+  b->column[2 * n] = -1;
+  t->basis.where[2 * n] = -1;
+}
+
 /* Variables are numbered w_i = i, z_i = n+i, z0 = 2n: one more row moves the z by one. */
 static void renumber(lemke_path *t) {
   lemke_table *b = &t->table;

@@ -49,13 +49,18 @@ static const double round_off = 1e-14;
  * gives z so large that rho, relative to M z, would pass anything. */
 static const double data_share = 1e-3;
 
+/* Rows up to which a cold path is faster on a tableau; a full M: LEMKE_TABLE_ROWS. */
+enum { SMALL = 64 };
+
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   lemke_state *k = state;
   const size_t n = (size_t)cap->n;
+  const int sifted = lemke_sift_table_rows(cap);
+  const int small = (cap->n < LEMKE_TABLE_ROWS) ? cap->n : LEMKE_TABLE_ROWS;
   lemke_system_layout(&k->system, cap, a);
   lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof,
-                    lemke_sift_table_rows(cap), a);
+                    (sifted > small) ? sifted : small, a);
   lemke_sift_layout(&k->sift, cap, a);
   k->best = BASE_ARRAY(a, double, n);
   k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
@@ -282,6 +287,27 @@ static bool sift_attempt(lemke_state *k, const lemke_options *o, const double *z
   return false;
 }
 
+/* The path from the basis of all w is faster on a tableau: few rows, none of them free. */
+static bool is_small(const lemke_system *s) {
+  const size_t n = (size_t)s->n;
+  const bool full = 2 * (size_t)s->colptr[n] > n * n;
+  return s->rows == s->n && s->n <= (full ? LEMKE_TABLE_ROWS : SMALL) &&
+         memchr(s->is_free, 1, n) == NULL;
+}
+
+/* The path from in_z, all w where it is cold. What a tableau cannot end, or ends on a ray, is left to a
+ * factored basis. */
+static lemke_end run(lemke_state *k, bool cold, lemke_tolerance tol) {
+  if (cold && is_small(&k->system)) {
+    const lemke_end end = lemke_path_run_small(&k->path, &k->system, tol);
+    if (end == LEMKE_SOLVED || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+      return end;
+    }
+    memset(k->path.in_z, 0, (size_t)k->system.n);
+  }
+  return lemke_path_run(&k->path, &k->system, tol);
+}
+
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
@@ -289,7 +315,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
   warm = warm || (o->start == START_SLIDING && start_sliding(k));
   res->variant = "";
   for (int a = 0; a < BASE_COUNT(attempts);) {
-    const lemke_end end = lemke_path_run(&k->path, &k->system, attempts[a]);
+    const lemke_end end = run(k, !warm, attempts[a]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     if (end == LEMKE_RAY) {
       certify_ray(k, p, !warm, res);
