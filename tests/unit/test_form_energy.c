@@ -14,13 +14,17 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Every third spatial scene also resists spinning and rolling, where the formulation has moments. */
-static rig *random_set(const char *form, int k) {
+/* Every third spatial scene also resists spinning and rolling, where the formulation has moments; under
+ * Poisson's law all contacts of a set bounce alike, from e = 0.1 to 1. */
+static rig *random_set(const char *form, const char *opt, int k) {
   const bool moments = k % 3 == 0 && strcmp(form, "acceleration") != 0;
   rig *r = rig_random(1000 + (uint64_t)k, 2 + k % 2, 0.5);
   for (int i = 0; i < r->n_contact && moments; i++) {
     r->contact[i].torsion = 0.02 * (1 + i);
     r->contact[i].rolling = 0.03;
+  }
+  for (int i = 0; i < r->n_contact && strstr(opt, "poisson") != NULL; i++) {
+    r->contact[i].e = 0.1 * (1 + k % 10);
   }
   return r;
 }
@@ -29,7 +33,7 @@ static rig *random_set(const char *form, int k) {
  * and that of the bristles never rises by more than 1e-10 of itself. Gaps stay closed, so b_n = 0.
  * False where a step was not solved, which is said. */
 static bool loses(const char *form, const char *opt, int k) {
-  rig *r = random_set(form, k);
+  rig *r = random_set(form, opt, k);
   formulation_run *run = rig_open(form, opt);
   double before = (rig_set(r), rig_kinetic(r));
   bool solved = true;
@@ -49,8 +53,8 @@ static bool loses(const char *form, const char *opt, int k) {
   return solved;
 }
 
-/* Of the random sets `regularized` leaves three in a thousand: their modes go round until mode_iter, and which
- * sets these are is up to rounding (seeds 1000 to 22000: 18 of 6000 with the sums of BLAS, 9 with these). */
+/* What may stay unsolved: modes that go round until mode_iter (which sets these are is up to rounding: seen
+ * 0, 2 and 0), bounds that do not settle (85), forces that do not exist (3). */
 static void random_sets_only_lose(void **state) {
   (void)state;
   enum { SCENES = 1000 };
@@ -62,12 +66,12 @@ static void random_sets_only_lose(void **state) {
              {"velocity", "facets=7,cone=circumscribed", 0},
              {"velocity", "restitution=poisson", 0},
              {"position", "facets=8", 0},
-             {"regularized", "", 8},
-             {"regularized", "model=viscous", 8},
-             {"regularized", "bias=position", 8},
-             {"boxed", "", 100},
-             {"coulomb", "", 5},
-             {"acceleration", "", 10}};
+             {"regularized", "", 2},
+             {"regularized", "model=viscous", 4},
+             {"regularized", "bias=position", 2},
+             {"boxed", "", 88},
+             {"coulomb", "", 0},
+             {"acceleration", "", 3}};
   for (int i = 0; i < BASE_COUNT(all); i++) {
     int unsolved = 0;
     for (int k = 0; k < SCENES; k++) {
@@ -76,6 +80,56 @@ static void random_sets_only_lose(void **state) {
     if (unsolved > all[i].allowed) {
       fail_msg("%s:%s: %d of %d not solved", all[i].form, all[i].opt, unsolved, SCENES);
     }
+  }
+}
+
+/* Newton's cradle of three, touching (MATH B7): by Poisson's law the first ends with (1 - 2e)/3, the others with
+ * (1 + e)/3, although the second contact does not approach. */
+static void poisson_moves_a_cradle(void **state) {
+  (void)state;
+  for (int k = 0; k <= 4; k++) {
+    const double e = 0.25 * k, right[3] = {0.5, 0, 0}, left[3] = {-0.5, 0, 0}, n[3] = {1, 0, 0};
+    rig *r = rig_new(2, 0.01);
+    for (int b = 0; b < 3; b++) {
+      rig_body(r, 1, 0.1, 0.1, 0.1);
+      r->x[b][0] = b;
+    }
+    rig_touch(r, 1, 0, left, right, n, 0)->e = e;
+    rig_touch(r, 2, 1, left, right, n, 0)->e = e;
+    r->v[0] = 1;
+    formulation_run *run = rig_open("velocity", "restitution=poisson");
+    rig_step(r, run);
+    assert_true(r->answer.solved);
+    check_close(r->v[0], (1 - 2 * e) / 3, 1e-12);
+    check_close(r->v[3], (1 + e) / 3, 1e-12);
+    check_close(r->v[6], (1 + e) / 3, 1e-12);
+    rig_close(run);
+    free(r);
+  }
+}
+
+/* A disc with I = m r^2/2 lands while it slides at 1 m/s along the floor (MATH B6): friction takes
+ * mu (1 + e) m |u_n|, of both phases, where that is less than m |u_t|/3, what stops the sliding. */
+static void poisson_rubs_in_both_phases(void **state) {
+  (void)state;
+  for (int k = 0; k < 6; k++) {
+    const double e = 0.8, mu = 0.05 * (1 + k), m = 2, radius = 0.5, fall = 1;
+    const double foot[3] = {0, -radius, 0}, ground[3] = {0, 0, 0}, n[3] = {0, 1, 0};
+    rig *r = rig_new(2, 0.01);
+    rig_body(r, m, 0, 0, 0.5 * m * radius * radius);
+    r->x[0][1] = radius;
+    r->v[0] = 1;
+    r->v[1] = -fall;
+    rig_touch(r, 0, -1, foot, ground, n, mu)->e = e;
+    formulation_run *run = rig_open("velocity", "restitution=poisson");
+    rig_step(r, run);
+    const double friction = fmin(mu * (1 + e) * m * fall, m / 3);
+    assert_true(r->answer.solved);
+    check_close(r->v[1], e * fall, 1e-12);
+    check_close(r->v[0], 1 - friction / m, 1e-12);
+    check_close(r->v[2], -friction * radius / (0.5 * m * radius * radius), 1e-12);
+    rig_close(run);
+    free(r);
   }
 }
 
@@ -191,8 +245,9 @@ static void loaded_stick(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-
       cmocka_unit_test(random_sets_only_lose),
+      cmocka_unit_test(poisson_moves_a_cradle),
+      cmocka_unit_test(poisson_rubs_in_both_phases),
       cmocka_unit_test(integrators_only_lose),
       cmocka_unit_test(loaded_stick),
   };
