@@ -27,13 +27,15 @@ typedef struct lemke_system {
 void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a);
 void lemke_system_build(lemke_system *s, const lcp_problem *p);
 
-/* (J u)_i of a factored M, scaled. */
+/* (J u)_i of a factored M, scaled. Two chains run side by side. */
 static inline double lemke_row_speed(const lemke_system *s, int i, const double *u) {
-  double w = 0;
-  for (int p = s->jptr[i]; p < s->jptr[i + 1]; ++p) {
-    w += s->jval[p] * u[s->jdof[p]];
+  double w[2] = {0, 0};
+  int p = s->jptr[i];
+  for (; p + 1 < s->jptr[i + 1]; p += 2) {
+    w[0] += s->jval[p] * u[s->jdof[p]];
+    w[1] += s->jval[p + 1] * u[s->jdof[p + 1]];
   }
-  return w;
+  return w[0] + w[1] + ((p < s->jptr[i + 1]) ? s->jval[p] * u[s->jdof[p]] : 0);
 }
 
 /* rho of lcp_judge.h at the scaled point z (rows; velocities beyond n are recomputed); for a

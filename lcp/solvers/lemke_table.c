@@ -76,11 +76,13 @@ static int list_basic(lemke_path *t, const double *row) {
 }
 
 static double dot(const lemke_table *b, int count, const double *x) {
-  double sum = 0;
-  for (int k = 0; k < count; ++k) {
-    sum += b->part[k] * x[b->at[k]];
+  double sum[2] = {0, 0}; /* two chains run side by side */
+  int k = 0;
+  for (; k + 1 < count; k += 2) {
+    sum[0] += b->part[k] * x[b->at[k]];
+    sum[1] += b->part[k + 1] * x[b->at[k + 1]];
   }
-  return sum;
+  return sum[0] + sum[1] + ((k < count) ? b->part[k] * x[b->at[k]] : 0);
 }
 
 /* B^-1 (-M_n) in the rows there were. */
