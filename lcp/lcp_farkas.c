@@ -1,11 +1,6 @@
 #include "lcp/lcp_farkas.h"
 
-enum { DENOMINATOR_MAX = 256, DOFS_AT_ONCE = 64 };
-
-/* A sum held as head + tail +- lost. */
-typedef struct exact_sum {
-  long double head, tail, lost;
-} exact_sum;
+enum { DENOMINATOR_MAX = 256 };
 
 static long double two_sum(long double a, long double b, long double *rest) { /* Knuth 1969 */
   const long double sum = a + b;
@@ -14,7 +9,7 @@ static long double two_sum(long double a, long double b, long double *rest) { /*
   return sum;
 }
 
-static void add(exact_sum *s, long double v) {
+static void add(lcp_farkas_sum *s, long double v) {
   long double rest;
   long double gone;
   s->head = two_sum(s->head, v, &rest);
@@ -23,14 +18,14 @@ static void add(exact_sum *s, long double v) {
 }
 
 /* a b = p + r exactly; far from underflow, where r would be lost. */
-static void add_product(exact_sum *s, double a, double b) {
+static void add_product(lcp_farkas_sum *s, double a, double b) {
   const long double p = (long double)a * (long double)b;
   add(s, p);
   add(s, fmal((long double)a, (long double)b, -p));
 }
 
 /* -1, 0, 1, or 2 when undecided. */
-static int sign_of(const exact_sum *s) {
+static int sign_of(const lcp_farkas_sum *s) {
   const long double v = s->head + s->tail;
   if (!isfinite(v) || !isfinite(s->lost) || (s->lost > 0 && fabsl(v) <= 4 * s->lost)) {
     return 2;
@@ -40,7 +35,7 @@ static int sign_of(const exact_sum *s) {
 
 /* Of a factored M: of S alone. */
 static int column_sign(const lcp_matrix *M, int j, const double *y) {
-  exact_sum s = {0, 0, 0};
+  lcp_farkas_sum s = {0, 0, 0};
   if (M->storage == LCP_DENSE) {
     for (int i = 0; i < M->n; i++) {
       add_product(&s, M->val[(ptrdiff_t)j * M->n + i], y[i]);
@@ -54,47 +49,35 @@ static int column_sign(const lcp_matrix *M, int j, const double *y) {
   return sign_of(&s);
 }
 
-/* Adds row i of one side of a group: `dof` entries for the velocities from `at` on, which may lie outside
- * the window of sums. */
-static void add_row(const double *jac, int dof, int at, double y, exact_sum *sum) {
-  for (int c = 0; c < dof; c++) {
-    if (at + c >= 0 && at + c < DOFS_AT_ONCE) {
-      add_product(&sum[at + c], jac[c], y);
-    }
+/* M = J W J' + S: a y that moves no body, J'y = 0, leaves M'y = S'y. One pass over J. */
+static bool moves_nothing(const lcp_factored *f, const double *y, lcp_farkas_sum *force) {
+  const int n_dof = f->dof_start[f->n_body];
+  for (int c = 0; c < n_dof; c++) {
+    force[c] = (lcp_farkas_sum){0, 0, 0};
   }
-}
-
-/* Sums (J'y)_c of the velocities first .. first + DOFS_AT_ONCE - 1. */
-static void add_forces(const lcp_factored *f, const double *y, int first, exact_sum *sum) {
   for (int g = 0; g < f->n_group; g++) {
     const double *jac = f->jac + f->jac_start[g];
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
       const int dof = (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
       for (int i = f->row_start[g]; i < f->row_start[g + 1] && b >= 0; i++, jac += dof) {
-        add_row(jac, dof, f->dof_start[b] - first, y[i], sum);
+        for (int c = 0; c < dof && y[i] != 0; c++) {
+          add_product(&force[f->dof_start[b] + c], jac[c], y[i]);
+        }
       }
     }
   }
-}
-
-/* M = J W J' + S: a y that moves no body, J'y = 0, leaves M'y = S'y. */
-static bool moves_nothing(const lcp_factored *f, const double *y) {
-  for (int first = 0; first < f->dof_start[f->n_body]; first += DOFS_AT_ONCE) {
-    exact_sum sum[DOFS_AT_ONCE] = {{0}};
-    add_forces(f, y, first, sum);
-    for (int c = 0; c < DOFS_AT_ONCE; c++) {
-      if (sign_of(&sum[c]) != 0) {
-        return false;
-      }
+  for (int c = 0; c < n_dof; c++) {
+    if (sign_of(&force[c]) != 0) {
+      return false;
     }
   }
   return true;
 }
 
 static bool holds(const lcp_matrix *M, const double *q, const unsigned char *kind,
-                  const double *y) {
-  exact_sum value = {0, 0, 0};
+                  lcp_farkas_sum *force, const double *y) {
+  lcp_farkas_sum value = {0, 0, 0};
   for (int i = 0; i < M->n; i++) {
     const bool is_free = kind != NULL && kind[i] != 0;
     if (!isfinite(y[i]) || (y[i] < 0 && !is_free)) {
@@ -102,7 +85,8 @@ static bool holds(const lcp_matrix *M, const double *q, const unsigned char *kin
     }
     add_product(&value, q[i], y[i]);
   }
-  if (sign_of(&value) != -1 || (M->storage == LCP_FACTORED && !moves_nothing(M->factored, y))) {
+  if (sign_of(&value) != -1 ||
+      (M->storage == LCP_FACTORED && !moves_nothing(M->factored, y, force))) {
     return false;
   }
   for (int j = 0; j < M->n; j++) {
@@ -129,7 +113,8 @@ static int denominator(const double *y, int n, double top) {
   return 0;
 }
 
-bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char *kind, double *y) {
+bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char *kind,
+                      lcp_farkas_sum *force, double *y) {
   double top = 0;
   for (int i = 0; i < M->n; i++) {
     top = fmax(top, fabs(y[i]));
@@ -141,5 +126,5 @@ bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char 
   for (int i = 0; i < M->n; i++) {
     y[i] = (k > 0) ? nearbyint(k * (y[i] / top)) : ldexp(y[i], -ilogb(top)); /* no digit lost */
   }
-  return holds(M, q, kind, y);
+  return holds(M, q, kind, force, y);
 }

@@ -4,9 +4,17 @@
 
 #include "lcp/lcp_problem.h"
 
+/* A sum held as head + tail +- lost. */
+typedef struct lcp_farkas_sum {
+  long double head, tail, lost;
+} lcp_farkas_sum;
+
 /* True only when the three hold exactly for the binary numbers of the problem: sums are kept as
  * head + tail with a bound on what was lost, and an undecided sign counts as a failure. y is first
  * rounded to a multiple of max|y|/k, k <= 256, where it is one up to 1e-9, so that rounded
  * directions of problems with plain data become exact. Orthant and free blocks; of a factored M
- * only a y that moves no body, J'y = 0 and S'y <= 0, is a proof here; no allocation. `kind` has n entries, 0 orthant, 1 free (NULL: all orthant). */
-bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char *kind, double *y);
+ * only a y that moves no body, J'y = 0 and S'y <= 0, is a proof here. `kind` has n entries, 0 orthant, 1 free
+ * (NULL: all orthant); `force` is scratch, one for each velocity of a factored M, else not read. One pass
+ * over M; no allocation. */
+bool lcp_farkas_prove(const lcp_matrix *M, const double *q, const unsigned char *kind,
+                      lcp_farkas_sum *force, double *y);

@@ -1,6 +1,7 @@
 /* solvers/lemke.h - parts of the lemke solver; included by solver_lemke.c and lemke_*.c only. */
 #pragma once
 
+#include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/basis.h"
 
@@ -22,6 +23,7 @@ typedef struct lemke_system {
   long double *row_sum;
   double *tau0, *zref;
   unsigned char *is_free; /* w_i = 0, z_i unbounded */
+  lcp_farkas_sum *force;  /* n_dof: scratch of lemke_farkas */
 } lemke_system;
 
 void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a);

@@ -1,6 +1,5 @@
 /* Proof of infeasibility from a ray. For M positive semidefinite, or copositive-plus, the z-part of
  * a terminating ray is a Farkas vector (Cottle, Pang & Stone 1992, theorem 4.4.11). */
-#include "lcp/lcp_farkas.h"
 #include "lcp/solvers/lemke.h"
 
 #include <math.h>
@@ -43,7 +42,7 @@ bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem 
     return true;
   }
   read_ray(t, s, y);
-  if (lcp_farkas_prove(&p->M, p->q, s->is_free, y)) {
+  if (lcp_farkas_prove(&p->M, p->q, s->is_free, s->force, y)) {
     return true;
   }
   read_ray(t, s, y); /* undo the rounding */

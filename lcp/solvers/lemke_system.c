@@ -33,6 +33,7 @@ void lemke_system_layout(lemke_system *s, const lcp_capacity *cap, base_arena *a
   s->tau0 = BASE_ARRAY(a, double, rows);
   s->zref = BASE_ARRAY(a, double, rows);
   s->is_free = BASE_ARRAY(a, unsigned char, rows);
+  s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
 }
 
 static int push(lemke_system *s, int at, int row, double v) {

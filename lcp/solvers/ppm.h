@@ -2,6 +2,7 @@
  * only. */
 #pragma once
 
+#include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/packed_chol.h"
 #include "lcp/solvers/sweep.h"
@@ -19,12 +20,13 @@ typedef struct ppm {
   unsigned char *is_free;
   unsigned char *tries; /* times a violation near round-off was driven */
   double *L, *cs;
-  double *d, *unit;  /* diagonal; sqrt |M_ii| (1 where zero) */
-  double *lo, *hi;   /* bounds of every row */
-  double *w, *bound; /* M z + q; |q| + |M||z| */
-  double *x, *y;     /* L^-1 M_Fr; direction of z_F, by place */
-  double *ray;       /* by row */
-  long double *sum;  /* n */
+  double *d, *unit;      /* diagonal; sqrt |M_ii| (1 where zero) */
+  double *lo, *hi;       /* bounds of every row */
+  double *w, *bound;     /* M z + q; |q| + |M||z| */
+  double *x, *y;         /* L^-1 M_Fr; direction of z_F, by place */
+  double *ray;           /* by row */
+  lcp_farkas_sum *force; /* n_dof: scratch of lcp_farkas_prove */
+  long double *sum;      /* n */
 } ppm;
 
 /* w = M z + q and |q| + |M||z|. */

@@ -249,7 +249,7 @@ static bool proves_infeasible(block_pivoting *s, const lcp_problem *p) {
     const bool faint = fabs(s->move[i]) < 1e-9 * top;
     s->move[i] = (faint || (s->move[i] < 0 && !s->is_free[i])) ? 0 : s->scale[i] * s->move[i];
   }
-  return lcp_farkas_prove(&p->M, p->q, s->is_free, s->move);
+  return lcp_farkas_prove(&p->M, p->q, s->is_free, NULL, s->move);
 }
 
 static lcp_outcome of_end(end e) {

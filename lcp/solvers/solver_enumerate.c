@@ -240,7 +240,7 @@ static bool infeasible(enumerate *s, lcp_small_simplex *x, const lcp_problem *p)
     const real y = sign * (x->cost[x->columns + i] - 1);
     s->farkas[i] = (y > zero_share) ? (double)y * s->row[i] : 0;
   }
-  return lcp_farkas_prove(&p->M, p->q, NULL, s->farkas);
+  return lcp_farkas_prove(&p->M, p->q, NULL, NULL, s->farkas);
 }
 
 static int members(unsigned mask, int n, int *b) {

@@ -11,7 +11,6 @@
  * A start point gives the first F, by the rows strictly inside their bounds; descent to w_F = 0 precedes.
  * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
 #include "lcp/base/clock.h"
-#include "lcp/lcp_farkas.h"
 #include "lcp/solvers/ppm.h"
 
 #include <float.h>
@@ -57,6 +56,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   s->x = BASE_ARRAY(a, double, cap->n);
   s->y = BASE_ARRAY(a, double, cap->n);
   s->ray = BASE_ARRAY(a, double, cap->n);
+  s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
   s->sum = BASE_ARRAY(a, long double, cap->n);
 }
 
@@ -264,7 +264,7 @@ static bool proves_infeasible(ppm *s, const lcp_problem *p, int r) {
     s->ray[s->order[k]] = s->is_free[s->order[k]] ? v : fmax(v, 0.0);
   }
   s->ray[r] = sign;
-  return lcp_farkas_prove(&p->M, p->q, s->is_free, s->ray);
+  return lcp_farkas_prove(&p->M, p->q, s->is_free, s->force, s->ray);
 }
 
 static double resting_place(const ppm *s, int i) {
