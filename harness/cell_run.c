@@ -6,6 +6,7 @@
 #include "harness/stats.h"
 #include "lcp/base/clock.h"
 
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -26,6 +27,7 @@ void cell_identity(const cell_job *job, record *r) {
   r->quick = job->campaign->quick ? 1 : 0;
   r->t_limit_s = job->campaign->limits.time;
   r->canary_s = job->canary;
+  r->mem_node = (job->mem_node >= 0) ? job->mem_node : INT64_MIN;
   SET_TEXT(r->cache, job->campaign->sampling.cold ? "cold" : "warm");
   SET_TEXT(r->campaign, job->campaign->name);
   SET_TEXT(r->part, c->part);
@@ -121,6 +123,7 @@ static base_status take_sample(measured *m, const record *base, sampling *s, bas
   BASE_TRY(m->sample(m, r, &s->seconds[s->n], err));
   (void)getrusage(RUSAGE_THREAD, &after);
   s->longest = fmax(s->longest, base_seconds() - from);
+  r->freq_MHz = machine_frequency(sched_getcpu()); /* while the CPU is still at it */
   r->ctx_invol = after.ru_nivcsw - before.ru_nivcsw;
   r->major_faults = after.ru_majflt - before.ru_majflt;
   r->rep = s->n;

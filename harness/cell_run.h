@@ -9,7 +9,8 @@ typedef struct cell_job {
   const campaign *campaign;
   const cell *cell;
   int process;
-  double canary;        /* latest canary time [s] */
+  int mem_node;  /* that memory is bound to; -1: none, or not known (of a process that died) */
+  double canary; /* latest canary time [s] */
   const char *solution; /* path for the answers (answers.h); NULL: not stored */
   const char *trace;    /* path for the convergence history (trace.h): the job is the untimed twin;
                            NULL: a timed run */

@@ -9,7 +9,6 @@
 #include <dirent.h>
 #include <errno.h>
 #include <math.h>
-#include <sched.h>
 #include <string.h>
 
 static json_t *advice(const machine *m, const noise_report *n, double load) {
@@ -112,11 +111,10 @@ base_status doctor_visit(const char *dir, double seconds, base_error *err) {
   BASE_TRY(keep_other(dir, err));
   noise_report report;
   cpu_set_t before;
-  const bool known = sched_getaffinity(0, sizeof before, &before) == 0;
-  machine_pin(machine_last_cpu());
+  const bool pinned = machine_pin_for_now(machine_last_cpu(), &before);
   noise_measure(seconds, 1, &report);
-  if (known) {
-    (void)sched_setaffinity(0, sizeof before, &before);
+  if (pinned) {
+    machine_pin_back(&before);
   }
   json_t *o = doctor_json(&report);
   const base_status done = doctor_store(o, dir, err);

@@ -2,12 +2,15 @@
 
 #include "harness/args.h"
 #include "lcp/base/clock.h"
+#include "lcp/base/fields.h"
 
+#include <linux/mempolicy.h>
 #include <math.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/syscall.h>
 #include <sys/utsname.h>
 #include <time.h>
 #include <unistd.h>
@@ -59,16 +62,17 @@ double machine_load(void) {
   return (line[0] != '\0') ? strtod(line, NULL) : (double)NAN;
 }
 
-double machine_frequency(int cpu) {
-  char path[96];
+double machine_frequency_in(const char *folder, int cpu) {
+  char path[160];
   char line[64];
-  (void)snprintf(path, sizeof path, "/sys/devices/system/cpu/cpu%d/cpufreq/scaling_cur_freq", cpu);
+  double kilohertz;
+  (void)snprintf(path, sizeof path, "%.100s/cpu%d/cpufreq/scaling_cur_freq", folder, cpu);
   first_line(path, line, sizeof line);
-  if (line[0] != '\0') {
-    return 1e-3 * strtod(line, NULL); /* kHz */
-  }
-  machine_proc_value("/proc/cpuinfo", "cpu MHz", line, sizeof line);
-  return (line[0] != '\0') ? strtod(line, NULL) : (double)NAN;
+  return base_parse_real(line, &kilohertz) ? 1e-3 * kilohertz : (double)NAN;
+}
+
+double machine_frequency(int cpu) {
+  return machine_frequency_in("/sys/devices/system/cpu", cpu);
 }
 
 int machine_last_cpu(void) {
@@ -89,6 +93,28 @@ void machine_pin(int cpu) {
     CPU_SET((size_t)cpu, &set);
     (void)sched_setaffinity(0, sizeof set, &set);
   }
+}
+
+bool machine_pin_for_now(int cpu, cpu_set_t *before) {
+  const bool known = sched_getaffinity(0, sizeof *before, before) == 0;
+  machine_pin(known ? cpu : -1);
+  return known;
+}
+
+void machine_pin_back(const cpu_set_t *before) {
+  (void)sched_setaffinity(0, sizeof *before, before);
+}
+
+int machine_bind_memory(void) {
+  enum { BITS = 1024, WORD = 8 * sizeof(unsigned long) };
+  unsigned long mask[BITS / WORD] = {0};
+  unsigned cpu;
+  unsigned node;
+  if (syscall(SYS_getcpu, &cpu, &node, NULL) != 0 || node >= BITS) {
+    return -1;
+  }
+  mask[node / WORD] = 1ul << node % WORD;
+  return (syscall(SYS_set_mempolicy, MPOL_BIND, mask, BITS + 1ul) == 0) ? (int)node : -1;
 }
 
 void machine_utc(char *buf, size_t cap) {

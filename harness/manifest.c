@@ -98,6 +98,7 @@ static json_t *machine_json(void) {
   json_out_real(o, "clock_cost_s", cost);
   json_out_real(o, "clock_step_s", step);
   json_out_text(o, "governor", m.governor[0] != '\0' ? m.governor : NULL);
+  put_proc(o, "cpuinfo_MHz", "/proc/cpuinfo", "cpu MHz");
   put_proc(o, "microcode", "/proc/cpuinfo", "microcode");
   put_proc(o, "cpu_flags", "/proc/cpuinfo", "flags");
   put_proc(o, "memory", "/proc/meminfo", "MemTotal");

@@ -35,7 +35,7 @@
   T(end_quantity, 64) R(end_value)                                                                 \
   I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200)                     \
   T(solution_hash, 24)                                                                             \
-  T(host, 64) T(host_class, 96) T(cpu_set, 16) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
+  T(host, 64) T(host_class, 96) T(cpu_set, 16) I(mem_node) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
   B(throttled) R(canary_s) T(trace, 48) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty)      \
   T(build_hash, 24) T(base_hash, 24)                                                                                \
   T(command, 1200)

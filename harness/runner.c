@@ -17,21 +17,53 @@ void runner_path(const char *dir, const char *name, char *buf, size_t cap) {
   (void)snprintf(buf, cap, "%s/%s", dir, name);
 }
 
+static const char canary_header[] = "utc,host,canary_s,load1,freq_MHz\n";
+
 static void measure_canary(runner *r) {
+  cpu_set_t before;
+  const int cpu = machine_last_cpu();
+  const bool pinned = r->o->pin && machine_pin_for_now(cpu, &before);
   r->canary = machine_canary();
+  const double frequency = machine_frequency(pinned ? cpu : sched_getcpu());
+  if (pinned) {
+    machine_pin_back(&before);
+  }
   r->canary_at = base_seconds();
   char path[1100];
   char when[24];
+  char megahertz[32] = "";
   runner_path(r->o->out, "canary.csv", path, sizeof path);
   FILE *to = fopen(path, "a");
   if (to != NULL) { /* the canary also stands in every row; a lost line here loses nothing */
     machine_utc(when, sizeof when);
-    if (ftell(to) == 0) {
-      (void)fputs("utc,host,canary_s,load1\n", to);
+    if (frequency > 0.0) {
+      (void)snprintf(megahertz, sizeof megahertz, "%.6g", frequency);
     }
-    (void)fprintf(to, "%s,%s,%.17g,%.3g\n", when, r->machine.host, r->canary, machine_load());
+    if (ftell(to) == 0) {
+      (void)fputs(canary_header, to);
+    }
+    (void)fprintf(to, "%s,%s,%.17g,%.3g,%s\n", when, r->machine.host, r->canary, machine_load(),
+                  megahertz);
     (void)fclose(to);
   }
+}
+
+/* Canaries of another version have other columns: they make room. */
+static base_status settle_canaries(const runner *r, base_error *err) {
+  char path[1100];
+  char old[1100];
+  char line[sizeof canary_header] = "";
+  runner_path(r->o->out, "canary.csv", path, sizeof path);
+  runner_path(r->o->out, "canary.old.csv", old, sizeof old);
+  FILE *from = fopen(path, "r");
+  if (from == NULL) {
+    return BASE_OK;
+  }
+  const bool ours = fgets(line, sizeof line, from) == NULL || strcmp(line, canary_header) == 0;
+  (void)fclose(from);
+  return (ours || rename(path, old) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
 }
 
 /* What unit u still needs: its rows, or only the history of its cell. */
@@ -109,6 +141,7 @@ static base_status prepare(runner *r, base_error *err) {
   if (r->done == NULL || r->ended == NULL || r->twin == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the run");
   }
+  BASE_TRY(settle_canaries(r, err));
   base_status done = runner_open_rows(r, &rows, err);
   if (done == BASE_OK) {
     done = runner_twins_open(r, err);

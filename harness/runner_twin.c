@@ -130,7 +130,8 @@ base_status runner_twin(runner *r, int index, base_error *err) {
   if (t->dead || access(path, F_OK) == 0) {
     return BASE_OK;
   }
-  r->job = (cell_job){.campaign = r->plan->campaign, .cell = c, .canary = r->canary, .trace = path};
+  r->job = (cell_job){
+      .campaign = r->plan->campaign, .cell = c, .mem_node = -1, .canary = r->canary, .trace = path};
   BASE_TRY(runner_measure(r, 0, &end, &whole, err));
   if (!whole) {
     return BASE_OK;

@@ -18,7 +18,8 @@
 /* Children share the parent's address space layout, which may favour one solver over another
  * (Mytkowicz et al. 2009): every process gets its own offsets of stack and heap, by the seed. */
 static void child_body(void *ctx, isolate_channel *c) {
-  const runner *r = ctx;
+  runner *r = ctx;
+  r->job.mem_node = r->o->pin ? machine_bind_memory() : -1;
   uint64_t seed = r->plan->campaign->seed + (uint64_t)r->job.process;
   for (const char *at = r->job.cell->id; *at != '\0'; at++) {
     seed = (seed ^ (unsigned char)*at) * 0x100000001b3u;
@@ -89,13 +90,11 @@ typedef struct surroundings {
 static void add_context(runner *r, const isolate_end *end, const surroundings *s) {
   const int cpu = (s->cpu >= 0) ? s->cpu : 0;
   const long throttles = machine_throttles(cpu);
-  const double frequency = machine_frequency(cpu);
   for (int i = 0; i < r->unit_rows.n; i++) {
     record *row = &r->unit_rows.row[i];
     row->order = s->order;
     row->rss_peak_B = end->rss_peak;
     row->load1 = s->load;
-    row->freq_MHz = frequency;
     row->throttled = (int8_t)((throttles < 0) ? -1 : throttles > s->throttles);
     row->suite_dirty = (int8_t)build_dirty();
     if (s->cpu >= 0) {
@@ -167,6 +166,7 @@ base_status runner_unit(runner *r, int u, base_error *err) {
   r->job = (cell_job){.campaign = r->plan->campaign,
                       .cell = c,
                       .process = un->process,
+                      .mem_node = -1,
                       .canary = r->canary,
                       .solution = store ? solution : NULL};
   BASE_TRY(runner_measure(r, u, &end, &whole, err));

@@ -68,7 +68,7 @@ static base_status replay(const char *path, const record *row, record *again, ba
   const campaign limits = {.limits.time = row->t_limit_s};
   (void)snprintf(text, sizeof text, "%s", row->command);
   BASE_TRY(cell_of_command(text, &c, err));
-  const cell_job job = {.campaign = &limits, .cell = &c};
+  const cell_job job = {.campaign = &limits, .cell = &c, .mem_node = -1};
   return cell_replay(&job, path, again, err);
 }
 

@@ -329,6 +329,18 @@ static void answers_read_back(void **state) {
   (void)unlink(path);
 }
 
+/* What cpufreq says in kHz; nothing said, nothing known. */
+static void frequencies_are_read(void **state) {
+  (void)state;
+  assert_int_equal(system("mkdir -p freq_harness/cpu3/cpufreq freq_harness/cpu4/cpufreq"), 0);
+  write_text("freq_harness/cpu3/cpufreq/scaling_cur_freq", "2345678\n");
+  write_text("freq_harness/cpu4/cpufreq/scaling_cur_freq", "<unknown>\n");
+  check_close(machine_frequency_in("freq_harness", 3), 2345.678, 1e-9);
+  assert_true(isnan(machine_frequency_in("freq_harness", 4)));
+  assert_true(isnan(machine_frequency_in("freq_harness", 5)));
+  assert_int_equal(system("rm -r freq_harness"), 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(rows_read_back),
@@ -340,6 +352,7 @@ int main(void) {
       cmocka_unit_test(asked_tolerance_decides_ok),
       cmocka_unit_test(g6_a_changed_solver_invalidates_its_cells),
       cmocka_unit_test(problems_are_hashed_once),
+      cmocka_unit_test(frequencies_are_read),
       cmocka_unit_test(answers_read_back),
       cmocka_unit_test(drifting_canaries_flag_rows),
   };
