@@ -131,6 +131,9 @@ static inline const double *form_own_block(const form_assembly *a, int i) {
 
 /* u = r + C lambda over the rows in use. */
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);
+/* The same as r + J W J' lambda, where C is known on its diagonal only and joints were not eliminated; writes the answer of
+ * lambda on the way. */
+void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u);
 
 /* C as a dense n_row x n_row matrix, column-major. */
 void form_assembly_dense(const form_assembly *a, double *out);

@@ -82,3 +82,29 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
                    a->v_next + at);
   }
 }
+
+/* u += J x over the first `rows` rows of group g. */
+static void add_velocity(const contact_set *c, int g, int rows, const double *x, double *u) {
+  const int all = c->row_start[g + 1] - c->row_start[g];
+  const double *jac = c->jac + c->jac_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = contact_dofs(c, b);
+    for (int p = 0; p < rows && n > 0; p++) {
+      u[p] += FORM_WITH_DOFS(n, form_dot, jac + (ptrdiff_t)p * n, x + c->dof_start[b]);
+    }
+    jac += (ptrdiff_t)all * n;
+  }
+}
+
+void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u) {
+  const contact_set *c = a->set;
+  form_assembly_answer(a, lambda);
+  for (int d = 0; d < c->n_dof; d++) {
+    a->force[d] = a->v_next[d] - c->v_free[d];
+  }
+  memcpy(u, a->r, (size_t)a->n_row * sizeof *u);
+  for (int i = 0; i < a->n_group; i++) {
+    add_velocity(c, a->group[i], form_rows_of(a, i), a->force, u + a->row[i]);
+  }
+}

@@ -202,9 +202,6 @@ static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows
     rebound(s);
     return (o->joints == 0) ? form_assembly_eliminate(&s->a, err) : BASE_OK;
   }
-  if (o->restitution == POLY_POISSON) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with restitution=poisson");
-  }
   if (o->planar == POLY_THREE && c->dim == 2 && rows != FORM_ROWS_NORMAL) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with planar=three");
   }
@@ -277,6 +274,17 @@ static unsigned traits(const polyhedral *s) {
   return LCP_ZERO_DIAGONAL | (three ? 0u : (unsigned)LCP_COPOSITIVE);
 }
 
+/* u of the impulses that are already there: none before the first solve. */
+static void velocities(polyhedral *s) {
+  if (s->phase == 0) {
+    memcpy(s->u, s->a.r, (size_t)s->a.n_row * sizeof *s->u);
+  } else if (s->a.own_only) {
+    form_assembly_velocity_of(&s->a, s->base, s->u);
+  } else {
+    form_assembly_velocity(&s->a, s->base, s->u);
+  }
+}
+
 base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
                           base_error *err) {
   (void)err;
@@ -285,7 +293,7 @@ base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool
   if (!*pending) {
     return BASE_OK;
   }
-  form_assembly_velocity(&s->a, s->base, s->u);
+  velocities(s);
   for (int i = 0; i < s->a.n_group; i++) {
     const double bias = (i < s->a.n_contact) ? s->a.bias[s->a.group[i]] : 0;
     poly_fill_q(s, i, bias, s->q + s->first[i]);

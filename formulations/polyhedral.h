@@ -10,8 +10,7 @@
  * the contact, so that every unknown is an impulse and every row a velocity. Torsion and rolling
  * resistance are further facets with a sigma of their own, scaled by their coefficient [m].
  * storage=factored hands out M = J W J' + S with J the rows F' J, sigma alone in S; joints then stay in as
- * free rows, and what needs C of a whole step (Poisson's law) or is not symmetric in F (the planar
- * three-unknown form) is refused.
+ * free rows, and what is not symmetric in F (the planar three-unknown form) is refused.
  * A contact without friction has the unknown lambda_n alone. The matrix is copositive: with b_n >=
  * 0 Lemke's method always finds a solution; with b_n < 0 it may end on a ray. */
 #pragma once
