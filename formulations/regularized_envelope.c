@@ -2,6 +2,7 @@
  * Cuthill-McKee order, so that a chain, a stack or a wall costs in proportion to its size. */
 #include "formulations/dof_kernel.h"
 #include "formulations/regularized_factor.h"
+#include "lcp/base/clones.h"
 
 #include <cblas.h>
 #include <math.h>
@@ -71,7 +72,7 @@ static inline void add_rows(const reg_springs *s, int x, int y, double *to, ptrd
 }
 
 /* A block on the diagonal gets what lies above it too, which nothing reads. */
-void reg_envelope_add(reg_mass *m, const reg_springs *s, int x, int y) {
+BASE_CLONES void reg_envelope_add(reg_mass *m, const reg_springs *s, int x, int y) {
   const int row = s->place[x];
   const ptrdiff_t stride = (ptrdiff_t)(m->at[row + 1] - m->at[row]);
   FORM_WITH_DOFS(s->n[y], add_rows, s, x, y, entry(m, row, s->place[y]), stride);
@@ -129,8 +130,8 @@ bool reg_envelope_factor(const contact_set *c, reg_mass *m) {
 enum { FEW = 4096 }; /* products for which BLAS does not pay */
 
 /* y -= sum_j l_j y_j over m rows `stride` apart, three of them in a sweep. */
-static void subtract_rows(const double *l, int m, const double *restrict rows, ptrdiff_t stride,
-                          double *restrict y, int n) {
+static inline void subtract_rows(const double *l, int m, const double *restrict rows,
+                                 ptrdiff_t stride, double *restrict y, int n) {
   int j = 0;
   for (; j + 3 <= m; j += 3, rows += 3 * stride) {
     const double *restrict b = rows + stride;
@@ -145,7 +146,8 @@ static void subtract_rows(const double *l, int m, const double *restrict rows, p
 }
 
 /* The n rows y of one body, `width` columns of them: `before` rows above are done. */
-static void forward_body(const double *L, int n, int before, double *y, int width, int all) {
+BASE_CLONES static void forward_body(const double *L, int n, int before, double *y, int width,
+                                     int all) {
   const double *above = y - (ptrdiff_t)before * all;
   const bool many = (double)n * before * width > FEW;
   if (many) {
