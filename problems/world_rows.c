@@ -75,56 +75,77 @@ static int side_dofs(const world *w, int side) {
   return (b != NULL) ? b->n_dof : 0;
 }
 
-/* One Jacobian row being written: which group and row, and what it measures. */
+/* The rows of one group being written. */
 typedef struct row_at {
-  int row, n_rows, k; /* global row, rows of the group, row within the group */
-  double *jac;        /* of the group */
+  int row; /* the next one, of the set */
   double h;
+  const body *body[2]; /* NULL: a side without a body */
+  double arm[2][3];    /* from its centre to where the side is felt */
+  double *jac[2];      /* the next row of either side */
 } row_at;
 
-/* Writes  sign * d . (velocity of side at p)  (angular: d . omega) into row r and adds the parts
- * that no dof carries to its drift and to the velocity before the step. */
-static void write_side(world *w, const row_at *r, int side, double *jac, double sign,
-                       const double *d, const double *p, bool angular) {
-  const body *b = side_body(w, side);
+static row_at rows_of_group(const world *w, int group, const int side[2], double h) {
+  const set_store *s = &w->store;
+  const int first = s->row_start[group];
+  row_at r = {.row = first, .h = h, .body = {side_body(w, side[0]), side_body(w, side[1])}};
+  const int n0 = (r.body[0] != NULL) ? r.body[0]->n_dof : 0;
+  r.jac[0] = s->jac + s->jac_start[group];
+  r.jac[1] = r.jac[0] + (ptrdiff_t)(s->row_start[group + 1] - first) * n0;
+  return r;
+}
+
+static void felt_at(row_at *r, const double *pa, const double *pb) {
+  const double *p[2] = {pa, pb};
+  for (int k = 0; k < 2; k++) {
+    if (r->body[k] != NULL) {
+      v3_sub(p[k], r->body[k]->at.x, r->arm[k]);
+    }
+  }
+}
+
+/* Writes  sign * d . (velocity of side k)  (angular: d . omega) into its next row and adds the parts
+ * that no dof carries to the drift and to the velocity before the step. */
+static void write_side(world *w, row_at *r, int k, double sign, const double *d, bool angular) {
+  const body *b = r->body[k];
   if (b == NULL) {
     return;
   }
-  double full[6] = {0}, arm[3];
+  double full[6] = {0};
   if (angular) {
     v3_scale(sign, d, full + 3);
   } else {
     v3_scale(sign, d, full);
-    v3_sub(p, b->at.x, arm);
-    v3_cross(arm, full, full + 3);
+    v3_cross(r->arm[k], full, full + 3);
   }
-  for (int k = 0; k < b->n_dof; k++) {
-    jac[k] = full[b->axis[k]];
+  double *jac = r->jac[k];
+  if (b->n_dof == 6) { /* every axis, in order */
+    memcpy(jac, full, sizeof full);
+  } else {
+    for (int i = 0; i < b->n_dof; i++) {
+      jac[i] = full[b->axis[i]];
+    }
   }
+  r->jac[k] = jac + b->n_dof;
   double before = 0.0;
-  for (int k = 0; k < 6; k++) {
-    before += full[k] * b->v[k];
+  for (int i = 0; i < 6; i++) {
+    before += full[i] * b->v[i];
   }
   w->store.u_before[r->row] += before;
   if (b->driven) {
     double v[6];
     body_driven(b, w->t + r->h, v);
-    for (int k = 0; k < 6; k++) {
-      w->store.u_drift[r->row] += full[k] * v[k];
+    for (int i = 0; i < 6; i++) {
+      w->store.u_drift[r->row] += full[i] * v[i];
     }
   }
 }
 
-static void write_row(world *w, row_at *r, const int side[2], const double *d, const double *pa,
-                      const double *pb, bool angular) {
-  const int n0 = side_dofs(w, side[0]), n1 = side_dofs(w, side[1]);
+static void write_row(world *w, row_at *r, const double *d, bool angular) {
   w->store.u_drift[r->row] = 0.0;
   w->store.u_before[r->row] = 0.0;
-  write_side(w, r, side[0], r->jac + (ptrdiff_t)r->k * n0, 1.0, d, pa, angular);
-  write_side(w, r, side[1], r->jac + (ptrdiff_t)r->n_rows * n0 + (ptrdiff_t)r->k * n1, -1.0, d, pb,
-             angular);
+  write_side(w, r, 0, 1.0, d, angular);
+  write_side(w, r, 1, -1.0, d, angular);
   r->row++;
-  r->k++;
 }
 
 /* Tangents: planar t = n turned by -90 degrees (n up: t along +x); spatial t1 = world x projected
@@ -196,20 +217,20 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
     spin[k] = 0.5 * (w->body[c->a].v[3 + k] + wb);
   }
   const int first = s->row_start[i];
-  row_at at = {.row = first, .n_rows = s->row_start[i + 1] - first, .h = h};
-  at.jac = s->jac + s->jac_start[i];
-  write_row(w, &at, side, frame, c->x, c->x, false);
+  row_at at = rows_of_group(w, i, side, h);
+  felt_at(&at, c->x, c->x);
+  write_row(w, &at, frame, false);
   for (int k = 0; k < r.tangent; k++) {
-    write_row(w, &at, side, frame + 3 + 3 * (ptrdiff_t)k, c->x, c->x, false);
+    write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, false);
   }
   if (r.torsion > 0) {
-    write_row(w, &at, side, frame, c->x, c->x, true);
+    write_row(w, &at, frame, true);
   }
   if (r.rolling == 1) { /* about the normal of the plane of motion */
-    write_row(w, &at, side, (w->dim == 2) ? z : frame + 6, c->x, c->x, true);
+    write_row(w, &at, (w->dim == 2) ? z : frame + 6, true);
   }
   for (int k = 0; r.rolling == 2 && k < 2; k++) {
-    write_row(w, &at, side, frame + 3 + 3 * (ptrdiff_t)k, c->x, c->x, true);
+    write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, true);
   }
   if (c->b >= w->n_body && world_has(w, EFFECT_MOTION)) { /* belts */
     const double *belt = w->spec.fixed[c->b - w->n_body].surface_velocity;
@@ -256,11 +277,11 @@ static void fill_joint(world *w, const joint_data *j, int group, double h) {
   set_store *s = &w->store;
   joint_row row[JOINT_ROWS_MAX];
   const int n = moving_rows(w, j, row), side[2] = {j->a, j->b};
-  row_at at = {.row = s->row_start[group], .n_rows = n, .h = h};
-  at.jac = s->jac + s->jac_start[group];
+  row_at at = rows_of_group(w, group, side, h);
   for (int k = 0; k < n; k++) {
     s->joint_error[at.row - s->row_start[w->set.n_contact]] = row[k].error;
-    write_row(w, &at, side, row[k].d, row[k].p_a, row[k].p_b, row[k].angular);
+    felt_at(&at, row[k].p_a, row[k].p_b);
+    write_row(w, &at, row[k].d, row[k].angular);
   }
 }
 
