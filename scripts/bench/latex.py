@@ -2,15 +2,17 @@
 from bench import chart as chart_, style
 from bench.section import table_tex, tex
 
-HEAD = r"""\documentclass[10pt]{article}
-\usepackage[T1]{fontenc}
+# What a figure as PGF needs: scripts/report --pgf writes figures/NAME.pgf, and \input{figures/NAME.pgf} stands in for figures/NAME.pdf.
+FIGURES = r"""\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{lmodern}
-\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
-\usepackage{graphicx,booktabs,tabularx,amsmath}
-\usepackage{pgf} % figures/NAME.pgf (scripts/report --pgf) can stand in for figures/NAME.pdf: \input{figures/NAME.pgf}
+\usepackage{amsmath,pgf}
 \newcommand{\mathdefault}[1]{#1}
 \DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}
+"""
+HEAD = r"""\documentclass[10pt]{article}
+""" + FIGURES + r"""\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
+\usepackage{graphicx,booktabs,tabularx}
 \newcolumntype{Y}{>{\raggedright\arraybackslash}X}
 \renewcommand{\topfraction}{0.95}
 \renewcommand{\floatpagefraction}{0.8}

@@ -111,16 +111,17 @@ def main():
     return build(out / "latex") if args.pdf else 0
 
 
-def build(folder):
+def build(folder, document="main.tex"):
+    """Compiles a document of a folder; 0 when it came out."""
     if not shutil.which("latexmk"):
         print("report: no latexmk; run scripts/setup latex", file=sys.stderr)
         return 1
-    done = subprocess.run(["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", "main.tex"], cwd=folder, stdin=subprocess.DEVNULL,
+    done = subprocess.run(["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", document], cwd=folder, stdin=subprocess.DEVNULL,
                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
         print(done.stdout[-3000:], file=sys.stderr)
         return 1
-    print(folder / "main.pdf")
+    print((folder / document).with_suffix(".pdf"))
     return 0
 
 

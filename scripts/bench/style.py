@@ -2,6 +2,7 @@
 bytes that repeat. A name has the same colour, marker and line style in every figure of a campaign."""
 import os
 import pathlib
+import re
 
 import matplotlib
 
@@ -78,6 +79,11 @@ def label_ends(ax, ends, gap=8.0):
                                                             "shrinkA": 0, "shrinkB": 1})
 
 
+def _escaped(text):
+    """What TeX would take for its own; formulas of the ticks stay. Twice is as good as once."""
+    return text if "$" in text else re.sub(r"(?<!\\)([_&#])", r"\\\1", text)
+
+
 def save(figure, folder, name, pgf=False):
     """NAME.pdf and NAME.png (and NAME.pgf), the same bytes each time."""
     folder = pathlib.Path(folder)
@@ -89,10 +95,10 @@ def save(figure, folder, name, pgf=False):
         with matplotlib.rc_context({"pgf.texsystem": "pdflatex", "pgf.rcfonts": False, "font.family": "sans-serif", "axes.unicode_minus": False,
                                     "pgf.preamble": r"\usepackage[T1]{fontenc}\usepackage[utf8]{inputenc}\usepackage{lmodern}\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}"}):
             for text in figure.findobj(matplotlib.text.Text):  # the backend leaves names as they are
-                text.set_text(text.get_text().replace("_", r"\_"))
+                text.set_text(_escaped(text.get_text()))
             for axis in [a for ax in figure.axes for a in (ax.xaxis, ax.yaxis)]:
                 names = [label.get_text() for label in axis.get_ticklabels()]
-                if any("_" in name.replace(r"\_", "") for name in names):
-                    axis.set_ticks(axis.get_ticklocs(), [name.replace(r"\_", "_").replace("_", r"\_") for name in names])
+                if any(name != _escaped(name) for name in names):
+                    axis.set_ticks(axis.get_ticklocs(), [_escaped(name) for name in names])
             figure.savefig(folder / f"{name}.pgf", backend="pgf")
     plt.close(figure)

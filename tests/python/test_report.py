@@ -15,7 +15,7 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, claims, effects, library, limits, paper, reference, report, rows, stability  # noqa: E402
+from bench import accuracy, chart, claims, effects, latex, library, limits, paper, reference, report, rows, stability, style  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
@@ -265,6 +265,20 @@ class Page(unittest.TestCase):
         main = (self.folder / "one/latex/main.tex").read_text()
         for name in re.findall(r"\\input\{tables/(\w+)\}", main):
             self.assertIn("\\toprule", (self.folder / f"one/latex/tables/{name}.tex").read_text())
+
+    @unittest.skipUnless(shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex")
+    def test_figures_as_pgf_compile(self):
+        cells = rows.cells(rows.load(self.folder / "runs/all"))
+        folder = self.folder / "pgf"
+        lines = [chart.Line("pgs_sm", [1e-3, 1e-1], [1, 2], bad=[(1e-2, 1)]), chart.Line("not resolved", [1e-4, 1e-3], [2, 2], [1, 1], [2, 2], kind="band")]
+        made = [chart.Chart("marks", "", [chart.Panel(lines, title="stack_n & τ", xlabel="error (reference ± 1e-3), 95 %")]), stability.section(stability.ladders(cells)).charts[0]]
+        for one in made:
+            style.save(chart.draw(one), folder, one.name, pgf=True)
+        body = "".join(f"\\input{{{one.name}.pgf}}\n\n" for one in made)
+        (folder / "main.tex").write_text("\\documentclass{article}\n" + latex.FIGURES + "\\begin{document}\n" + body + "\\end{document}\n")
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(report.build(folder), 0)
+        self.assertGreater((folder / "main.pdf").stat().st_size, 10_000)
 
     @unittest.skipUnless(shutil.which("chromium"), "no chromium")
     def test_filters_filter(self):
