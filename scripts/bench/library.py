@@ -1,4 +1,6 @@
 """Solvers on a library of problems: profiles with failures in the denominator, and a summary per solver."""
+import re
+
 import numpy as np
 
 from bench import stats, style
@@ -9,8 +11,8 @@ NOISE = 1.05  # ratio of times that counts as a tie when the machine's own noise
 
 
 def matrix(cells, column="cost"):
-    """Problems x solvers: median time of a verified answer, inf otherwise. Combinations that are not defined are failures of
-    nobody: problems are kept only where at least one solver was asked. Returns cost, problems, families, solvers."""
+    """Problems x solvers: median time of a verified answer, inf otherwise, also where a combination is not defined. Returns cost, problems, families,
+    solvers."""
     solvers = sorted(cells["combination"].unique())
     key = [f"{problem}|{step:.17g}" for problem, step in zip(cells["problem"], cells["step_s"].astype(float))]  # no step: nan, like any other
     problems = sorted(set(key))
@@ -22,6 +24,18 @@ def matrix(cells, column="cost"):
         if good and np.isfinite(value):
             cost[at[k], solvers.index(combo)] = value
     return cost, problems, families, solvers
+
+
+def fields(cells):
+    """[(name, cells)]: parts whose problems were given to the same solvers. A solver of cones and one of polyhedral problems were never in the same race."""
+    asked = {}
+    for part, g in cells.groupby(["campaign", "part"]):
+        asked.setdefault(tuple(sorted(set(g["combination"]))), []).append(part)
+    out = []
+    for parts in asked.values():
+        mine = [key in parts for key in zip(cells["campaign"], cells["part"])]
+        out.append((", ".join(dict.fromkeys(part for _, part in parts)), cells[mine]))
+    return sorted(out, key=lambda field: (-field[1]["combination"].nunique(), field[0]))
 
 
 def data_profile(products, solvers):
@@ -37,7 +51,7 @@ def data_profile(products, solvers):
     return lines
 
 
-def profiles(cost, families, solvers, noise, products=None):
+def profiles(name, cost, families, solvers, noise, products=None):
     finite = stats.ratios(cost)
     finite = finite[np.isfinite(finite)]
     top = max(4.0, float(finite.max()) * 1.1) if len(finite) else 4.0
@@ -50,20 +64,22 @@ def profiles(cost, families, solvers, noise, products=None):
     left, right = [], []
     most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[:3]  # a band for each would hide the lines
     for j, s in enumerate(solvers):
-        name = s
-        left.append(Line(name, tau.tolist(), rel[:, j].tolist(), low[:, j].tolist() if j in most else None, high[:, j].tolist() if j in most else None, kind="steps", variant=j // 9))
-        right.append(Line(name, (grid * 1e3).tolist(), absolute[:, j].tolist(), kind="steps", variant=j // 9))
+        left.append(Line(s, tau.tolist(), rel[:, j].tolist(), low[:, j].tolist() if j in most else None, high[:, j].tolist() if j in most else None, kind="steps", variant=j // 9))
+        right.append(Line(s, (grid * 1e3).tolist(), absolute[:, j].tolist(), kind="steps", variant=j // 9))
     panels = [Panel(left, title="relative", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
               Panel(right, title="absolute", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
     counted = data_profile(products, solvers)
     if counted:
         panels.append(Panel(counted, title="data", xlabel="matrix products", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02)))
-    return Chart("profiles", f"Performance profiles over {len(cost)} problems: share solved within τ times the best (left; ties within {100 * (noise - 1):.0f} %, band of the "
-                 "three best: 95 % bootstrap by family) within a time, and within so many products with the matrix (data profile; only solvers that are counted in them). Failures stay in the denominator.",
-                 panels, columns=len(panels), height=2.3)
+    three = "" if len(solvers) <= 3 else " of the three best"
+    return Chart("profiles_" + re.sub(r"[^a-z0-9]+", "_", name.lower()), f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the best (left; ties within "
+                 f"{100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by family), within a time"
+                 + (", and within so many products with the matrix (data profile; only solvers that are counted in them)" if counted else "")
+                 + ". Failures and combinations that are not defined stay in the denominator.", panels, columns=len(panels), height=2.3)
 
 
-def summary(cells, cost, solvers, noise):
+def lines_of(name, cells, cost, solvers, noise):
+    """Rows of the summary, one a solver, and the shift of their means."""
     asked = cells[~cells["status"].isin(["unsupported", "skipped"])]
     r = stats.ratios(cost)
     shift = float(np.median(cost[np.isfinite(cost)])) if np.isfinite(cost).any() else 1e-3
@@ -72,23 +88,29 @@ def summary(cells, cost, solvers, noise):
     for j, s in enumerate(solvers):
         mine = asked[asked["combination"] == s]
         solved = int(np.isfinite(cost[:, j]).sum())
-        rows.append([s, Cell(f"{solved} of {len(cost)}", "good" if solved == len(cost) else "", sort=solved),
+        rows.append([name, s, Cell(f"{solved} of {len(cost)}", "good" if solved == len(cost) else "", sort=solved),
                      Cell(str(int((mine["status"] == "unverified").sum())), "bad" if (mine["status"] == "unverified").any() else ""),
                      str(int(mine["status"].isin(["timeout", "time_limit", "max_iter", "stalled", "near"]).sum())),
                      str(int(mine["status"].isin(["crash", "oom", "numerical", "error", "no_output", "flood"]).sum())),
                      Cell(f"{np.mean(r[:, j] <= noise):.0%}", sort=float(np.mean(r[:, j] <= noise))),
                      Cell(si(stats.geometric_mean_shifted(cost[:, j], shift, limit), "s"), sort=stats.geometric_mean_shifted(cost[:, j], shift, limit))])
-    return Table("solvers", "Solvers on all problems of the library.",
-                 ["solver", "verified", "false claims", "limits", "breakdowns", "fastest or tied", "shifted geometric mean"], rows,
-                 note=f"Shift {si(shift, 's')} (median solved time); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved.")
+    return rows, shift
 
 
 def section(cells, noise=NOISE):
     own = cells[cells["formulation"] == ""]
     if own.empty or own["combination"].nunique() < 2:
         return None
-    cost, _, families, solvers = matrix(own)
-    products = matrix(own, "n_matvec")[0]
-    charts = [profiles(cost, families, solvers, noise, products)] if np.isfinite(cost).any() else []
-    return Section("library", "Solvers on the problem library", "Complementarity problems by themselves: families, imported files, contact problems.",
-                   charts, [summary(own, cost, solvers, noise)])
+    charts, table, shifts = [], [], []
+    for name, some in fields(own):
+        cost, _, families, solvers = matrix(some)
+        if len(solvers) > 1 and np.isfinite(cost).any():
+            charts.append(profiles(name, cost, families, solvers, noise, matrix(some, "n_matvec")[0]))
+        rows, shift = lines_of(name, some, cost, solvers, noise)
+        table += rows
+        shifts.append(f"{name} {si(shift, 's')}")
+    return Section("library", "Solvers on the problem library", "Problems by themselves, without a simulation: generated families, imported files, friction problems on cones and on facets. "
+                   "Solvers are compared on the problems that all of them were given.", charts,
+                   [Table("solvers", "Solvers on the problems of the library, by the problems that they were given.",
+                          ["problems", "solver", "verified", "false claims", "limits", "breakdowns", "fastest or tied", "shifted geometric mean"], table,
+                          note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved.")])

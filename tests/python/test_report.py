@@ -86,10 +86,19 @@ class Judged(unittest.TestCase):
 
     def test_a_lying_solver_solves_nothing_in_the_profile(self):
         cost, _, families, solvers = library.matrix(self.cells[self.cells["formulation"] == ""])
-        made = library.profiles(cost, families, solvers, 1.05)
+        made = library.profiles("all", cost, families, solvers, 1.05)
         liar = next(line for line in made.panels[0].lines if line.name == "liar")
         self.assertEqual(max(liar.y), 0)
         self.assertEqual({line.name: max(line.y) for line in made.panels[0].lines}["lemke"], 1)
+
+    def test_solvers_are_compared_on_the_problems_that_all_were_given(self):
+        some = self.cells[self.cells["formulation"] == ""]
+        cones = some[some["solver"] == "pgs"].assign(part="cones", solver="nsgs", combination="nsgs")
+        found = library.fields(pd.concat([some, cones]))
+        self.assertEqual([(name, sorted(set(g["solver"]))) for name, g in found], [("x", ["lemke", "liar", "pgs"]), ("cones", ["nsgs"])])
+        made = library.section(pd.concat([some, cones]))
+        self.assertEqual([c.name for c in made.charts], ["profiles_x"])  # one solver alone wins nothing
+        self.assertEqual([row[0] for row in made.tables[0].rows], ["x"] * 3 + ["cones"])
 
     def test_a_lying_solver_is_a_cross_in_the_figure(self):
         made = paper.time_and_error(self.cells)
