@@ -44,39 +44,50 @@ def dimension(cells):
     fits = p["lcp_dim_other"] == p["lcp_dim"] * (nd + 2)
     frictionless = p["lcp_dim_other"] == p["lcp_dim"]
     count = int((fits | frictionless).sum())
-    smaller = float((p["lcp_dim"] <= p["lcp_dim_other"]).mean())
+    more = int((p["lcp_dim"] > p["lcp_dim_other"]).sum())
     same = p["n_active"] == p["n_active_other"]
     word = verdict(count / len(p), "both pose the same contacts" if same.any() and (fits | frictionless)[same].all() else "")
-    return word, f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); never more in {smaller:.0%}"
+    return word, f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); it has more in {more}"
+
+
+def told(ratio, low, high, pairs):
+    """A mean with its interval, which one or two pairs do not have."""
+    return interval(ratio, low, high) if pairs >= 3 else f"{ratio:.3g} ({pairs} pair{'s' if pairs > 1 else ''})"
+
+
+def sides(wins, sizes):
+    """(first size from which on most pairs win, first from which on most lose), None where there is none."""
+    share = [float(wins[sizes == s].mean()) for s in sorted(set(sizes))]
+    every = sorted(set(sizes))
+    return tuple(next((s for i, s in enumerate(every) if all(test(x) for x in share[i:])), None) for test in (lambda x: x > 0.5, lambda x: x < 0.5))
 
 
 def faster(column, what):
     def claim(cells):
         p = pairs(cells, "velocity")
-        p = p[p["good"] & p["good_other"]]
+        p = p[p["good"] & p["good_other"] & p["p"].notna()]
         if p.empty:
             return None
         ratio, low, high, n = stats.paired_ratio(p[column + "_other"], p[column])
-        wins = p[p[column] < p[column + "_other"]]
-        sizes = sorted(p["p"].dropna().unique())
-        from_size = next((s for i, s in enumerate(sizes)
-                          if all((p[p["p"] == t][column] < p[p["p"] == t][column + "_other"]).mean() > 0.5 for t in sizes[i:])), None)
-        share = len(wins) / n if n else math.nan
-        lost = sorted(f for f, g in p.groupby("problem_family") if (g[column] < g[column + "_other"]).mean() < 0.5)
-        if share >= 1:
+        wins = p[column] < p[column + "_other"]
+        won_from, lost_from = sides(wins, p["p"])
+        within = p if lost_from is None else p[p["p"] < lost_from]
+        lost = sorted(f for f, g in within.groupby("problem_family") if wins[g.index].mean() < 0.5)
+        if wins.all():
             word = "holds"
-        elif share > 0.5 and low > 1:
-            word = f"holds when the scene is none of: {', '.join(lost)}" if lost else "holds when averaged over the pairs of a scene"
-        elif from_size is not None and from_size > sizes[0]:
-            word = f"holds when p ≥ {from_size:g}"
+        elif wins.mean() > 0.5 and low > 1:
+            when = ([f"p < {lost_from:g}"] if lost_from is not None else []) + ([f"the scene is none of: {', '.join(lost)}"] if lost else [])
+            word = "holds when " + " and ".join(when) if when else f"holds in {int(wins.sum())} of {n} pairs"
+        elif won_from is not None and won_from > p["p"].min():
+            word = f"holds when p ≥ {won_from:g}"
         else:
             word = "does not hold"
-        big = p[p["p"] == sizes[-1]] if sizes else p
-        at_big = stats.paired_ratio(big[column + "_other"], big[column])
+        largest = p["p"].max()
+        big = p[p["p"] == largest]
         by_solver = {s: stats.paired_ratio(g[column + "_other"], g[column]) for s, g in p.groupby("solver") if len(g) >= 3}
         each = ", ".join(f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3]))
-        return word, (f"{what}: velocity / regularized = {interval(ratio, low, high)} (geometric mean of {n} pairs, 95 %), "
-                      f"faster in {len(wins)}; by solver {each}; at p = {sizes[-1]:g}: {interval(*at_big[:3])}")
+        return word, (f"{what}: velocity / regularized = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
+                      f"at p = {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}")
     return claim
 
 

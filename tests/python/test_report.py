@@ -131,6 +131,13 @@ class Judged(unittest.TestCase):
         self.assertEqual(ladder((0.1, 1e-5), (30, 1e-5))[0], "does not hold")  # soft and right: nothing is needed
         self.assertIsNone(ladder((30, 1e-5)))
 
+    def test_a_claim_ends_where_the_largest_sizes_lose(self):
+        mine = self.cells[self.cells["formulation"] != ""].copy()
+        mine.loc[(mine["formulation"] == "regularized") & (mine["problem"] == "stack:n=8"), "t_total_s"] = 0.05
+        word, evidence = claims.CLAIMS[2][1](mine)
+        self.assertEqual(word, "holds when p < 32")
+        self.assertRegex(evidence, r"at p = 32: \S+ \(1 pair\)$")
+
     def test_no_claim_holds_without_the_formulation(self):
         other = self.cells[self.cells["formulation"] == "velocity"]
         self.assertTrue(all(judge(other) is None for _, judge in claims.CLAIMS))
