@@ -238,7 +238,7 @@ def _plotly_line(line, axis, shown):
     x, y = [_number(v) for v in line.x], [_number(v) for v in line.y]
     if line.kind == "band":
         return [{**common, "type": "scatter", "mode": "lines", "x": x + x[::-1], "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
-                 "fillcolor": "#e6e6e6", "line": {"width": 0}, "hoverinfo": "skip", "showlegend": first}]
+                 "fillcolor": "#ffffff", "fillpattern": {"shape": "/", "fgcolor": "#b8b8b8", "size": 7, "solidity": 0.25}, "line": {"width": 0}, "hoverinfo": "skip", "showlegend": first}]
     if line.low is not None and len(x) > 1 and line.kind != "points":
         out.append({**common, "type": "scatter", "mode": "lines", "x": x + x[::-1],
                     "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
@@ -266,12 +266,16 @@ def plotly(chart):
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
     shown, data, notes = set(), [], []
-    layout = {"height": 300 * rows + 70, "margin": {"l": 62, "r": 12, "t": 50, "b": 50}, "hovermode": "closest",
-              "legend": {"orientation": "h", "y": -0.16 / rows - 0.04}, "font": {"size": 12}, "plot_bgcolor": "#fff", "paper_bgcolor": "#fff"}
+    tall = max([300] + [19 * len(p.yticks) + 60 for p in chart.panels if p.yticks])  # a line of text for each name [px]
+    height = tall * rows + 70
+    pixel = 1 / (height - 100)  # of the plotting area, without its margins
+    gap_y = 84 * pixel if rows > 1 else 0.0
+    gap_x = 0.16 if any(p.yticks for p in chart.panels) else 0.075
+    layout = {"height": height, "margin": {"l": 62, "r": 12, "t": 50, "b": 50}, "hovermode": "closest",
+              "legend": {"orientation": "h", "y": -56 * pixel}, "font": {"size": 12}, "plot_bgcolor": "#fff", "paper_bgcolor": "#fff"}
     for i, panel in enumerate(chart.panels):
         axis = "" if i == 0 else str(i + 1)
         row, column = divmod(i, columns)
-        gap_x, gap_y = 0.075, 0.14 if rows > 1 else 0.0
         w, h = (1 - gap_x * (columns - 1)) / columns, (1 - gap_y * (rows - 1)) / rows
         x0, y0 = column * (w + gap_x), 1 - row * (h + gap_y) - h
         grid = {"gridcolor": "#e8e8e8", "zeroline": False, "linecolor": "#444", "ticks": "outside", "exponentformat": "power"}

@@ -26,6 +26,12 @@ def matrix(cells, column="cost"):
     return cost, problems, families, solvers
 
 
+def corners(x, *curves):
+    """The points of curves of steps where one of them changes, the first and the last: they look the same and take a fraction of the page."""
+    keep = [i for i in range(len(x)) if i in (0, len(x) - 1) or any(c[i] != c[i - 1] for c in curves)]
+    return [[float(c[i]) for i in keep] for c in (x, *curves)]
+
+
 def fields(cells):
     """[(name, cells)]: parts whose problems were given to the same solvers. A solver of cones and one of polyhedral problems were never in the same race."""
     asked = {}
@@ -64,8 +70,8 @@ def profiles(name, cost, families, solvers, noise, products=None):
     left, right = [], []
     most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[:3]  # a band for each would hide the lines
     for j, s in enumerate(solvers):
-        left.append(Line(s, tau.tolist(), rel[:, j].tolist(), low[:, j].tolist() if j in most else None, high[:, j].tolist() if j in most else None, kind="steps", variant=j // 9))
-        right.append(Line(s, (grid * 1e3).tolist(), absolute[:, j].tolist(), kind="steps", variant=j // 9))
+        left.append(Line(s, *(corners(tau, rel[:, j], low[:, j], high[:, j]) if j in most else corners(tau, rel[:, j])), kind="steps", variant=j // 9))
+        right.append(Line(s, *corners(grid * 1e3, absolute[:, j]), kind="steps", variant=j // 9))
     panels = [Panel(left, title="relative", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
               Panel(right, title="absolute", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
     counted = data_profile(products, solvers)

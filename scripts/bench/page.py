@@ -103,13 +103,13 @@ def method_tables(manifests):
 
 
 # For a reader who meets the names for the first time
-PLAIN = {"regularized": "normal impulses only, friction as a stiff bristle", "velocity": "polyhedral friction cone, velocity level",
-         "position": "polyhedral friction cone, position level", "coulomb": "exact friction cone", "boxed": "friction bounded by the last normal impulse",
+PLAIN = {"regularized": "solves for normal impulses only; friction acts as a stiff spring", "velocity": "friction cone with flat facets, on velocities",
+         "position": "friction cone with flat facets, on positions", "coulomb": "exact friction cone", "boxed": "friction bounded by the last normal impulse",
          "normal": "no friction", "acceleration": "contact forces and accelerations", "event": "stops at every impact", "penalty": "compliant contact, a stiff differential equation",
-         "lemke": "pivoting, exact", "ppm": "pivoting, exact", "murty": "pivoting, exact", "block_pivoting": "pivoting in blocks, exact", "enumerate": "tries every case",
-         "pgs": "sweeps over the contacts", "jacobi": "sweeps", "nsgs": "sweeps over the contacts", "prox": "fixed point", "projected_gradient": "gradient steps",
-         "apgd": "accelerated gradient steps", "nncg": "sweeps with conjugate directions", "pgs_sm": "sweeps, then a linear solve", "newton": "semismooth Newton",
-         "interior_point": "interior point", "sqp": "general optimiser"}
+         "lemke": "solver: exact, by pivoting", "ppm": "solver: exact, by pivoting", "murty": "solver: exact, by pivoting", "block_pivoting": "solver: exact, by pivoting in blocks",
+         "enumerate": "solver: tries every case", "pgs": "solver: sweeps over the contacts", "jacobi": "solver: sweeps", "nsgs": "solver: sweeps over the contacts", "prox": "solver: fixed point",
+         "projected_gradient": "solver: gradient steps", "apgd": "solver: accelerated gradient steps", "nncg": "solver: sweeps with conjugate directions", "pgs_sm": "solver: sweeps, then a linear solve",
+         "newton": "solver: semismooth Newton", "interior_point": "solver: interior point", "sqp": "solver: general optimiser"}
 
 
 def card(a):
@@ -117,12 +117,8 @@ def card(a):
     if not a["use"]:
         return {"situation": a["situation"], "use": "", "why": "Nothing in these rows reaches it." if a["scenes"] else "No scene of this kind in these rows."}
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
-    breaks = ""
-    if a["falls"]:
-        stands, of, fell = a["falls"]
-        breaks = f"Stands on {stands} of {of} stressors" + (": " + "; ".join(f"{word} at {', '.join(parts)}" for word, parts in sorted(fell.items())) if fell else "") + "."
     return {"situation": a["situation"], "use": a["use"], "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN), "cost": f"{si(a['per_step'], 's', 2)} a step", "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
-            "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.", "other": other, "breaks": breaks, "command": a["command"]}
+            "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.", "other": other, "breaks": a["breaks"], "command": a["command"]}
 
 
 def render(title, counts, footer, cards, advice, sections):
@@ -135,7 +131,7 @@ def render(title, counts, footer, cards, advice, sections):
                      "charts": [picture(c) for c in s.charts]})
     links = [{"id": "advice", "short": "Which one to use"}] + [{"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections]
     return env.get_template("page.html.j2").render(
-        title=title, counts=counts, footer=footer, scope=SCOPE, cards=[card(a) for a in cards], advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
+        title=title, level=f"{accuracy.LEVEL:g}", counts=counts, footer=footer, scope=SCOPE, cards=[card(a) for a in cards], advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
         css=Markup((HERE / "page.css").read_text()), js=Markup((HERE / "page.js").read_text()), plotly=library() if any(s.charts for s in sections) else "")
 
 

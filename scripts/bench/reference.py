@@ -56,7 +56,7 @@ def advice_words(cells):
         if not a["use"]:
             continue
         body.append([a["situation"], Cell(f"`{a['use']}`"), f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)", f"{a['reached']} of {a['scenes']}", accuracy.rival_words(a["other"])])
-    return section.table_md(Table("", "", ["scene", "use", "a step takes", "scenes within 0.01", "next formulation"], body)) if body else ""
+    return section.table_md(Table("", "", ["scene", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}", "next formulation"], body)) if body else ""
 
 
 def accuracy_words(cells):
@@ -64,7 +64,7 @@ def accuracy_words(cells):
     found = accuracy.scenes(own)
     votes = {}
     for _, g in found:
-        best = accuracy.cheapest(g, 1e-2)
+        best = accuracy.cheapest(g, accuracy.LEVEL)
         if best is not None:
             votes.setdefault(best["formulation"], []).append(best)
     ranked = sorted(votes.items(), key=lambda kv: -len(kv[1]))
@@ -78,7 +78,7 @@ def accuracy_words(cells):
         if decades >= 1:
             tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
     price = f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)" if tenth else "no front spans a decade"
-    return (f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below 0.01 "
+    return (f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below {accuracy.LEVEL:g} "
             f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}.")
 
 

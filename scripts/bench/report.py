@@ -31,7 +31,7 @@ def accuracy_section(cells, calibrated):
 def stability_section(ladders, bounds):
     made = stability.section(ladders)
     if made and bounds:
-        made.tables.insert(0, limits.table(bounds))
+        made.tables.insert(1, limits.table(bounds))
     return made
 
 
@@ -95,11 +95,11 @@ def main():
               f"Times closer than {noise - 1:.0%} are ties ({'noise floor, A/A' if measured else 'noise floor not measured'}). "
               f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
     advised = accuracy.scenes(accuracy.own(cells))
-    advice = accuracy.advice(cells) if advised else None
     cards = accuracy.advise(cells) if advised else []
     falls = stability.falls(ladders)
     for card in cards:
-        card["falls"] = falls.get((card.get("formulation"), card.get("solver")))
+        card["breaks"] = stability.fall_words(falls.get((card.get("formulation"), card.get("solver"))))
+    advice = accuracy.advice(cards) if cards else None
     out.mkdir(parents=True, exist_ok=True)
     text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", cards, advice, sections)
     (out / "index.html").write_text(text)

@@ -40,6 +40,8 @@ def load(folder):
             rows[c] = rows[c].fillna("").astype(object)
     absent = {c: np.nan for c in set(NUMBERS + TIMES) - set(rows.columns)} | {c: "" for c in set(TEXT) - set(rows.columns)}
     rows = pd.concat([rows, pd.DataFrame(absent, index=rows.index)], axis=1)
+    asked = rows["command"].str.extract(r"--step '?([-+.0-9eE]+)")[0].astype(float)
+    rows["step_s"] = rows["step_s"].astype(float).fillna(asked)  # a process that was killed told no more than what it was asked for
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
 

@@ -63,7 +63,8 @@ def interval(mid, low, high, digits=3):
 
 
 def table_html(table):
-    out = [f'<div class="scroll"><table id="table-{table.name}" class="sortable"><caption>{html.escape(table.caption)}</caption><thead><tr>']
+    out = [f'<p class="caption" id="caption-{table.name}">{html.escape(table.caption)}</p>'  # a caption inside would be as wide as the table, and cut
+           f'<div class="scroll"><table id="table-{table.name}" class="sortable" aria-describedby="caption-{table.name}"><thead><tr>']
     out += [f"<th>{html.escape(h)}</th>" for h in table.header]
     out.append("</tr></thead><tbody>")
     for row in table.rows:

@@ -18,8 +18,27 @@ DEEP = 1e-2  # penetration [m] that counts where the scene begins without any
 # What is turned up along a ladder whose problems differ in more than one number, and where it is mild: part -> (name, key)
 MILD = {"near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
         "vanishing inertia": ("inertia", lambda v: -v), "short step": ("h", lambda v: -v), "long step": ("h", lambda v: v),
-        "stiffness": ("", None), "gyroscopic": ("", None)}
+        "gyroscopic": ("", None)}  # no key: problems of different kinds
 NO_SOLUTION = {"vise"}  # stressors without a solution for rigid bodies: only a refusal is right
+
+
+# The stressors and the ends of a run for a reader who meets the names for the first time
+SAID = {"mass ratio": "a heavy box on a light one", "height": "tall stacks", "duplicated contacts": "the same contact listed many times", "near-parallel normals": "planes that nearly agree or oppose each other",
+        "large friction": "very large friction", "long step": "very long time steps", "short step": "very short time steps", "long run": "very long runs", "chatter": "rattling corners",
+        "fast impact": "very fast impacts", "vanishing inertia": "bodies that hardly resist turning", "jam": "a plug pressed into a slot", "vise": "jaws that close on a rigid part (no solution exists)",
+        "heavy end of a row": "a row of bodies with a heavy end", "gyroscopic": "fast spinning bodies", "initial overlap": "bodies that overlap at the start",
+        "stiffness": "the formulation's own stiffness from very soft to very stiff"}
+ENDS = {"false claim": "claims a wrong answer", "dies": "crashes", "time-out": "runs out of time", "fails honestly": "gives up and says so", "gains energy": "energy grows", "penetrates": "bodies sink into each other",
+        "creeps": "bodies at rest creep", "misses": "the known answer is missed"}
+
+
+def fall_words(found):
+    """'Passes 14 of 17 stress tests. Bodies at rest creep: tall stacks.', from one entry of falls()."""
+    if not found:
+        return ""
+    stands, of, fell = found
+    ends = [f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(SAID.get(p, p) for p in parts)}." for w, parts in sorted(fell.items())]
+    return " ".join([f"Passes {stands} of {of} stress tests."] + ends)
 
 
 def missed_word(missed):
@@ -70,7 +89,7 @@ def severity(part, cells):
     if part in MILD and MILD[part][1]:
         values = [float(o[MILD[part][0]]) for o in options]
         return MILD[part][0], [MILD[part][1](v) for v in values], [f"{v:g}" for v in values]
-    for name in dict.fromkeys(k for o in options for k in o):
+    for name in dict.fromkeys(k for o in options for k in o if part not in MILD):
         values = [o.get(name, "") for o in options]
         if len(set(values)) > 1 and all(re.fullmatch(r"[-+0-9.eE]+", v) for v in values):
             return name, [float(v) for v in values], [f"{float(v):g}" for v in values]
@@ -147,7 +166,8 @@ def map_of_all(by, parts):
                 else:
                     line.append(("" if ladder.first is None else LETTERS[ladder.first[0]], ladder.stands / len(ladder.defined)))
             words.append(line)
-        panels.append(HeatPanel(form, [s or "no solver" for s in solvers], words))
+        alone = solvers == [""]  # one row: its name stands on it, a title beside it would not fit
+        panels.append(HeatPanel("" if alone else form, [f"{form} (no solver)"] if alone else solvers, words))
     return Heat("stability_all", f"The whole map: every formulation with every solver. Dark: stands on every rung; otherwise what the first failing rung does: {LEGEND}.",
                 parts, panels, across=3, size=5.5)
 
@@ -163,6 +183,26 @@ def falls(by):
                 fell.setdefault(ladder.first[0], []).append(part)
         out[key] = (sum(l.first is None for l in defined.values()), len(defined), fell)
     return out
+
+
+UNITS = {"depth": "m", "speed": "m/s", "duration": "s", "press": "N", "beta_deg": "deg", "height": "m", "inertia": "kg m^2", "k": "N/m", "stiffness": "N/m"}
+
+
+def turned_up(ladder):
+    """'mass_ratio: 1 to 1e+06', or the problems themselves where they are of different kinds."""
+    name, first, last = ladder.rungs[0][2], ladder.rungs[0][3], ladder.rungs[-1][3]
+    if name == "problem":
+        return "; ".join(dict.fromkeys(rung[3] for rung in ladder.rungs))
+    return f"{name}: {first} to {last} {UNITS.get(name, '')}".strip()
+
+
+def stressors_table(by, parts):
+    """What each stressor turns up, and how far it went in these rows."""
+    rows = []
+    for part in parts:
+        found = [ladders_[part] for ladders_ in by.values() if part in ladders_]
+        rows.append([part, SAID.get(part, ""), "; ".join(dict.fromkeys(turned_up(l) for l in found)), str(max(len(l.rungs) for l in found))])
+    return Table("stressors", "The stressors: what is made harder, from the mildest to the hardest rung of these rows.", ["stressor", "in words", "turned up", "rungs"], rows)
 
 
 def why_missing(form, solver, part):
@@ -193,5 +233,5 @@ def section(by):
                    "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
                    f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
                    f"({', '.join(NO_SOLUTION)}), only a refusal stands.", [overview(by, parts), map_of_all(by, parts)],
-                   [Table("stability", f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.", ["formulation", "solver"] + parts, table, paper=False)],
+                   [stressors_table(by, parts), Table("stability", f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.", ["formulation", "solver"] + parts, table, paper=False)],
                    {"StabilityFields": str(fields), "StabilityStands": str(reasons["stands"])})

@@ -143,7 +143,7 @@ class Judged(unittest.TestCase):
         self.assertTrue(all(judge(other) is None for _, judge in claims.CLAIMS))
 
     def test_the_stability_map_names_the_first_failing_rung(self):
-        table = stability.section(stability.ladders(self.cells)).tables[0]
+        table = stability.section(stability.ladders(self.cells)).tables[1]
         self.assertEqual(table.rows[0][:2], ["velocity", "lemke"])
         self.assertEqual(table.rows[0][2].text, "fails honestly 2/3")
         self.assertIn("mass_ratio = 100: ray", table.rows[0][2].title)
@@ -159,10 +159,19 @@ class Judged(unittest.TestCase):
         vise = {**ok, "part": "vise"}
         self.assertEqual([stability.word({**vise, **c})[0] for c in ({}, ends["fails honestly"], {**ends["dies"], "status": "oom"})], ["misses", "stands", "dies"])
 
+    def test_a_killed_run_stands_at_the_step_that_it_was_asked_for(self):
+        with tempfile.TemporaryDirectory() as folder:
+            lines = [dict(r, part="long step", **more) for h, more in ((0.01, {}), (1, {"status": "timeout", "verified": "false", "step_s": "", "t_total_s": ""}), (0.1, {}))
+                     for r in cell("stability", "drop", "velocity", "", "lemke", h, 1, 6, 1e-3, 1e-6)]
+            write(pathlib.Path(folder) / "s", lines)
+            ladder = stability.ladders(rows.cells(rows.load(pathlib.Path(folder) / "s")))["velocity", "lemke"]["long step"]
+        self.assertEqual([rung[3] for rung in ladder.rungs], ["0.01 s", "0.1 s", "1 s"])
+        self.assertEqual(stability.turned_up(ladder), "h: 0.01 s to 1 s")
+
     def test_a_field_without_rows_gives_its_reason(self):
         some = self.cells[self.cells["campaign"] == "stability"]
         more = some.assign(part="stiffness", formulation="regularized", problem="stack")
-        table = stability.section(stability.ladders(pd.concat([some, more]))).tables[0]
+        table = stability.section(stability.ladders(pd.concat([some, more]))).tables[1]
         self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
         self.assertIn("no stiffness", next(r for r in table.rows if r[0] == "velocity")[3].text + next(r for r in table.rows if r[0] == "velocity")[2].text)
 
