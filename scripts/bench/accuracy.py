@@ -113,7 +113,7 @@ def panel(problem, cells, index):
         crosses = list(zip(drawn(bad).tolist(), (bad["t_total_s"].astype(float) * 1e3).tolist()))
         lines.append(Line(label, drawn(some).tolist(), (some["cost"].to_numpy(float) * 1e3).tolist(), low.tolist(), high.tolist(), crosses,
                           hover=[spot(c) for c in some.to_dict("records")], variant=index.get(label, 0)))
-    xlabel = "error of the trajectory" + (f" (reference ± {floor:.0e})" if fit["converged"].any() else "")
+    xlabel = f"error (reference ± {floor:.0e})" if fit["converged"].any() else "error of the trajectory"
     return Panel(lines, title=short(problem), xlabel=xlabel, ylabel="time [ms]")
 
 

@@ -119,7 +119,7 @@ def _line(ax, line):
     if line.kind == "points":
         look["linestyle"] = "none"
     if line.kind == "steps":
-        look.update(marker="", drawstyle="steps-post")
+        look.update(drawstyle="steps-post", markevery=0.2, markersize=3.6)  # a mark here and there tells dashes apart in grey
     if len(line.x):
         ax.plot(line.x, line.y, label=line.name, **look)
     if line.low is not None and len(line.x):
@@ -243,13 +243,15 @@ def _plotly_line(line, axis, shown):
         out.append({**common, "type": "scatter", "mode": "lines", "x": x + x[::-1],
                     "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
                     "fillcolor": look["color"] + "26", "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False})
-    trace = {**common, "type": "scatter", "mode": {"points": "markers", "steps": "lines", "front": "lines"}.get(line.kind, "lines+markers"),
+    trace = {**common, "type": "scatter", "mode": {"points": "markers", "front": "lines"}.get(line.kind, "lines+markers"),
              "x": x, "y": y, "showlegend": first,
              "line": {"color": "#bbbbbb" if line.kind == "front" else look["color"], "width": 5 if line.kind == "front" else 2,
                       "dash": "solid" if line.kind == "front" else PLOTLY_DASH[style.DASHES.index(look["linestyle"])],
                       "shape": "hv" if line.kind == "steps" else "linear"},
              "marker": {"symbol": PLOTLY_MARKER[look["marker"]] + ("-open" if "markerfacecolor" in look else ""), "size": 8,
                         "color": look["color"]}}
+    if line.kind == "steps":
+        trace["marker"] |= {"size": 6, "maxdisplayed": 6}
     if line.hover:
         trace.update(text=line.hover, hovertemplate="%{text}<br>%{x:.4g}, %{y:.4g}<extra></extra>")
     out.append(trace)

@@ -72,11 +72,11 @@ def profiles(name, cost, families, solvers, noise, products=None):
     for j, s in enumerate(solvers):
         left.append(Line(s, *(corners(tau, rel[:, j], low[:, j], high[:, j]) if j in most else corners(tau, rel[:, j])), kind="steps", variant=j // 9))
         right.append(Line(s, *corners(grid * 1e3, absolute[:, j]), kind="steps", variant=j // 9))
-    panels = [Panel(left, title="relative", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
-              Panel(right, title="absolute", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
+    panels = [Panel(left, title="within a factor of the best", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
+              Panel(right, title="within a time", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
     counted = data_profile(products, solvers)
     if counted:
-        panels.append(Panel(counted, title="data", xlabel="matrix products", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02)))
+        panels.append(Panel(counted, title="within matrix products", xlabel="matrix products", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02)))
     three = "" if len(solvers) <= 3 else " of the three best"
     return Chart("profiles_" + re.sub(r"[^a-z0-9]+", "_", name.lower()), f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the best (left; ties within "
                  f"{100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by family), within a time"
