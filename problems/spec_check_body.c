@@ -5,18 +5,26 @@
 
 #define BAD(...) BASE_FAIL(err, BASE_EINVAL, __VA_ARGS__)
 
-/* Twice the signed area, or a negative number where the polygon is not convex. */
-static double convex_area2(const spec_shape *p) {
-  double area = 0.0;
+static bool same_point(const double *a, const double *b) {
+  return a[0] == b[0] && a[1] == b[1];
+}
+
+/* Every vertex lies on the left of every edge or in line with it, which an outline that crosses itself does
+ * not do; not all lie in one line, and none is there twice, as in an outline that goes round twice. */
+static bool is_convex(const spec_shape *p) {
+  double most = 0.0;
   for (int i = 0; i < p->n_vertex; i++) {
-    const double *a = p->vertex[i], *b = p->vertex[(i + 1) % p->n_vertex],
-                 *c = p->vertex[(i + 2) % p->n_vertex];
-    if ((b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]) < 0.0) {
-      return -1.0;
+    const double *a = p->vertex[i], *b = p->vertex[(i + 1) % p->n_vertex];
+    for (int k = 1; k < p->n_vertex; k++) {
+      const double *c = p->vertex[(i + k) % p->n_vertex];
+      const double left = (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0]);
+      if (left < 0.0 || same_point(a, c)) {
+        return false;
+      }
+      most = fmax(most, left);
     }
-    area += a[0] * b[1] - a[1] * b[0];
   }
-  return area;
+  return most > 0.0;
 }
 
 static base_status check_polygon(const scene_spec *s, const spec_body *b, const spec_shape *p,
@@ -33,8 +41,11 @@ static base_status check_polygon(const scene_spec *s, const spec_body *b, const 
       return BAD("scene '%s': body '%s': vertex %d is not finite", s->id, b->name, i + 1);
     }
   }
-  if (!(convex_area2(p) > 0.0)) {
-    return BAD("scene '%s': body '%s': polygon must be convex, counter-clockwise", s->id, b->name);
+  if (!is_convex(p)) {
+    return BAD(
+        "scene '%s': body '%s': polygon must be convex, counter-clockwise, once round, without "
+        "repeated vertices",
+        s->id, b->name);
   }
   return BASE_OK;
 }
@@ -139,6 +150,15 @@ base_status spec_check_body(const scene_spec *s, const spec_body *b, base_error 
   BASE_TRY(check_shape(s, b, &b->shape, false, err));
   if (!b->kinematic && spec_can_rotate(s, b)) {
     BASE_TRY(check_inertia(s, b, err));
+  }
+  const double *w = b->prescribed_v0 + 3, *alpha = b->prescribed_a + 3;
+  double turn[3];
+  v3_cross(w, alpha, turn);
+  if (v3_norm(turn) > 1e-12 * v3_norm(w) * v3_norm(alpha)) {
+    return BAD(
+        "scene '%s': body '%s': prescribed rotation needs an axis that stands still: v0 and a "
+        "along one line",
+        s->id, b->name);
   }
   if ((b->lock & b->prescribed) != 0) {
     return BAD("scene '%s': body '%s': a dof is both locked and prescribed", s->id, b->name);

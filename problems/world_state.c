@@ -42,7 +42,6 @@ static void place_kinematic(world *w, int i) {
   if (!b->driven) {
     return;
   }
-  double w0[3], step[3];
   v3_copy(w->spec.body[i].pos, b->at.x);
   v3_add_scaled(b->at.x, w->t, b->driven_v0, b->at.x);
   v3_add_scaled(b->at.x, 0.5 * w->t * w->t, b->driven_a, b->at.x);
@@ -50,16 +49,14 @@ static void place_kinematic(world *w, int i) {
   if (!b->spins) {
     return;
   }
-  for (int k = 0; k < 3; k++) {
-    w0[k] = b->driven_v0[3 + k] + 0.5 * w->t * b->driven_a[3 + k];
-    step[k] = w0[k];
-  }
+  double mean[3]; /* angular velocity from 0 to t; its axis stands still (spec_check_all) */
+  v3_add_scaled(b->driven_v0 + 3, 0.5 * w->t, b->driven_a + 3, mean);
   if (w->dim == 2) {
-    b->angle = w->spec.body[i].angle + w->t * w0[2];
-  } else { /* constant axis: kinematic bodies have no angular acceleration */
+    b->angle = w->spec.body[i].angle + w->t * mean[2];
+  } else {
     memcpy(b->quat, w->spec.body[i].quat, sizeof b->quat);
     quat_normalise(b->quat);
-    quat_rotate(b->quat, step, w->t);
+    quat_rotate(b->quat, mean, w->t);
   }
   body_orient(b, w->dim);
 }

@@ -116,7 +116,8 @@ static base_status read_shape(const scene_spec *s, const char *owner, json_t *v,
   BASE_TRY(node_choice(&n, "type", types, &type));
   const shape_row *row = &rows[type];
   if (row->dim != 0 && row->dim != s->dim) {
-    return BAD(&n, "%s: this shape is for dim %d, the scene has %d", n.where, row->dim, s->dim);
+    return BAD(&n, "%s: a %s is for dim %d, the scene has %d", n.where,
+               json_string_value(json_object_get(v, "type")), row->dim, s->dim);
   }
   BASE_TRY(node_keys(&n, row->keys));
   p->kind = row->kind;

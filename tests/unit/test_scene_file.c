@@ -93,6 +93,11 @@ static void json_and_yaml_agree(void **state) {
   "{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1}, \"mass\": 1, \"pos\": [0, 0]}"
 #define BODIES "\"bodies\": [" BALL "]"
 
+#define POLYGON(dim, pos, vertices)                                                                \
+  "{\"id\": \"s\", \"dim\": " dim                                                                  \
+  ", \"T\": 1, \"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": " pos                          \
+  ", \"shape\": {\"type\": \"polygon\", \"vertices\": [" vertices "]}}]}"
+
 static const struct {
   const char *text, *says;
 } bad[] = {
@@ -134,9 +139,18 @@ static const struct {
     {HEAD BODIES ", \"static\": [{\"name\": \"f\", \"normal\": [0, 2]}]}", "length 2"},
     {HEAD BODIES ", \"gravity\": [0, 0, 1]}", "need 2 numbers"},
     {HEAD BODIES ", \"hs\": [0]}", "h = 0"},
-    {HEAD "\"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": [0, 0], \"shape\": {\"type\":"
-          " \"polygon\", \"vertices\": [[0,0],[0,1],[1,0]]}}]}",
-     "counter-clockwise"},
+    {POLYGON("2", "[0, 0]", "[0,0],[0,1],[1,0]"), "counter-clockwise"},
+    {POLYGON("2", "[0, 0]", "[0,1],[-0.6,-0.8],[0.95,0.3],[-0.95,0.3],[0.6,-0.8]"), "once round"},
+    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[0,1],[0,0],[1,0],[0,1]"), "once round"},
+    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[1,0],[0,1]"), "repeated"},
+    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[2,0]"), "convex"},
+    {POLYGON("3", "[0, 0, 0]", "[0,0],[1,0],[0,1]"), "a polygon is for dim 2, the scene has 3"},
+    {"{\"id\": \"s\", \"dim\": 3, \"T\": 1, \"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": "
+     "[0, 0, 0],"
+     " \"shape\": {\"type\": \"sphere\", \"r\": 1}, \"prescribed\": {\"rx\": {\"v0\": 1, \"a\": "
+     "0}, \"ry\":"
+     " {\"v0\": 0, \"a\": 1}}}]}",
+     "axis that stands still"},
 };
 
 static void refused(const char *ending, const char *text, const char *says) {
