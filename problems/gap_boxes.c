@@ -55,9 +55,7 @@ static obox place(const piece *p, const pose *at) {
     v3_add_scaled(p->vertex, 0.5, d, centre);
     m3_mul_vec(at->R, d, d);
     v3_scale(0.5 / o.h[0], d, d);
-    const double e[3] = {fabs(d[0]) <= 0.7, fabs(d[0]) > 0.7, 0};
-    v3_cross(d, e, u);
-    v3_scale(1.0 / v3_norm(u), u, u);
+    v3_perpendicular(d, u);
     v3_cross(d, u, v);
     const double R[9] = {d[0], u[0], v[0], d[1], u[1], v[1], d[2], u[2], v[2]};
     memcpy(o.R, R, sizeof R);

@@ -76,11 +76,16 @@ static void add_closest(list *l, const round_pair *p) {
   v3_scale(-1.0, p->n, down);
   if (support_line(&p->a, down, a0, a1) && support_line(&p->b, p->n, b0, b1)) {
     segment_closest(a0, a1, b0, b1, x, y);
-  } else { /* alternating projections on two convex sets in parallel planes, one a point or a face */
+  } else { /* alternating projections on two convex sets in parallel planes, one a point or a face:
+              gap and normal are known, this says where along the planes, so to rounding or not at all */
+    double before[3], moved = HUGE_VAL;
     v3_copy(p->b.c, y);
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100 && moved > 1e-15 * p->size; i++) {
+      v3_copy(y, before);
       support_near(&p->a, down, y, x);
       support_near(&p->b, p->n, x, y);
+      v3_sub(y, before, before);
+      moved = v3_norm(before);
     }
   }
   for (int k = 0; k < 3; k++) {

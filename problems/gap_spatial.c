@@ -62,17 +62,6 @@ void segment_closest(const double *p0, const double *p1, const double *q0, const
   v3_add_scaled(q0, t, d2, on_q);
 }
 
-static void any_normal(const double *along, double *n) {
-  const double e[3] = {fabs(along[0]) <= 0.7, fabs(along[0]) > 0.7, 0};
-  v3_cross(along, e, n);
-  const double len = v3_norm(n);
-  if (len > 0.0) {
-    v3_scale(1.0 / len, n, n);
-  } else {
-    n[0] = n[1] = 0.0, n[2] = 1.0;
-  }
-}
-
 /* Ends of the core: a point is a segment of no length. */
 static void ends_of(const piece *p, const pose *at, double *e0, double *e1) {
   world_point(at, p->vertex, e0);
@@ -109,6 +98,24 @@ static bool nearly_parallel(const double *d1, const double *d2) {
   return l1 > 0.0 && l2 > 0.0 && v3_norm(c) <= sine * l1 * l2;
 }
 
+/* A normal for cores that meet: at right angles to both, or to the one that has a length. */
+static void normal_across(const double *d1, const double *d2, double *n) {
+  const double l1 = v3_norm(d1), l2 = v3_norm(d2);
+  if (!(l1 > 0.0) && !(l2 > 0.0)) {
+    n[0] = n[1] = 0.0, n[2] = 1.0;
+    return;
+  }
+  v3_cross(d1, d2, n);
+  const double sine = v3_norm(n);
+  if (sine > 1e-6 * l1 * l2) {
+    v3_scale(1.0 / sine, n, n);
+    return;
+  }
+  double along[3];
+  v3_scale(1.0 / fmax(l1, l2), (l1 >= l2) ? d1 : d2, along);
+  v3_perpendicular(along, n);
+}
+
 static int cores(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                  gap_point *out) {
   double e[12] = {0}, p[3], q[3], d1[3], d2[3], fallback[3]; /* e: the four ends */
@@ -116,7 +123,7 @@ static int cores(const piece *a, const pose *pa, const piece *b, const pose *pb,
   ends_of(b, pb, e + 6, e + 9);
   v3_sub(e + 3, e, d1);
   v3_sub(e + 9, e + 6, d2);
-  any_normal(d1, fallback);
+  normal_across(d1, d2, fallback);
   int n = 0;
   if (nearly_parallel(d1, d2)) {
     n = ends_beside(e, a->r, b->r, fallback, margin, out);
@@ -187,8 +194,10 @@ static int point_disc(const double *c, double r, const piece *b, const pose *pb,
   /* inside a cylinder: out through the mantle or the nearer cap */
   const double to_cap = half - fabs(local[2]), to_side = b->r - rho;
   double n[3] = {0, 0, (local[2] >= 0.0) ? 1.0 : -1.0};
-  if (to_side < to_cap && rho > 0.0) {
-    n[0] = local[0] / rho, n[1] = local[1] / rho, n[2] = 0.0;
+  if (to_side < to_cap) { /* from the axis any way is the nearest */
+    n[0] = (rho > 0.0) ? local[0] / rho : 1.0;
+    n[1] = (rho > 0.0) ? local[1] / rho : 0.0;
+    n[2] = 0.0;
   }
   const double depth = fmin(to_side, to_cap);
   m3_mul_vec(R, n, out->n);
@@ -196,17 +205,6 @@ static int point_disc(const double *c, double r, const piece *b, const pose *pb,
   out->gap = -depth - r;
   out->feature = 0;
   return (out->gap < margin) ? 1 : 0;
-}
-
-bool gap_known(int dim, piece_kind a, piece_kind b) {
-  if (dim == 2) {
-    return a <= PIECE_POLYGON && b <= PIECE_POLYGON;
-  }
-  const piece_kind lo = (a < b) ? a : b, hi = (a < b) ? b : a;
-  if (lo == PIECE_POLYGON || hi == PIECE_POLYGON) {
-    return false;
-  }
-  return true;
 }
 
 /* First piece the simpler one: point < segment < box < disc. */

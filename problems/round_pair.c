@@ -31,9 +31,7 @@ round_solid round_place(const piece *p, const pose *at) {
     s.h[0] = 0.5 * v3_norm(along);
     v3_add_scaled(e0, 0.5, along, s.c);
     v3_scale(0.5 / s.h[0], along, s.e[0]);
-    const double other[3] = {fabs(s.e[0][0]) <= 0.7, fabs(s.e[0][0]) > 0.7, 0.0};
-    v3_cross(s.e[0], other, s.e[1]);
-    v3_scale(1.0 / v3_norm(s.e[1]), s.e[1], s.e[1]);
+    v3_perpendicular(s.e[0], s.e[1]);
     v3_cross(s.e[0], s.e[1], s.e[2]);
     s.sweep = p->r;
     return s;
@@ -143,9 +141,7 @@ static void bisect(round_pair *p, const double *u, const double *v, double lo, d
 
 static void try_circle(round_pair *p, const double *axis) {
   double u[3], v[3];
-  const double e[3] = {fabs(axis[0]) <= 0.7, fabs(axis[0]) > 0.7, 0.0};
-  v3_cross(axis, e, u);
-  v3_scale(1.0 / v3_norm(u), u, u);
+  v3_perpendicular(axis, u);
   v3_cross(axis, u, v);
   double before = rate(p, u, v, 0.0);
   for (int i = 0; i < ANGLES; i++) {

@@ -60,11 +60,9 @@ double piece_bound(const piece *p);
 int gap_halfspace(const piece *p, const pose *at, const double *normal, double offset,
                   double margin, gap_point *out);
 
-/* Is there a gap function for this pair of kinds? Planar ones always; in space polygons have none. */
-bool gap_known(int dim, piece_kind a, piece_kind b);
-
 int gap_planar(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                gap_point *out);
+/* Every kind but the polygon, which is planar (spec_check_all refuses it in space). */
 int gap_spatial(const piece *a, const pose *pa, const piece *b, const pose *pb, double margin,
                 gap_point *out);
 

@@ -44,6 +44,13 @@ static inline double v3_norm(const double *a) {
   return sqrt(v3_dot(a, a));
 }
 
+/* A unit vector at right angles to the unit vector d: across the x axis, or y where d is near x. */
+static inline void v3_perpendicular(const double *d, double *out) {
+  const double e[3] = {fabs(d[0]) <= 0.7, fabs(d[0]) > 0.7, 0.0};
+  v3_cross(d, e, out);
+  v3_scale(1.0 / v3_norm(out), out, out);
+}
+
 static inline void m3_mul_vec(const double *R, const double *x, double *y) {
   const double a = v3_dot(R, x);
   const double b = v3_dot(R + 3, x);

@@ -26,37 +26,6 @@ static base_status check_spec(const scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-/* Kinds of pieces seen so far, with a body that has one. */
-typedef struct kind_holder {
-  int body[PIECE_DISC + 1];
-} kind_holder;
-
-static base_status check_kind(const world *w, int i, piece_kind kind, const kind_holder *seen,
-                              base_error *err) {
-  for (int other = 0; other <= PIECE_DISC; other++) {
-    const int j = seen->body[other];
-    if (j >= 0 && j != i && !gap_known(w->dim, kind, (piece_kind)other) &&
-        pair_value(&w->apart, i, j) == 0.0) {
-      return BASE_FAIL(err, BASE_EUNSUPPORTED, "bodies %.32s and %.32s: no gap function",
-                       w->spec.body[j].name, w->spec.body[i].name);
-    }
-  }
-  return BASE_OK;
-}
-
-/* Every pair of piece kinds that may meet needs a gap function; found out before the first step. */
-static base_status check_gaps(const world *w, base_error *err) {
-  kind_holder seen;
-  memset(&seen, -1, sizeof seen);
-  int i = 0;
-  for (int k = 0; k < w->n_piece; k++) { /* pieces are stored body by body */
-    i += k == w->body[i].first_piece + w->body[i].n_piece;
-    BASE_TRY(check_kind(w, i, w->piece[k].kind, &seen, err));
-    seen.body[w->piece[k].kind] = i;
-  }
-  return BASE_OK;
-}
-
 static base_status open_tables(world *w, base_error *err) {
   const scene_spec *s = &w->spec;
   const spec_coefficient *f = &s->friction, *k = &s->friction_kinetic;
@@ -166,9 +135,6 @@ static base_status open_parts(world *w, base_error *err) {
   BASE_TRY(store_grow((void **)&w->joint, (size_t)w->spec.n_joint + 1, sizeof *w->joint, err));
   BASE_TRY(open_tables(w, err));
   BASE_TRY(open_pieces(w, err));
-  if (world_has(w, EFFECT_CONTACT)) {
-    BASE_TRY(check_gaps(w, err));
-  }
   BASE_TRY(loads_check(w, err));
   return world_reset(w, err);
 }
