@@ -1,9 +1,9 @@
 #include "lcp/solvers/loop.h"
 
+#include "lcp/solvers/data_test.h"
 #include "lcp/solvers/loop_rho.h"
 #include "lcp/solvers/sets.h"
 
-#include <float.h>
 #include <string.h>
 
 void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
@@ -19,44 +19,12 @@ void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
   s->tests = 0;
   s->next = 1;
   s->memoryless = memoryless;
-  s->q_size = 0.0;
-  for (int i = 0; i < p->M.n; i++) {
-    s->q_size = fmax(s->q_size, s->scale[i] * fabs(p->q[i]));
-  }
+  s->q_size = lcp_data_size(p, s->scale);
 }
 
-/* Violation of row i of an interval set, as a velocity: the natural map d z - P(d z - w). */
-static double violation(const lcp_problem *p, lcp_set set, int i, double d, double z, double w) {
-  switch (set) {
-  case LCP_ORTHANT:
-    return fmax(fmax(-w, -d * z), fmin(w, d * z));
-  case LCP_FREE:
-    return fabs(w);
-  case LCP_BOX:
-    return fmax(fmax(d * (p->lo[i] - z), d * (z - p->hi[i])),
-                (w > 0.0) ? fmin(w, d * (z - p->lo[i])) : fmin(-w, d * (p->hi[i] - z)));
-  default: /* cones: rho alone */
-    return 0.0;
-  }
-}
-
-/* Is the violation small against the data? `noise` 0: before the magnitudes are known. */
 static bool believable(const lcp_loop *s, const lcp_stop *stop, const lcp_problem *p,
                        const double *z, const double *tau0) {
-  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
-  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
-  const int n_block = (p->block != NULL) ? p->n_block : 1;
-  const double limit = 10.0 * stop->tol * s->q_size;
-  for (int b = 0; b < n_block; b++) {
-    for (int i = block[b].start; i < block[b].start + block[b].size; i++) {
-      const double r = s->scale[i], noise = (tau0 != NULL) ? 32.0 * DBL_EPSILON * tau0[i] : 0.0;
-      const double seen = violation(p, block[b].set, i, 1.0 / (r * r), z[i], s->stop.w[i]);
-      if (!(r * noise <= 1e-3 * s->q_size && r * seen <= limit + r * noise)) {
-        return false;
-      }
-    }
-  }
-  return true;
+  return lcp_data_allows(p, stop->tol, s->q_size, s->scale, z, s->stop.w, tau0);
 }
 
 /* lcp_stop_test bounds rho from one product. Two things can be wrong with its answer: it accepts a z

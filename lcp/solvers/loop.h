@@ -2,12 +2,7 @@
  *
  * lcp_stop_test measures rho, which is relative to the size of z. On an infeasible monotone problem
  * z runs away and drags rho below any tolerance although w never gets feasible, so "solved" is
- * claimed here only if the violation is small against the data as well:
- *
- *   r_i v_i <= 10 tol max_j r_j |q_j| + 32 eps r_i tau0_i,   r_i = 1 / sqrt(M_ii)
- *
- * with v the natural map d z - P(d z - w), d = 1/r^2, and tau0_i = |q_i| + sum |M_ij||z_j|; and never
- * where rounding alone (32 eps tau0) could hide a thousandth of q.
+ * claimed here only if the violation is small against the data as well (data_test.h).
  * A deterministic iteration whose iterate returns bit for bit can never end: it is `stalled`
  * (Brent 1980, cycle finding with one stored iterate). */
 #pragma once

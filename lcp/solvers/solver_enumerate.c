@@ -10,6 +10,7 @@
 #include "lcp/base/clock.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
+#include "lcp/solvers/data_test.h"
 #include "lcp/solvers/small_simplex.h"
 
 enum { N_MAX = LCP_SMALL_N, COLUMNS_MAX = 2 * N_MAX };
@@ -329,7 +330,9 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   for (int i = 0; i < s->n; i++) {
     z[i] = s->answer[i];
   }
-  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
+  double r[N_MAX], tau0[N_MAX];
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res) &&
+                   lcp_data_met(p, stop->tol, &s->stop, z, r, tau0, &res->work);
   res->outcome = met ? LCP_SOLVED : LCP_NUMERICAL;
   if (res->outcome == LCP_SOLVED) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->basis};

@@ -7,6 +7,7 @@
 #include "lcp/base/clock.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/direct.h"
+#include "lcp/solvers/data_test.h"
 
 typedef struct options {
   lcp_stop stop;
@@ -163,7 +164,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   if (ended == LCP_SOLVED && !settle(s, p, z, &res->work, &status)) {
     ended = LCP_NUMERICAL;
   }
-  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res);
+  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res) &&
+                   lcp_data_met(p, stop->tol, &s->stop, z, s->row, s->noise, &res->work);
   res->outcome = (ended == LCP_SOLVED && !met) ? LCP_NUMERICAL : ended;
   if (res->outcome == LCP_SOLVED) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->in};

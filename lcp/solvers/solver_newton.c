@@ -259,6 +259,9 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   double past[MEMORY], least = HUGE_VAL;
   bool fresh;
   res->variant = (o->map == FISCHER) ? "fischer" : "min";
+  for (int i = 0; i < n; i++) { /* from K: outside, where M z + q = 0, rho has no scale */
+    z[i] = lcp_set_clip(z[i], s->lo[i] * s->s[i], s->hi[i] * s->s[i]);
+  }
   lcp_loop_begin(&s->loop, p, false);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
     if (fresh) {

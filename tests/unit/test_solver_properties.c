@@ -175,6 +175,69 @@ static void powers_of_two_change_no_bit(void **state) {
   assert_int_equal(runs, BASE_COUNT(names) - 1); /* all but interior_point */
 }
 
+/* M = J J' of rank 1 to 3 and a q with no solution, q'y < 0 for a y >= 0 with J'y = 0: rounding makes some of these M
+ * regular, with a z of 1e15 whose terms hide any violation from a residual that is relative to them. */
+static void singular_but_for_rounding_is_no_solution(void **state) {
+  (void)state;
+  enum { ROWS = 8, PROBLEMS = 100 };
+  static const char *const direct[] = {"lemke",          "ppm",           "murty", "enumerate",
+                                       "block_pivoting", "interior_point"};
+  for (unsigned long seed = 0; seed < PROBLEMS; seed++) {
+    base_rng r = base_rng_seeded(500 + seed);
+    const int rank = 1 + (int)(seed % 3);
+    double J[ROWS][3] = {{0}}, M[ROWS * ROWS] = {0}, q[ROWS], y[ROWS], work = 0;
+    for (int i = 0; i < ROWS; i++) {
+      y[i] = (i < ROWS - 1) ? base_rng_between(&r, 0.2, 1) : 1;
+      q[i] = base_rng_between(&r, -1, 0.2);
+      work += q[i] * y[i];
+      for (int k = 0; k < rank && i < ROWS - 1; k++) {
+        J[i][k] = base_rng_normal(&r);
+        J[ROWS - 1][k] -= y[i] * J[i][k];
+      }
+    }
+    for (int e = 0; e < ROWS * ROWS * rank; e++) {
+      M[e / rank] += J[e / rank / ROWS][e % rank] * J[e / rank % ROWS][e % rank];
+    }
+    const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = ROWS, .val = M},
+                           .q = q,
+                           .traits = LCP_SYMMETRIC | LCP_PSD};
+    for (int s = 0; s < BASE_COUNT(direct) && work < -0.1; s++) {
+      double z[ROWS] = {0};
+      lcp_result res = {0};
+      assert_true(run(direct[s], &p, z, &res));
+      if (res.outcome == LCP_SOLVED) {
+        fail_msg("%s claims to solve problem %lu: z[0] = %g", direct[s], seed, z[0]);
+      }
+    }
+  }
+}
+
+/* q = 0 says nothing of how large z is when a box keeps it from zero. */
+static void boxes_away_from_zero_need_no_q(void **state) {
+  (void)state;
+  static const char *const direct[] = {
+      "pgs", "jacobi", "projected_gradient", "nncg", "apgd", "ppm", "newton", "pgs_sm", "sqp"};
+  const double M[4] = {2, 1, 1, 2}, q[2] = {0}, lo[2] = {1, -3}, hi[2] = {4, 5};
+  const lcp_block block = {.start = 0, .size = 2, .set = LCP_BOX};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M},
+                         .q = q,
+                         .lo = lo,
+                         .hi = hi,
+                         .block = &block,
+                         .n_block = 1,
+                         .traits = LCP_SYMMETRIC | LCP_PSD | LCP_PD};
+  for (int s = 0; s < BASE_COUNT(direct); s++) {
+    double z[2] = {0};
+    lcp_result res = {0};
+    assert_true(run(direct[s], &p, z, &res));
+    if (res.outcome != LCP_SOLVED) {
+      fail_msg("%s: %s, z = (%g, %g)", direct[s], lcp_outcome_name(res.outcome), z[0], z[1]);
+    }
+    check_close(z[0], 1, 1e-7); /* z2 = -1/2 then makes w2 = 0 */
+    check_close(z[1], -0.5, 1e-7);
+  }
+}
+
 /* A sphere that slides straight: nothing acts along the second tangent, whose answer is zero. Reached
  * from the end of its box it must be zero and not the rest of a cancellation, which counts as wrong
  * in a residual that knows no scale. */
@@ -203,6 +266,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(planted_solutions_are_found),
       cmocka_unit_test(powers_of_two_change_no_bit),
+      cmocka_unit_test(singular_but_for_rounding_is_no_solution),
+      cmocka_unit_test(boxes_away_from_zero_need_no_q),
       cmocka_unit_test(idle_rows_of_a_box_end_at_zero),
   };
   return cmocka_run_group_tests_name("solver properties", tests, NULL, NULL);

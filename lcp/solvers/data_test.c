@@ -1,0 +1,61 @@
+#include "lcp/solvers/data_test.h"
+
+#include "lcp/solvers/loop_rho.h"
+#include "lcp/solvers/sets.h"
+
+#include <float.h>
+
+/* Violation of row i of an interval set, as a velocity: the natural map d z - P(d z - w). */
+static double violation(const lcp_problem *p, lcp_set set, int i, double d, double z, double w) {
+  switch (set) {
+  case LCP_ORTHANT:
+    return fmax(fmax(-w, -d * z), fmin(w, d * z));
+  case LCP_FREE:
+    return fabs(w);
+  case LCP_BOX:
+    return fmax(fmax(d * (p->lo[i] - z), d * (z - p->hi[i])),
+                (w > 0.0) ? fmin(w, d * (z - p->lo[i])) : fmin(-w, d * (p->hi[i] - z)));
+  default: /* cones: rho alone */
+    return 0.0;
+  }
+}
+
+double lcp_data_size(const lcp_problem *p, const double *r) {
+  double size = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    size = fmax(size, r[i] * fabs(p->q[i]));
+  }
+  for (int b = 0; p->block != NULL && b < p->n_block; b++) {
+    const lcp_block *k = &p->block[b];
+    for (int i = k->start; k->set == LCP_BOX && i < k->start + k->size; i++) {
+      size = fmax(size, fabs(lcp_set_clip(0.0, p->lo[i], p->hi[i])) / r[i]);
+    }
+  }
+  return size;
+}
+
+bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double *r,
+                     const double *z, const double *w, const double *tau0) {
+  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
+  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
+  const int n_block = (p->block != NULL) ? p->n_block : 1;
+  const double limit = 10.0 * tol * size;
+  for (int b = 0; b < n_block; b++) {
+    for (int i = block[b].start; i < block[b].start + block[b].size; i++) {
+      const double noise = (tau0 != NULL) ? 32.0 * DBL_EPSILON * r[i] * tau0[i] : 0.0;
+      const double seen = r[i] * violation(p, block[b].set, i, 1.0 / (r[i] * r[i]), z[i], w[i]);
+      if (!(noise <= 1e-3 * size && seen <= limit + noise)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool lcp_data_met(const lcp_problem *p, double tol, const lcp_stop_state *s, const double *z,
+                  double *r, double *tau0, lcp_work *work) {
+  lcp_set_scaling(&p->M, s->d, r);
+  lcp_loop_magnitudes(p, z, tau0);
+  work->matvecs++;
+  return lcp_data_allows(p, tol, lcp_data_size(p, r), r, z, s->w, tau0);
+}
