@@ -40,11 +40,23 @@ def library():
 FILTERS = [("problem family", 1), ("formulation", 3), ("solver", 4), ("status", 6), ("campaign", 0)]
 
 
+MOST = 4000  # cells of a table that a browser sorts and filters at once, and that keep the page below its limit
+
+
+def fewer(cells):
+    """Where there are too many: all that failed, and of the others the smallest step of each ladder. (cells, what was left out)."""
+    if len(cells) <= MOST:
+        return cells, ""
+    ladder = cells.groupby(["campaign", "part", "problem", "combination", "effects", "tol", "start"], dropna=False)["step_s"]
+    kept = cells[~cells["good"] | cells["step_s"].isna() | (cells["step_s"] == ladder.transform("min"))]
+    return kept, f", and {len(cells) - len(kept)} verified ones at larger steps than their ladder's smallest, which are in results.csv"
+
+
 def cells_table(cells):
     """Every cell, but of the stability campaign only as ladders (its own table): a page of all of its rungs would not load."""
     ladders = cells["campaign"].str.startswith("stability")
     left = int(ladders.sum())
-    cells = cells[~ladders]
+    cells, coarser = fewer(cells[~ladders])
     rows = []
     for c in cells.to_dict("records"):
         mark = "" if c["good"] else "none" if c["status"] in ("unsupported", "skipped") else "bad"
@@ -54,7 +66,7 @@ def cells_table(cells):
                      f"{c['lcp_dim']:g}" if c["lcp_dim"] == c["lcp_dim"] else "", Cell(si(c.get("t_total_s"), "s"), sort=num(c.get("t_total_s"))),
                      Cell(error(c["err_ref"]), sort=num(c["err_ref"])), Cell(error(c.get("res_ncp_rel")), sort=num(c.get("res_ncp_rel"))),
                      Cell(error(c["rho"]), sort=num(c["rho"])), c.get("command", "")])
-    return Table("cells", f"All {len(rows)} cells" + (f" but the {left} rungs of the stability ladders, which are summed up in their own table" if left else "") +
+    return Table("cells", f"All {len(rows)} cells" + (f" but the {left} rungs of the stability ladders, which are summed up in their own table" if left else "") + coarser +
                  "; the last column is the command that reruns the cell.",
                  ["campaign", "family", "problem", "formulation", "solver", "step [s]", "status", "contacts", "LCP", "time", "error", "Coulomb residual", "rho",
                   "command"], rows, code=13, paper=False)

@@ -15,7 +15,7 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, chart, claims, effects, latex, library, limits, paper, reference, report, rows, stability, style  # noqa: E402
+from bench import accuracy, chart, claims, effects, latex, library, limits, page, paper, reference, report, rows, stability, style  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
@@ -225,6 +225,16 @@ class Judged(unittest.TestCase):
         self.assertEqual(accuracy.rival_words(found), "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there on 3 of 5")
         apart = accuracy.rival(won, "event", {"d": {"cost": 1.0}}, 1)
         self.assertEqual(accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same")
+
+    def test_a_table_of_too_many_cells_keeps_what_failed_and_the_smallest_steps(self):
+        some = self.cells[self.cells["campaign"] != "stability"]
+        with mock.patch.object(page, "MOST", 10):
+            table = page.cells_table(some)
+        slides = [row for row in table.rows if row[1] == "slide"]
+        self.assertEqual({row[5] for row in slides}, {"0.005"})
+        self.assertEqual(len(some) - len(table.rows), 4)
+        self.assertIn("and 4 verified ones at larger steps", table.caption)
+        self.assertEqual(sum(row[6].text == "unverified" for row in table.rows), int((some["status"] == "unverified").sum()))
 
     def test_missing_rows_are_an_error(self):
         with self.assertRaises(rows.BadRows):
