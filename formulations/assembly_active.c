@@ -11,20 +11,6 @@ enum { MOST_ROWS = 8 };
  * positions, and no overlap to be pushed out. */
 static const double gap_noise = 1e-6;
 
-/* Inverse radius of gyration of the bodies of group g, the larger one [1/m]. */
-static double gyration(const contact_set *c, int g) {
-  double most = 0;
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = contact_dofs(c, b);
-    const double *w = (n > 0) ? c->inv_mass + c->mass_start[b] : NULL;
-    for (int k = 1; k < n && w[0] > 0; k++) {
-      most = fmax(most, sqrt(w[k * n + k] / w[0]));
-    }
-  }
-  return most;
-}
-
 /* Where the rows of one group stand, and the velocities that they act on. */
 typedef struct group_rows {
   int first, n[2];
@@ -67,6 +53,25 @@ static double row_velocity(const contact_set *c, const group_rows *r, int row, d
   return u;
 }
 
+/* Inverse radius of gyration of the bodies of a group, the larger one, about the axes of its spins, rows
+ * `metres` .. rows-1 [1/m]. The first dof is a translation; where a body can only turn it is not, and the
+ * value is a ratio of moments. */
+static double gyration(const contact_set *c, const group_rows *r, int g, int metres, int rows) {
+  double most = 0;
+  for (int side = 0; side < 2; side++) {
+    const int n = r->n[side];
+    const int b = c->body[2 * g + side];
+    const double *w = (n > 0) ? c->inv_mass + c->mass_start[b] : NULL;
+    for (int i = metres; i < rows && n > 0 && w[0] > 0; i++) {
+      const double *spin = r->jac[side] + (ptrdiff_t)i * n;
+      for (int k = 1; k < n; k++) { /* what a spin does not touch is no rotation about its axis */
+        most = (spin[k] != 0) ? fmax(most, sqrt(w[k * n + k] / w[0])) : most;
+      }
+    }
+  }
+  return most;
+}
+
 /* A value below the rounding error of the sum that it comes from is zero: such noise is no sliding, and a
  * problem whose q has it in some rows is degenerate at two scales at once. */
 static inline double without_noise(double u, double size) {
@@ -85,7 +90,8 @@ static void group_velocity(const contact_set *c, const group_rows *r, int g, int
   for (int i = 0; i < metres; i++) {
     common = (size[i] > common) ? size[i] : common;
   }
-  const double spin = (metres > 0 && metres < rows) ? 8 * common * gyration(c, g) : 0;
+  const double spin =
+      (metres > 0 && metres < rows) ? 8 * common * gyration(c, r, g, metres, rows) : 0;
   for (int i = 0; i < rows; i++) {
     u[i] = without_noise(u[i], (i < metres) ? common : fmax(size[i], spin));
   }
