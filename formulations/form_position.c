@@ -20,7 +20,8 @@ static const base_field fields[] = {
     BASE_FIELD(options, push, BASE_REAL, "1", 1, 0, 1, "share of an overlap removed a step"),
     BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
     BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
-    BASE_FIELD_CHOICE(options, joints, "eliminated|mixed", 0, "or free rows of a mixed problem"),
+    BASE_FIELD_CHOICE(options, joints, "eliminated|mixed", 0,
+                      "or free rows (always when factored)"),
     BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
 };
 
