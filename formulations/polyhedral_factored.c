@@ -1,4 +1,5 @@
 /* polyhedral_factored.c - the matrix of polyhedral.h as J W J' + S. */
+#include "formulations/dof_kernel.h"
 #include "formulations/polyhedral_matrix.h"
 
 #include <string.h>
@@ -25,19 +26,28 @@ size_t poly_jac_size(const polyhedral *s) {
   return size;
 }
 
-/* The rows f' J of one side of group i, one for each unknown; those of the sigmas are zero. */
-static double *put_side(const polyhedral *s, int i, const double *jac, int n, double *out) {
-  double f[POLY_ROWS_MAX];
-  memset(out, 0, sizeof *out * (size_t)poly_width(s, i) * (size_t)n);
+/* The rows f' J of both sides of group i, one for each unknown; those of the sigmas are zero. */
+static double *put_group(const polyhedral *s, int i, double *out) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const int width = poly_width(s, i);
+  const int n[2] = {contact_dofs(c, c->body[2 * g]), contact_dofs(c, c->body[2 * g + 1])};
+  const double *first = c->jac + c->jac_start[g];
+  const double *jac[2] = {first, first + (ptrdiff_t)(c->row_start[g + 1] - c->row_start[g]) * n[0]};
+  double *to[2] = {out, out + (ptrdiff_t)width * n[0]};
+  double *end = to[1] + (ptrdiff_t)width * n[1];
+  memset(out, 0, sizeof *out * (size_t)(end - out));
   for (int b = 0; b < poly_columns(s, i); b++) {
+    double f[POLY_ROWS_MAX];
     poly_direction(s, i, b, f);
     for (int r = 0; r < form_rows_of(&s->a, i); r++) {
-      for (int d = 0; d < n; d++) {
-        out[b * n + d] += f[r] * jac[r * n + d];
+      for (int side = 0; side < 2; side++) {
+        form_add_scaled(f[r], jac[side] + (ptrdiff_t)r * n[side], to[side] + (ptrdiff_t)b * n[side],
+                        n[side]);
       }
     }
   }
-  return out + (ptrdiff_t)poly_width(s, i) * n;
+  return end;
 }
 
 static void fill_shift(polyhedral *s) {
@@ -61,16 +71,9 @@ void poly_fill_factored(polyhedral *s) {
   const contact_set *c = s->a.set;
   double *out = s->jac;
   for (int i = 0; i < s->a.n_group; i++) {
-    const int g = s->a.group[i];
-    const int all = c->row_start[g + 1] - c->row_start[g];
-    const double *jac = c->jac + c->jac_start[g];
     s->jac_start[i] = (int)(out - s->jac);
-    for (int side = 0; side < 2; side++) {
-      const int n = contact_dofs(c, c->body[2 * g + side]);
-      s->body[2 * i + side] = c->body[2 * g + side];
-      out = put_side(s, i, jac, n, out);
-      jac += (ptrdiff_t)all * n;
-    }
+    memcpy(s->body + 2 * (ptrdiff_t)i, c->body + 2 * (ptrdiff_t)s->a.group[i], 2 * sizeof *s->body);
+    out = put_group(s, i, out);
   }
   s->jac_start[s->a.n_group] = (int)(out - s->jac);
   fill_shift(s);
