@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A memory entry: closed, slipping, lambda_n, then the unknowns of the block. */
+/* A memory entry: closed, slipping, the approach that two_steps owes [m/s], then the unknowns of the block. */
 enum { PAST_CLOSED, PAST_SLIP, PAST_APPROACH, PAST_Z };
 
 long poly_dimension(int dim, int p, const void *opt) {
@@ -336,6 +336,14 @@ static bool decompress(polyhedral *s) {
   return any;
 }
 
+/* Speed at which active contact i was met in this step, to be given back in the next one, <= 0. */
+static double approach_met(const polyhedral *s, int i) {
+  const int g = s->a.group[i];
+  const double u = s->a.set->u_before[s->a.set->row_start[g]];
+  const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.rest * gained(s, g);
+  return (met && !(owed(s, i) < 0)) ? fmin(u, 0) : 0;
+}
+
 /* 0 open, 1 stick, 2 slip; and the memory of the next step. */
 static void note_modes(polyhedral *s, const double *z) {
   for (int i = 0; i < s->a.n_contact; i++) {
@@ -347,9 +355,9 @@ static void note_modes(polyhedral *s, const double *z) {
     const bool slips = friction && zi[shape->n_column] > 0;
     s->a.mode[g] = (unsigned char)((s->base[s->a.row[i]] > 0) ? (slips || !friction) + 1 : 0);
     now[PAST_SLIP] = slips;
-    const double u = s->a.set->u_before[s->a.set->row_start[g]];
-    const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.rest * gained(s, g);
-    now[PAST_APPROACH] = (met && !(owed(s, i) < 0)) ? fmin(u, 0) : 0;
+    if (s->opt.restitution == POLY_TWO_STEPS) {
+      now[PAST_APPROACH] = approach_met(s, i);
+    }
     memcpy(now + PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
   }
 }
