@@ -40,6 +40,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   row_form *s = state;
   BASE_TRY(row_form_begin(s, c, opt, start, err));
+  lcp_matrix_diagonal(&s->matrix.M, s->diagonal); /* the bounds move in a step, M does not */
   for (int i = 0; i < s->a.n_group; i++) {
     const int rows = form_rows_of(&s->a, i);
     const int row = s->a.row[i];
@@ -88,7 +89,6 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
 static double residual(row_form *s, const double *z, double largest) {
   double most = 0;
   lcp_matrix_apply(&s->matrix.M, z, s->q, s->w, s->scratch);
-  lcp_matrix_diagonal(&s->matrix.M, s->diagonal);
   for (int i = 0; i < s->a.n_contact; i++) {
     for (int row = s->a.row[i] + 1; row < s->a.row[i + 1]; row++) {
       const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : 0;
