@@ -138,6 +138,9 @@ void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u
 /* C as a dense n_row x n_row matrix, column-major. */
 void form_assembly_dense(const form_assembly *a, double *out);
 
+/* A block, row-major, into a column-major matrix with leading dimension n. */
+void form_put_block(const double *block, int rows, int columns, double *to, ptrdiff_t n);
+
 /* Takes the joint rows out: n_group = n_contact, r and C become those of the projected system. */
 base_status form_assembly_eliminate(form_assembly *a, base_error *err);
 void form_assembly_joint_impulses(form_assembly *a, double *lambda);

@@ -238,15 +238,6 @@ static int touch_column(const form_joints *j, const form_component *part, int i)
   return j->column[low];
 }
 
-/* Row-major rg x ro into a column-major matrix with leading dimension n. */
-static void put_block(const double *block, int rg, int ro, double *to, ptrdiff_t n) {
-  for (int p = 0; p < rg; p++) {
-    for (int q = 0; q < ro; q++) {
-      to[q * n + p] = block[p * ro + q];
-    }
-  }
-}
-
 /* S and R of one component from the blocks of its joints. */
 static void gather(form_assembly *a, const form_component *part, double *S, double *R, double *y) {
   const form_joints *j = &a->joints;
@@ -262,7 +253,7 @@ static void gather(form_assembly *a, const form_component *part, double *S, doub
       const double *block = a->block + a->block_at[k];
       const int column = (o >= a->n_contact) ? j->offset[o] : touch_column(j, part, o);
       double *to = ((o >= a->n_contact) ? S : R) + (ptrdiff_t)column * n + j->offset[g];
-      put_block(block, rg, ro, to, n);
+      form_put_block(block, rg, ro, to, n);
     }
   }
 }
