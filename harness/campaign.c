@@ -261,7 +261,10 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
   campaign_reader *r = ctx;
   campaign *c = r->c;
   if (strcmp(key, "name") == 0) {
-    return text_member(f, key, v, c->name, sizeof c->name, err);
+    BASE_TRY(text_member(f, key, v, c->name, sizeof c->name, err));
+    return (strchr(c->name, '/') == NULL)
+               ? BASE_OK
+               : yaml_fail(f, v, key, "need a name without /: it becomes a folder", err);
   }
   if (strcmp(key, "title") == 0) {
     return text_member(f, key, v, c->title, sizeof c->title, err);

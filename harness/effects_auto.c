@@ -170,15 +170,29 @@ static base_status choose(sim_request *q, effects_choice *out, base_error *err) 
   return done;
 }
 
-base_status effects_choose(sim_request *q, const char *text, effects_choice *out, base_error *err) {
-  *out = (effects_choice){0};
-  if (strncmp(text, "auto", 4) != 0) {
-    return effects_override(q->spec->effects, text, &q->effects, err);
-  }
-  if (text[4] != ':' || !base_parse_real(text + 5, &out->level) || !(out->level > 0.0)) {
+/* Is text "auto:E"? The level, then. */
+static base_status automatic(const char *text, bool *is, double *level, base_error *err) {
+  *is = strncmp(text, "auto", 4) == 0;
+  if (*is && (text[4] != ':' || !base_parse_real(text + 5, level) || !(*level > 0.0))) {
     return BASE_FAIL(err, BASE_EINVAL, "effects '%s': need auto:E with a number E above 0", text);
   }
-  out->automatic = true;
+  return BASE_OK;
+}
+
+base_status effects_check(const char *text, base_error *err) {
+  bool is;
+  double level;
+  unsigned mask;
+  BASE_TRY(automatic(text, &is, &level, err));
+  return is ? BASE_OK : effects_override(0, text, &mask, err);
+}
+
+base_status effects_choose(sim_request *q, const char *text, effects_choice *out, base_error *err) {
+  *out = (effects_choice){0};
+  BASE_TRY(automatic(text, &out->automatic, &out->level, err));
+  if (!out->automatic) {
+    return effects_override(q->spec->effects, text, &q->effects, err);
+  }
   q->judged = true;
   return choose(q, out, err);
 }

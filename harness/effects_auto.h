@@ -25,4 +25,5 @@ typedef struct effects_choice {
 
 /* Applies text (effects_override's, or "auto:E") to the request's effects. q is complete but for
  * `effects`. BASE_EINVAL: neither, or E not a number above 0. */
+base_status effects_check(const char *text, base_error *err); /* the same of a text alone */
 base_status effects_choose(sim_request *q, const char *text, effects_choice *out, base_error *err);

@@ -230,9 +230,13 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
                        : (a == AXIS_effects)        ? "declared"
                        : (a == AXIS_contact_orders) ? "given"
                                                     : "";
-    done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    const bool is_scene = part->axis[AXIS_formulations].n > 0;
+    done = (part->axis[a].n > 0) ? plan_check_axis(a, is_scene, err) : BASE_OK;
+    if (done == BASE_OK) {
+      done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    }
     for (int i = 0; done == BASE_OK && i < list[a].n; i++) {
-      done = plan_check_value(a, part->axis[AXIS_formulations].n > 0, list[a].item[i], err);
+      done = plan_check_value(a, is_scene, list[a].item[i], err);
     }
   }
   if (done == BASE_OK) {

@@ -3,6 +3,7 @@
 #include "harness/plan_check.h"
 
 #include "harness/contact_order.h"
+#include "harness/effects_auto.h"
 #include "problems/family.h"
 #include "problems/scene.h"
 
@@ -55,15 +56,24 @@ static base_status problem(bool is_scene, const char *text, base_error *err) {
                    is_scene ? "scene" : "family", name, is_scene ? "scenes" : "problems");
 }
 
-static base_status order(bool is_scene, const char *text, base_error *err) {
-  uint64_t seed;
-  BASE_TRY(contact_order_parse(text, &seed, err));
-  return (is_scene || seed == 0)
+static base_status start(const char *text, base_error *err) {
+  return (strcmp(text, "cold") == 0 || strcmp(text, "previous") == 0)
              ? BASE_OK
-             : BASE_FAIL(err, BASE_EINVAL, "contact_orders: %.60s: needs scenes", text);
+             : BASE_FAIL(err, BASE_EINVAL, "starts: %.60s: need cold or previous", text);
+}
+
+base_status plan_check_axis(int axis, bool is_scene, base_error *err) {
+  const bool of_scenes = axis == AXIS_steps || axis == AXIS_durations || axis == AXIS_starts ||
+                         axis == AXIS_effects || axis == AXIS_contact_orders;
+  return (is_scene || !of_scenes)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL,
+                         "%s: only scenes have them, and scenes need formulations",
+                         campaign_axis_name(axis));
 }
 
 base_status plan_check_value(int axis, bool is_scene, const char *text, base_error *err) {
+  uint64_t seed;
   switch (axis) {
   case AXIS_problems:
     return problem(is_scene, text, err);
@@ -71,15 +81,13 @@ base_status plan_check_value(int axis, bool is_scene, const char *text, base_err
     return positive("steps", text, err);
   case AXIS_durations:
     return positive("durations", text, err);
-  case AXIS_contact_orders:
-    return order(is_scene, text, err);
   case AXIS_starts:
-    if (strcmp(text, "cold") != 0 && strcmp(text, "previous") != 0) {
-      return BASE_FAIL(err, BASE_EINVAL, "starts: %.60s: need cold or previous", text);
-    }
-    break;
+    return start(text, err);
+  case AXIS_effects:
+    return effects_check(text, err);
+  case AXIS_contact_orders:
+    return contact_order_parse(text, &seed, err);
   default:
-    break;
+    return BASE_OK;
   }
-  return BASE_OK;
 }

@@ -126,6 +126,9 @@ base_status cell_key(const campaign *camp, problem_hashes *known, cell *c, base_
     memcpy(c->id, hex, CELL_ID - 1);
     c->id[CELL_ID - 1] = '\0';
   }
+  if (done == BASE_OK && c->tol[0] != '\0') {
+    done = solver_choice_set(&solver, "tol", c->tol, err); /* is it one that the solver takes? */
+  }
   solver_choice_free(&solver);
   formulation_choice_free(&form);
   return done;

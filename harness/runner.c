@@ -3,6 +3,7 @@
 #include "harness/doctor.h"
 #include "harness/folder.h"
 #include "harness/isolate.h"
+#include "harness/manifest.h"
 #include "harness/runner_state.h"
 #include "harness/verdict.h"
 #include "lcp/base/clock.h"
@@ -11,6 +12,7 @@
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 void runner_path(const char *dir, const char *name, char *buf, size_t cap) {
@@ -91,6 +93,7 @@ static base_status run_units(runner *r, base_error *err) {
   measure_canary(r);
   r->sum->interrupted = isolate_stop_requested() != 0;
   BASE_TRY(runner_close_rows(r, err));
+  BASE_TRY(manifest_write(r->o->out, r->plan, r->o->filter, err));
   return runner_count_cells(r->plan, r->o->out, r->sum->by_status, err);
 }
 
@@ -110,20 +113,19 @@ static base_status lock_directory(runner *r, base_error *err) {
     return BASE_OK;
   }
   (void)fprintf(stderr, "lcpbench: %s: another run is writing here; waiting for it\n", r->o->out);
-  while (fcntl(r->lock, F_SETLKW, &whole) != 0) {
-    if (errno != EINTR || isolate_stop_requested() != 0) {
+  const struct timespec nap = {.tv_nsec = 50000000}; /* a blocking wait would miss a signal that
+                                                        comes just before it */
+  while (fcntl(r->lock, F_SETLK, &whole) != 0) {
+    if (isolate_stop_requested() != 0) {
       return BASE_FAIL(err, BASE_EIO, "%s: another run is writing here", r->o->out);
     }
+    (void)nanosleep(&nap, NULL);
   }
   return BASE_OK;
 }
 
-static base_status prepare(runner *r, base_error *err) {
-  record_table rows = {0};
-  const plan *p = r->plan;
+static base_status make_folders(const runner *r, base_error *err) {
   char path[1100];
-  BASE_TRY(folder_make(r->o->out, err));
-  BASE_TRY(lock_directory(r, err));
   if (r->o->solutions) {
     runner_path(r->o->out, "solutions", path, sizeof path);
     BASE_TRY(folder_make(path, err));
@@ -132,26 +134,44 @@ static base_status prepare(runner *r, base_error *err) {
     runner_path(r->o->out, "traces", path, sizeof path);
     BASE_TRY(folder_make(path, err));
   }
-  if (p->campaign->sampling.doctor > 0.0) {
-    BASE_TRY(doctor_visit(r->o->out, p->campaign->sampling.doctor, err));
-  }
+  return BASE_OK;
+}
+
+static base_status allocate(runner *r, base_error *err) {
+  const plan *p = r->plan;
   r->done = calloc((size_t)p->n_unit + 1, sizeof *r->done);
   r->ended = calloc((size_t)p->n_cell + 1, sizeof *r->ended);
   r->twin = calloc((size_t)p->n_cell + 1, sizeof *r->twin);
-  if (r->done == NULL || r->ended == NULL || r->twin == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the run");
-  }
+  return (r->done != NULL && r->ended != NULL && r->twin != NULL)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_ENOMEM, "no memory for the run");
+}
+
+/* What is in the folder already. Rows first: they tell whether it is this campaign's. */
+static base_status settle(runner *r, record_table *rows, base_error *err) {
+  const plan *p = r->plan;
+  const double seconds = p->campaign->sampling.doctor;
+  BASE_TRY(runner_open_rows(r, rows, err));
+  BASE_TRY(manifest_write(r->o->out, p, r->o->filter, err)); /* stays if the run is killed */
+  BASE_TRY(make_folders(r, err));
   BASE_TRY(settle_canaries(r, err));
-  base_status done = runner_open_rows(r, &rows, err);
-  if (done == BASE_OK) {
-    done = runner_twins_open(r, err);
+  if (seconds > 0.0) {
+    BASE_TRY(doctor_visit(r->o->out, seconds, err));
   }
-  if (done == BASE_OK) {
-    done = runner_done(p, &rows, r->done, err);
-  }
-  for (int u = 0; done == BASE_OK && u < p->n_unit; u++) {
+  BASE_TRY(runner_twins_open(r, err));
+  BASE_TRY(runner_done(p, rows, r->done, err));
+  for (int u = 0; u < p->n_unit; u++) {
     r->sum->resumed += r->done[u] ? 1 : 0;
   }
+  return BASE_OK;
+}
+
+static base_status prepare(runner *r, base_error *err) {
+  record_table rows = {0};
+  BASE_TRY(folder_make(r->o->out, err));
+  BASE_TRY(lock_directory(r, err));
+  BASE_TRY(allocate(r, err));
+  const base_status done = settle(r, &rows, err);
   record_table_free(&rows);
   return done;
 }

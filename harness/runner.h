@@ -15,7 +15,8 @@ typedef enum rerun_what {
 } rerun_what;
 
 typedef struct runner_options {
-  const char *out; /* directory */
+  const char *out;           /* directory */
+  const plan_filter *filter; /* what the plan was made with, for the manifest */
   rerun_what rerun;
   const char *rerun_solver;
   bool pin, quiet;

@@ -123,30 +123,51 @@ static base_status set_aside(const runner *r, const record_table *stale, base_er
   return done;
 }
 
-/* Leaves out rows that are to be measured again, and sets stale ones aside. */
-static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
-  record_table kept = {0};
-  record_table stale = {0};
+/* Another campaign, or the other form of this one, would set all of its rows aside. */
+static base_status check_campaign(const runner *r, const record_table *rows, base_error *err) {
+  const campaign *c = r->plan->campaign;
+  for (int i = 0; i < rows->n; i++) {
+    const record *row = &rows->row[i];
+    const bool other_form = row->quick >= 0 && (row->quick == 1) != c->quick;
+    if (strcmp(row->campaign, c->name) != 0 || other_form) {
+      return BASE_FAIL(err, BASE_EINVAL,
+                       "%s/results.csv holds rows of campaign %s%s, not %s%s: choose another --out",
+                       r->o->out, row->campaign, row->quick == 1 ? " --quick" : "", c->name,
+                       c->quick ? " --quick" : "");
+    }
+  }
+  return BASE_OK;
+}
+
+static base_status sort_rows(runner *r, const record_table *rows, record_table *kept,
+                             record_table *aside, base_error *err) {
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < rows->n; i++) {
     const record *row = &rows->row[i];
     const fate f = fate_of(r, row);
-    if (f != ROW_AGAIN) {
-      done = record_table_append(f == ROW_STALE ? &stale : &kept, row, err);
-    }
+    r->sum->stale += (f == ROW_STALE) ? 1 : 0;
+    done = record_table_append(f == ROW_KEPT ? kept : aside, row, err);
     if (done == BASE_OK && f != ROW_KEPT) {
       done = forget(r, row->cell_id, err);
     }
   }
+  return done;
+}
+
+/* Sets aside rows that are stale or to be measured again: nothing is thrown away. */
+static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
+  record_table kept = {0};
+  record_table aside = {0};
+  BASE_TRY(check_campaign(r, rows, err));
+  base_status done = sort_rows(r, rows, &kept, &aside, err);
   const bool changed = rows->torn || rows->foreign || kept.n != rows->n;
-  if (done == BASE_OK && stale.n > 0) {
-    done = set_aside(r, &stale, err);
+  if (done == BASE_OK && aside.n > 0) {
+    done = set_aside(r, &aside, err);
   }
   if (done == BASE_OK && changed) {
     done = runner_write_rows(r->o->out, &kept, err);
   }
-  r->sum->stale = stale.n;
-  record_table_free(&stale);
+  record_table_free(&aside);
   record_table_free(rows);
   *rows = kept;
   return done;

@@ -214,8 +214,9 @@ base_status simulate(const sim_request *q, series *record, sim_result *out, base
                       .stiffness_ratio = HUGE_VAL};
   out->hash = SIM_HASH_START;
   if (!(q->h > 0.0) || !(q->duration > 0.0) || q->duration / q->h > 2e9) {
-    return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need 0 < step, duration", q->h,
-                     q->duration);
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "step %g s over %g s: need step and duration above 0, and at most 2e9 steps",
+                     q->h, q->duration);
   }
   sim s = {.q = q, .out = out, .order.seed = q->contact_order};
   const base_status done = run_opened(&s, record, err);

@@ -49,7 +49,7 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
   record_table t[2] = {{0}, {0}};
   doctor_floor noise = flat(o->noise);
   const char *origin = "as given";
-  if (o->noise < 0.0) {
+  if (isnan(o->noise)) { /* not given */
     noise = DOCTOR_UNKNOWN;
     BASE_TRY(doctor_read(dir[0], &noise, err));
     BASE_TRY(doctor_read(dir[1], &noise, err));
@@ -70,6 +70,11 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
     const compare_side b = {&t[1], o->solver_b};
     done = compare_sides(&a, &b, o->column, &noise, &pair, &n, err);
   }
+  if (done == BASE_OK && n == 0) {
+    done = BASE_FAIL(err, BASE_EINVAL,
+                     "compare: no cell of %s has a partner in %s, both with two samples of %s",
+                     dir[0], dir[1], o->column);
+  }
   if (done == BASE_OK) {
     *code = print_pairs(pair, n, &noise, origin);
   }
@@ -80,7 +85,7 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
 }
 
 static int run(int argc, char **argv) {
-  compare_options o = {.column = "t_total_s", .noise = -1.0};
+  compare_options o = {.column = "t_total_s", .noise = (double)NAN};
   const arg_option options[] = {{"--solver-a", ARG_TEXT, &o.solver_a},
                                 {"--solver-b", ARG_TEXT, &o.solver_b},
                                 {"--column", ARG_TEXT, &o.column},
@@ -94,7 +99,10 @@ static int run(int argc, char **argv) {
   if (done == BASE_OK && (o.solver_a == NULL) != (o.solver_b == NULL)) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--solver-a and --solver-b belong together");
   }
-  if (done == BASE_OK && !record_has_real(o.column)) {
+  if (done == BASE_OK && o.noise < 0.0) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--noise %g: need a number of at least 0", o.noise);
+  }
+  if (done == BASE_OK && (strncmp(o.column, "t_", 2) != 0 || !record_has_real(o.column))) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--column %s: need a time column of results.csv", o.column);
   }
   if (done == BASE_OK) {

@@ -8,8 +8,10 @@
 #include "problems/family.h"
 #include "problems/scene.h"
 
+#include <errno.h>
 #include <glob.h>
 #include <string.h>
+#include <unistd.h>
 
 /* One component as rows of a table: the first column is its name. */
 enum { LIST_COLUMNS = 6 };
@@ -160,6 +162,14 @@ static bool compat_row(int i, list_row *out, char *scratch, size_t cap) {
   return true;
 }
 
+static base_status campaigns_exist(base_error *err) {
+  const char *dir = campaign_directory();
+  return (access(dir, R_OK) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: %s; LCPBENCH_CAMPAIGNS names another folder", dir,
+                         strerror(errno));
+}
+
 static const list_kind kinds[] = {
     {"problems", {"name", "title", "kind", "options", "cite"}, problem_row},
     {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row},
@@ -253,6 +263,9 @@ static int run(int argc, char **argv) {
     if (strcmp(kinds[i].name, what) == 0) {
       if (strcmp(what, "scenes") == 0 && strcmp(format, "json") == 0) {
         return print_scenes_json();
+      }
+      if (strcmp(what, "campaigns") == 0 && campaigns_exist(&err) != BASE_OK) {
+        return cli_report(&err);
       }
       return print_kind(&kinds[i], format);
     }

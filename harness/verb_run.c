@@ -1,9 +1,7 @@
 /* lcpbench run: measures a campaign, or goes on with one. */
 #include "harness/cli.h"
 #include "harness/dry_run.h"
-#include "harness/folder.h"
 #include "harness/isolate.h"
-#include "harness/manifest.h"
 #include "harness/registry.h"
 #include "harness/runner.h"
 #include "harness/verdict.h"
@@ -136,10 +134,7 @@ static int exit_code(const runner_summary *s, bool strict) {
 static base_status measure(const plan *p, const run_options *o, const runner_options *ro, int *code,
                            base_error *err) {
   runner_summary sum;
-  BASE_TRY(folder_make(ro->out, err));
-  BASE_TRY(manifest_write(ro->out, p, &o->filter, err)); /* stays if the run is killed */
   BASE_TRY(runner_run(p, ro, &sum, err));
-  BASE_TRY(manifest_write(ro->out, p, &o->filter, err));
   print_summary(&sum, ro->out);
   *code = exit_code(&sum, o->strict);
   return BASE_OK;
@@ -148,7 +143,8 @@ static base_status measure(const plan *p, const run_options *o, const runner_opt
 static base_status run_campaign(const char *text, const run_options *o, int *code,
                                 base_error *err) {
   char out[600];
-  runner_options ro = {.pin = !o->no_pin, .quiet = o->quiet, .canary_every = 120.0};
+  runner_options ro = {
+      .filter = &o->filter, .pin = !o->no_pin, .quiet = o->quiet, .canary_every = 120.0};
   BASE_TRY(parse_rerun(o->rerun, &ro, err));
   campaign c;
   BASE_TRY(campaign_read(text, o->quick, &c, err));

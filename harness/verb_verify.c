@@ -243,6 +243,9 @@ static base_status verify_rows(const char *dir, const record_table *t, bool reru
   if (n.cut > 0) {
     (void)printf("%d cells not compared: the clock cut their answers\n", n.cut);
   }
+  if (t->torn) {
+    (void)printf("the last row is torn: its process is left out\n");
+  }
   *code = (n.bad == 0) ? CLI_OK : CLI_HONEST;
   return BASE_OK;
 }

@@ -1,9 +1,11 @@
 """Folders of results: what is measured in them stays, what does not belong together is refused."""
+import csv
 import json
 import os
 import resource
 import signal
 import subprocess
+import time
 
 from support import FAULTY, LCPBENCH, SANITIZED, campaign, diagonal, one_line_error, rows, run, tap
 
@@ -190,4 +192,35 @@ def strict_counts_all_sessions(d):
     assert "crash       1\n" in out and "ok          4\n" in out, out
 
 
-tap([full_disks_lose_nothing, strict_counts_all_sessions, twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+def campaigns_do_not_mix(d):
+    """A folder holds one campaign in one form: another one is refused before anything changes. Rows measured again are set aside."""
+    c = small(d)
+    run("run", c, "--out", d / "o", "--quiet")
+    before = {p: p.read_bytes() for p in (d / "o").rglob("*") if p.is_file()}
+    other = campaign(d, (SMALL % "").replace("name: small", "name: other"), "other.yaml")
+    one_line_error("run", other, "--out", d / "o", names=["o/results.csv", "small", "other", "--out"])
+    one_line_error("run", c, "--quick", "--out", d / "o", names=["o/results.csv", "--quick"])
+    assert before == {p: p.read_bytes() for p in (d / "o").rglob("*") if p.is_file()}
+    run("run", c, "--out", d / "o", "--quiet", "--rerun", "pgs")
+    with (d / "o/stale.csv").open(newline="") as f:
+        assert [r["solver"] for r in csv.DictReader(f)] == ["pgs"] * 12 and len(rows(d / "o")) == 24
+
+
+def a_second_run_waits_its_turn(d):
+    """It does not touch the folder meanwhile, and can be stopped while it waits."""
+    problems = ", ".join(f"'{diagonal(d, n)}'" for n in (2, 3, 4))
+    c = campaign(d, SMALL.split("    problems")[0] % "" + f"    problems: [{problems}]\n    solvers: ['faulty_steady:seconds=0.15']\n")
+    first = subprocess.Popen([FAULTY, "run", str(c), "--out", str(d / "o"), "--quiet"], stdout=subprocess.DEVNULL)
+    while not (d / "o/canary.csv").exists():
+        time.sleep(0.01)
+    manifest = (d / "o/manifest.json").read_bytes()
+    second = subprocess.Popen([FAULTY, "run", str(c), "--out", str(d / "o"), "--filter", "problem=*diag2*"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    assert "another run is writing here; waiting" in second.stderr.readline()
+    assert (d / "o/manifest.json").read_bytes() == manifest
+    second.send_signal(signal.SIGTERM)
+    assert second.wait(10) == 4 and first.poll() is None
+    assert first.wait(60) == 0
+
+
+tap([campaigns_do_not_mix, a_second_run_waits_its_turn, full_disks_lose_nothing, strict_counts_all_sessions, twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])

@@ -57,6 +57,8 @@ CAMPAIGN = [
     ("    problems: [slide]\n", "", "problems"), ("    solvers: [lemke]\n    steps", "    steps", "solvers"),
     ("name: tiny", "name: [tiny", ":"), ("parts:\n", "parts: []\nrest:\n", ":"), ("seed: 1", "seed: 1\nseed: 2", "twice"),
     ("problems: [slide]", "problems: [glide]", "glide"), ("problems: [slide]", 'problems: ["slide:hue=1"]', "hue"),
+    ("name: tiny", "name: a/b", "/"), ("steps: [0.01]", "effects: ['-magic']", "magic"), ("steps: [0.01]", "effects: ['auto:x']", "auto:x"),
+    ("steps: [0.01]", "tolerances: [abc]", "abc"), ("steps: [0.01]", "tolerances: [2]", "tol=2"), ("    formulations: [", "    solver: [", "solver"),
     ("steps: [0.01]", "steps: [-0.01]", "-0.01"), ("starts: [cold]", "starts: [warm]", "warm"),
 ]
 LCP = [

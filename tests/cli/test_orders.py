@@ -39,7 +39,7 @@ def orders_are_experiments(d):
     run("run", c, "--out", d / "given", "--quiet", "--filter", "contact_order=given")
     run("run", c, "--out", d / "other", "--quiet", "--filter", "contact_order=random:1")
     assert len({r["cell_id"] for r in rows(d / "given")} | {r["cell_id"] for r in rows(d / "other")}) == 24
-    assert ": 0 no difference, 0 faster, 0 slower" in run("compare", d / "given", d / "other").stdout
+    one_line_error("compare", d / "given", d / "other", names=["no cell of", "given", "other"])
 
 
 def the_given_order_is_no_other_experiment(d):
@@ -56,7 +56,7 @@ def bad_orders_are_named(d):
         one_line_error("simulate", "stack", "--formulation", "velocity", "--solver", "lemke", "--contact-order", order, names=[order, "random:N"])
         one_line_error("run", campaign(d, TEXT.replace("random:{1,2}", order)), "--dry-run", names=[order, "random:N"])
     lcps = TEXT.replace('    formulations: ["velocity:facets=4", coulomb, penalty]\n', "").replace('"stack:n=3,duration=0.1", "arch:duration=0.02"', '"murty:n=3"')
-    one_line_error("run", campaign(d, lcps), "--dry-run", names=["contact_orders", "random:1", "scenes"])
+    one_line_error("run", campaign(d, lcps), "--dry-run", names=["contact_orders", "scenes"])
 
 
 tap([orders_are_experiments, the_given_order_is_no_other_experiment, bad_orders_are_named])
