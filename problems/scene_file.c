@@ -39,9 +39,12 @@ static void read_list(json_t *list, scene_file *out) {
   }
 }
 
-/* The lists of scenes in a file: its groups, the file itself, or the one scene wrapped. */
+/* The lists of scenes in a file: its groups, or the file itself; none in one scene, which has an id. */
 static int find_lists(json_t *root, json_t *list[2]) {
   int n = 0;
+  if (json_object_get(root, "id") != NULL) {
+    return 0;
+  }
   if (json_is_array(root)) {
     list[n++] = root;
     return n;

@@ -187,16 +187,23 @@ static base_status check_var(const scene_spec *s, const names *k, const char *va
   return BASE_OK;
 }
 
-static bool needs_var(spec_check_kind k) {
-  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_MAX_DRIFT ||
+static bool needs_var(const spec_check *c) {
+  const spec_check_kind k = c->kind;
+  const bool of_var = k == CHECK_EVENT_TIME && (c->event == EVENT_STOP || c->event == EVENT_START ||
+                                                c->event == EVENT_SIGN_CHANGE);
+  return of_var || k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_MAX_DRIFT ||
          k == CHECK_WINDOW_MAX || k == CHECK_WINDOW_MIN || k == CHECK_MIN_CHANGE;
 }
 
 static base_status check_check(const scene_spec *s, const names *k, const spec_check *c,
                                base_error *err) {
   const char *kind = spec_check_name(c->kind);
-  if (needs_var(c->kind) && c->var[0] == '\0') {
+  if (needs_var(c) && c->var[0] == '\0') {
     return BAD("scene '%s': check %s needs a var", s->id, kind);
+  }
+  if (c->kind == CHECK_EVENT_TIME && !needs_var(c) && c->var[0] != '\0') {
+    return BAD("scene '%s': check %s of '%s': contact begins and ends between bodies, not in a var",
+               s->id, kind, c->var);
   }
   BASE_TRY(check_var(s, k, c->var, err));
   const spec_tolerance *t = &c->tol;

@@ -50,6 +50,10 @@ static base_status check_polygon(const scene_spec *s, const spec_body *b, const 
   return BASE_OK;
 }
 
+static bool is_unit_quat(const double *q) {
+  return fabs(quat_norm(q) - 1.0) <= 1e-6; /* false for what is not finite */
+}
+
 static base_status check_extent(const scene_spec *s, const spec_body *b, const char *what,
                                 double value, base_error *err) {
   if (!(value > 0.0) || !isfinite(value)) {
@@ -69,8 +73,9 @@ static base_status check_parts(const scene_spec *s, const spec_body *b, const sp
                SPEC_PARTS, p->n_part);
   }
   for (int i = 0; i < p->n_part; i++) {
-    if (!spec_all_finite(p->part[i].pos, 3) || !spec_all_finite(p->part[i].quat, 4)) {
-      return BAD("scene '%s': body '%s': pose of part %d is not finite", s->id, b->name, i + 1);
+    if (!spec_all_finite(p->part[i].pos, 3) || !is_unit_quat(p->part[i].quat)) {
+      return BAD("scene '%s': body '%s': part %d needs a finite position and a quat of length 1",
+                 s->id, b->name, i + 1);
     }
     BASE_TRY(check_shape(s, b, &p->part[i].shape, true, err));
   }
@@ -138,10 +143,9 @@ base_status spec_check_body(const scene_spec *s, const spec_body *b, base_error 
   if (!fine) {
     return BAD("scene '%s': body '%s': position, velocity or motion is not finite", s->id, b->name);
   }
-  const double length = sqrt(b->quat[0] * b->quat[0] + b->quat[1] * b->quat[1] +
-                             b->quat[2] * b->quat[2] + b->quat[3] * b->quat[3]);
-  if (!(fabs(length - 1.0) <= 1e-6)) {
-    return BAD("scene '%s': body '%s': quat has length %g, need 1", s->id, b->name, length);
+  if (!is_unit_quat(b->quat)) {
+    return BAD("scene '%s': body '%s': quat has length %g, need 1", s->id, b->name,
+               quat_norm(b->quat));
   }
   if (!(b->mass > 0.0) || !isfinite(b->mass)) {
     return BAD("scene '%s': body '%s': mass = %g, need a finite value > 0", s->id, b->name,
@@ -159,6 +163,9 @@ base_status spec_check_body(const scene_spec *s, const spec_body *b, base_error 
         "scene '%s': body '%s': prescribed rotation needs an axis that stands still: v0 and a "
         "along one line",
         s->id, b->name);
+  }
+  if (b->kinematic && b->prescribed != 0) {
+    return BAD("scene '%s': body '%s': both kinematic and prescribed", s->id, b->name);
   }
   if ((b->lock & b->prescribed) != 0) {
     return BAD("scene '%s': body '%s': a dof is both locked and prescribed", s->id, b->name);

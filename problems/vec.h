@@ -128,8 +128,12 @@ static inline void quat_mul(const double *a, const double *b, double *c) {
   c[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
+static inline double quat_norm(const double *q) {
+  return sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+}
+
 static inline void quat_normalise(double *q) {
-  const double n = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+  const double n = quat_norm(q);
   for (int i = 0; i < 4; i++) {
     q[i] /= n;
   }

@@ -75,10 +75,22 @@ static base_status read_remark(const node *n, spec_check *c) {
   return node_text(n, "source", c->source, sizeof c->source);
 }
 
+/* Kinds that compare with a value; the others are bounds, of their tolerance alone. */
+static bool has_value(spec_check_kind k) {
+  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_MIN_CHANGE ||
+         k == CHECK_WINDOW_MAX || k == CHECK_WINDOW_MIN || k == CHECK_CONTACT_FORCE ||
+         k == CHECK_CONTACT_FORCE_SUM || k == CHECK_EVENT_TIME || k == CHECK_MOMENTUM_X ||
+         k == CHECK_STATIC_DEFLECTION;
+}
+
 static base_status read_value(const node *n, spec_check *c) {
   const json_t *v = json_object_get(n->v, "value");
-  if (json_is_string(v)) { /* a formula that the harness evaluates on its own */
+  if (c->kind == CHECK_BRISTLE_DEFLECTION &&
+      json_is_string(v)) { /* the harness knows the formula */
     return node_string(n, v, "value", c->source, sizeof c->source);
+  }
+  if (has_value(c->kind)) {
+    BASE_TRY(node_need(n, "value"));
   }
   return node_real(n, "value", &c->value);
 }
@@ -145,6 +157,7 @@ base_status read_off(scene_spec *s, const char *name, json_t *v, base_error *err
   char var[2 * SPEC_NAME] = "";
   double t = s->duration;
   BASE_TRY(node_need(&n, "var"));
+  BASE_TRY(node_need(&n, "value"));
   BASE_TRY(node_text(&n, "var", var, sizeof var));
   BASE_TRY(node_real(&n, "t", &t));
   BASE_TRY(spec_add_off(s, bit, var, t, 0.0, 0.0, 0.0, err));

@@ -93,10 +93,12 @@ static void json_and_yaml_agree(void **state) {
   "{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1}, \"mass\": 1, \"pos\": [0, 0]}"
 #define BODIES "\"bodies\": [" BALL "]"
 
-#define POLYGON(dim, pos, vertices)                                                                \
+#define HEAD3 "{\"id\": \"s\", \"dim\": 3, \"T\": 1, "
+#define POLYGON(dim, pos, more, vertices)                                                          \
   "{\"id\": \"s\", \"dim\": " dim                                                                  \
-  ", \"T\": 1, \"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": " pos                          \
+  ", \"T\": 1, \"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": " pos more                     \
   ", \"shape\": {\"type\": \"polygon\", \"vertices\": [" vertices "]}}]}"
+#define INERTIA ", \"inertia\": 1"
 
 static const struct {
   const char *text, *says;
@@ -129,22 +131,43 @@ static const struct {
     {HEAD BODIES ", \"friction\": {\"pairs\": [[\"a\", \"q\", 1]]}}", "'q'"},
     {HEAD BODIES ", \"friction\": {\"default\": -0.1}}", "friction default = -0.1"},
     {HEAD BODIES ", \"restitution\": {\"default\": 1.5}}", "restitution default = 1.5"},
-    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"z.x\"}]}", "'z.x'"},
-    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.z\"}]}", "quantity 'z'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"z.x\", \"value\": 1}]}", "'z.x'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.z\", \"value\": 1}]}",
+     "quantity 'z'"},
     {HEAD BODIES ", \"checks\": [{\"type\": \"stat\"}]}", "check type 'stat'"},
-    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.x\", \"t\": 2}]}",
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.x\", \"value\": 1, \"t\": 2}]}",
      "after the end"},
     {HEAD BODIES ", \"needs\": [\"magnetism\"]}", "no such effect"},
     {HEAD BODIES ", \"needs\": [\"contact\"]}", "declares contact"},
     {HEAD BODIES ", \"static\": [{\"name\": \"f\", \"normal\": [0, 2]}]}", "length 2"},
     {HEAD BODIES ", \"gravity\": [0, 0, 1]}", "need 2 numbers"},
     {HEAD BODIES ", \"hs\": [0]}", "h = 0"},
-    {POLYGON("2", "[0, 0]", "[0,0],[0,1],[1,0]"), "counter-clockwise"},
-    {POLYGON("2", "[0, 0]", "[0,1],[-0.6,-0.8],[0.95,0.3],[-0.95,0.3],[0.6,-0.8]"), "once round"},
-    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[0,1],[0,0],[1,0],[0,1]"), "once round"},
-    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[1,0],[0,1]"), "repeated"},
-    {POLYGON("2", "[0, 0]", "[0,0],[1,0],[2,0]"), "convex"},
-    {POLYGON("3", "[0, 0, 0]", "[0,0],[1,0],[0,1]"), "a polygon is for dim 2, the scene has 3"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.x\"}]}", "needs 'value'"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"state\", \"var\": \"a.x\", \"value\": \"0.5\"}]}",
+     "value: need a number"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"event_time\", \"event\": \"stop\", \"value\": 1}]}",
+     "event_time needs a var"},
+    {HEAD BODIES ", \"checks\": [{\"type\": \"event_time\", \"var\": \"a.x\", \"value\": 1}]}",
+     "between bodies"},
+    {HEAD BODIES ", \"if_off\": {\"gravity\": {\"var\": \"a.x\"}}}", "needs 'value'"},
+    {HEAD BODIES ", \"scenes\": []}", "unknown key 'scenes'"},
+    {HEAD
+     "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0], \"shape\": {\"type\": \"disc\", \"r\": 1},"
+     " \"kinematic\": {}, \"prescribed\": {\"x\": {\"v0\": 1}}}]}",
+     "both kinematic and prescribed"},
+    {HEAD3 "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0, 0], \"mass\": 1, \"inertia\": [1, 1, "
+           "1], \"shape\":"
+           " {\"type\": \"compound\", \"parts\": [{\"shape\": {\"type\": \"point\"}, \"quat\": [0, "
+           "0, 0, 0]}]}}]}",
+     "quat of length 1"},
+    {POLYGON("2", "[0, 0]", "", "[0,0],[3,0],[0,3]"), "homogeneous polygon is at (1, 1)"},
+    {POLYGON("2", "[0, 0]", INERTIA, "[0,0],[0,1],[1,0]"), "counter-clockwise"},
+    {POLYGON("2", "[0, 0]", INERTIA, "[0,1],[-0.6,-0.8],[0.95,0.3],[-0.95,0.3],[0.6,-0.8]"),
+     "once round"},
+    {POLYGON("2", "[0, 0]", INERTIA, "[0,0],[1,0],[0,1],[0,0],[1,0],[0,1]"), "once round"},
+    {POLYGON("2", "[0, 0]", INERTIA, "[0,0],[1,0],[1,0],[0,1]"), "repeated"},
+    {POLYGON("2", "[0, 0]", INERTIA, "[0,0],[1,0],[2,0]"), "convex"},
+    {POLYGON("3", "[0, 0, 0]", "", "[0,0],[1,0],[0,1]"), "a polygon is for dim 2, the scene has 3"},
     {"{\"id\": \"s\", \"dim\": 3, \"T\": 1, \"bodies\": [{\"name\": \"a\", \"mass\": 1, \"pos\": "
      "[0, 0, 0],"
      " \"shape\": {\"type\": \"sphere\", \"r\": 1}, \"prescribed\": {\"rx\": {\"v0\": 1, \"a\": "
@@ -240,11 +263,31 @@ static int clean_up(void **state) {
   return 0;
 }
 
+/* A planar capsule without inertia is the homogeneous one: strips across it add up to the same. */
+static void planar_capsules_are_solid(void **state) {
+  (void)state;
+  const double a = 0.4, r = 0.3;
+  double inertia[3] = {0}, area = 0.0, moment = 0.0;
+  base_error err = {0};
+  const spec_shape capsule = {.kind = SPEC_ROD, .r = r, .half = {a}},
+                   rod = {.kind = SPEC_ROD, .half = {a}};
+  check_ok(spec_solid_inertia(&capsule, 2, 2.0, inertia, &err), &err);
+  const int n = 20000;
+  for (int k = 0; k < n; k++) {
+    const double x = (a + r) * (k + 0.5) / n, d = fmax(x - a, 0.0), half = sqrt(r * r - d * d);
+    area += half;
+    moment += half * x * x + half * half * half / 3.0;
+  }
+  check_close(inertia[0], 2.0 * moment / area, 1e-6);
+  check_ok(spec_solid_inertia(&rod, 2, 2.0, inertia, &err), &err);
+  check_close(inertia[0], 2.0 * a * a / 3.0, 1e-15);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(json_and_yaml_agree),         cmocka_unit_test(bad_scenes_are_named),
-      cmocka_unit_test(bad_yaml_is_named),           cmocka_unit_test(truncation_never_crashes),
-      cmocka_unit_test(missing_and_ambiguous_files),
+      cmocka_unit_test(json_and_yaml_agree),      cmocka_unit_test(planar_capsules_are_solid),
+      cmocka_unit_test(bad_scenes_are_named),     cmocka_unit_test(bad_yaml_is_named),
+      cmocka_unit_test(truncation_never_crashes), cmocka_unit_test(missing_and_ambiguous_files),
   };
   return cmocka_run_group_tests(tests, NULL, clean_up);
 }
