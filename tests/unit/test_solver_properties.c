@@ -244,7 +244,7 @@ static void boxes_away_from_zero_need_no_q(void **state) {
 static void idle_rows_of_a_box_end_at_zero(void **state) {
   (void)state;
   for (int k = 0; k < 200; k++) {
-    double M[4] = {7.0, 0, 0, 7.0 * (1.0 + k * 2.2e-16)}, q[2] = {2.1, 0}, z[2];
+    double M[4] = {7.0, 0, 0, 7.0 * (1.0 + k * 2.2e-16)}, q[2] = {2.1, 0}, z[2] = {0};
     double lo[2] = {-0.014715, -0.014715}, hi[2] = {0.014715, 0.014715};
     lcp_block block = {.start = 0, .size = 2, .set = LCP_BOX};
     const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M},
