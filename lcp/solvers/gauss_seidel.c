@@ -47,11 +47,11 @@ base_status lcp_gs_prepare(lcp_gs *s, const lcp_problem *p, base_error *err) {
   return choose(s, p, err);
 }
 
-void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z) {
+void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z, lcp_work *work) {
   for (int i = 0; i < p->M.n; i++) {
     z[i] = lcp_set_clip(z[i], s->lo[i], s->hi[i]);
   }
-  lcp_sweep_refresh(&s->sweep, p, z);
+  lcp_sweep_refresh(&s->sweep, p, z, work);
 }
 
 static void points(lcp_gs *s, const lcp_problem *p, double omega, int first, int end, double *z) {

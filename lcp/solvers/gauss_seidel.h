@@ -24,8 +24,8 @@ void lcp_gs_layout(lcp_gs *s, const lcp_capacity *cap, base_arena *a);
  * LCP_SMALL_MAX rows. */
 base_status lcp_gs_prepare(lcp_gs *s, const lcp_problem *p, base_error *err);
 
-/* Clips z into K and makes w current. */
-void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z);
+/* Clips z into K and makes w current; counts the product. */
+void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z, lcp_work *work);
 
 /* One sweep in the order of the unknowns. A block whose LCP ends on a ray keeps its z and is counted
  * in work.fallbacks. */

@@ -178,10 +178,10 @@ static end pivot(block_pivoting *s, const lcp_problem *p, const lcp_stop *stop, 
   const int n = p->M.n;
   exchange e = {.best = n + 1, .patience = PATIENCE, .noise = noise_first};
   for (;;) {
+    res->work.factorizations++; /* a singular one has been paid for, too */
     if (!lcp_direct_factor(&s->direct, &p->M, s->in, s->weight, s->scale, s->scale, status)) {
       return SINGULAR;
     }
-    res->work.factorizations++;
     res->work.iterations++;
     basic_solution(s, p, &res->work);
     int last = -1;
@@ -261,6 +261,14 @@ static lcp_outcome of_end(end e) {
   return outcomes[e];
 }
 
+/* The point of the last basis, on K, where there is one. */
+static void give_up(block_pivoting *s, const lcp_problem *p, const options *o, end e, double *z,
+                    lcp_result *res) {
+  if (e != SINGULAR) {
+    (void)accepted(s, p, o->stop.tol, z, res);
+  }
+}
+
 /* One more outer step costs one factorisation and gains the digits that e leaves: they are taken
  * until the residual stops falling. */
 static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const options *o, double *z,
@@ -281,6 +289,7 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
       return LCP_SOLVED;
     }
     if (e != FOUND) {
+      give_up(s, p, o, k == 0 ? e : SINGULAR, z, res); /* from the second on z is the last center */
       return of_end(e);
     }
     for (int i = 0; i < p->M.n; i++) {
@@ -321,6 +330,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
     memcpy(s->proof, s->in, (size_t)p->M.n);
   } else if (status == BASE_OK && (e == SINGULAR || e == FOUND || e == LOST)) {
     outcome = proximal(s, p, o, z, res, &status);
+  } else if (status == BASE_OK) {
+    give_up(s, p, o, e, z, res);
   }
   res->outcome = outcome;
   if (outcome == LCP_SOLVED) {

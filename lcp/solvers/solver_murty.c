@@ -119,10 +119,10 @@ static lcp_outcome pivot(murty *s, const lcp_problem *p, const lcp_stop *stop, l
 /* z of the last basis from a factorisation of M_FF, refined once. */
 static bool settle(murty *s, const lcp_problem *p, double *z, lcp_work *work, base_status *status) {
   const int n = p->M.n;
+  work->factorizations++; /* a singular one has been paid for, too */
   if (!lcp_direct_factor(&s->direct, &p->M, s->in, NULL, s->scale, s->scale, status)) {
     return false;
   }
-  work->factorizations++;
   for (int i = 0; i < n; i++) {
     z[i] = 0;
     s->w[i] = p->q[i];
@@ -163,6 +163,9 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   res->work.iterations = res->work.pivots;
   if (ended == LCP_SOLVED && !settle(s, p, z, &res->work, &status)) {
     ended = LCP_NUMERICAL;
+  }
+  for (int i = 0; ended != LCP_SOLVED && i < p->M.n; i++) { /* where it was given up, on K */
+    z[i] = s->in[i] ? fmax(s->b[i], 0.0) : 0;
   }
   const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res) &&
                    lcp_data_met(p, stop->tol, &s->stop, z, s->row, s->noise, &res->work);

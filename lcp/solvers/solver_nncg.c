@@ -50,7 +50,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   double last = 0.0; /* |g_k-1|^2 */
   res->variant = s->gs.by_block ? "block" : "point";
   memset(s->along, 0, bytes);
-  lcp_gs_start(&s->gs, p, z);
+  lcp_gs_start(&s->gs, p, z, &res->work);
   lcp_loop_begin(&s->loop, p, false);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, NULL)) {
     memcpy(s->before, z, bytes);
@@ -71,8 +71,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       s->along[i] = (b > 0.0 || last == 0.0) ? step + (z[i] - s->before[i]) : 0.0;
       z[i] = lcp_set_clip(z[i] + step, s->gs.lo[i], s->gs.hi[i]);
     }
-    lcp_sweep_refresh(&s->gs.sweep, p, z);
-    res->work.matvecs++;
+    lcp_sweep_refresh(&s->gs.sweep, p, z, &res->work);
     last = size;
     res->work.iterations++;
     res->work.sweeps++;

@@ -43,7 +43,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   lcp_loop_begin(&s->loop, p, true);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
     if (fresh) {
-      lcp_sweep_refresh(&s->sweep.sweep, p, z);
+      lcp_sweep_refresh(&s->sweep.sweep, p, z, &res->work);
     }
     (void)lcp_cone_sweep_run(&s->sweep, p, o->omega, 0.0, NULL, z);
     res->work.iterations++;

@@ -71,7 +71,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   const options *o = opt;
   state *s = st;
   res->variant = s->in_batches ? "batches" : (s->gs.by_block ? "block" : "point");
-  lcp_gs_start(&s->gs, p, z);
+  lcp_gs_start(&s->gs, p, z, &res->work);
   lcp_loop_begin(&s->loop, p, true);
   bool fresh;
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
@@ -80,7 +80,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       continue;
     }
     if (fresh) { /* so that the next iterate depends on z alone */
-      lcp_sweep_refresh(&s->gs.sweep, p, z);
+      lcp_sweep_refresh(&s->gs.sweep, p, z, &res->work);
     }
     lcp_gs_sweep(&s->gs, p, o->omega, z, res);
     res->work.iterations++;

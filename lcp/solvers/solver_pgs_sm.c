@@ -160,10 +160,10 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   const options *o = opt;
   state *s = st;
   res->variant = s->gs.by_block ? "block" : "point";
-  lcp_gs_start(&s->gs, p, z);
+  lcp_gs_start(&s->gs, p, z, &res->work);
   lcp_loop_begin(&s->loop, p, true);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, NULL)) {
-    lcp_sweep_refresh(&s->gs.sweep, p, z);
+    lcp_sweep_refresh(&s->gs.sweep, p, z, &res->work);
     for (int k = 0; k < o->sweeps; k++) {
       lcp_gs_sweep(&s->gs, p, 1.0, z, res);
       res->work.sweeps++;

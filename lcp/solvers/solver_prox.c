@@ -63,7 +63,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   lcp_loop_begin(&s->loop, p, false);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, NULL)) {
     memcpy(s->center, z, (size_t)n * sizeof *z);
-    lcp_sweep_refresh(&s->sweep.sweep, p, z);
+    lcp_sweep_refresh(&s->sweep.sweep, p, z, &res->work);
     int k = 0;
     double change = 1.0;
     while (k++ < o->inner && change > 0.1 * distance(n, z, s->center)) {

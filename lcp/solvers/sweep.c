@@ -120,7 +120,8 @@ double lcp_sweep_row(const lcp_sweep *s, const lcp_problem *p, int i) {
   return w;
 }
 
-void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z) {
+void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z, lcp_work *work) {
+  bool product = false;
   memcpy(s->w, p->q, (size_t)p->M.n * sizeof *s->w);
   if (p->M.storage == LCP_FACTORED) {
     const lcp_factored *f = p->M.factored;
@@ -129,8 +130,10 @@ void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z) {
   for (int j = 0; j < p->M.n; j++) {
     if (z[j] != 0.0) {
       lcp_sweep_add(s, p, j, z[j]);
+      product = true;
     }
   }
+  work->matvecs += product;
 }
 
 static void block_csc(const lcp_csc *c, int first, int size, double *out) {

@@ -6,7 +6,7 @@
  * is kept by columns beside it. Memory is linear in rows. */
 #pragma once
 
-#include "lcp/lcp_problem.h"
+#include "lcp/lcp_solver.h"
 
 typedef struct lcp_sweep {
   double *w;  /* n: M z + q; factored: S z + q [m/s] */
@@ -22,8 +22,8 @@ void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a);
 /* Diagonal, and for the factored form G. BASE_EINVAL where a W block is not positive semidefinite. */
 base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err);
 
-/* Everything from z. */
-void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z);
+/* Everything from z; counts the product M z where there is one. */
+void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z, lcp_work *work);
 
 double lcp_sweep_row(const lcp_sweep *s, const lcp_problem *p, int i); /* (M z + q)_i */
 void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz);

@@ -78,7 +78,8 @@ static bool outside(const char *name, const lcp_problem *p) {
 }
 
 /* False where the solver refuses p, which it must where p is outside what it is for, and only there. */
-static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *res) {
+static bool run_limited(const char *name, const char *max_iter, const lcp_problem *p, double *z,
+                        lcp_result *res) {
   _Alignas(16) unsigned char opt[OPT_MAX] = {0};
   const lcp_solver *s = lcp_solver_find(name);
   assert_true(s != NULL && s->options_size <= OPT_MAX);
@@ -89,7 +90,7 @@ static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *r
   base_error err = {0};
   lcp_instance *k;
   base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", "20000", &err), &err);
+  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", max_iter, &err), &err);
   const lcp_capacity cap = lcp_problem_capacity(p);
   check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
   const base_status prepared = lcp_instance_prepare(k, p, &err);
@@ -103,6 +104,10 @@ static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *r
   }
   lcp_instance_close(k);
   return prepared == BASE_OK;
+}
+
+static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *res) {
+  return run_limited(name, "20000", p, z, res);
 }
 
 static void planted_solutions_are_found(void **state) {
@@ -212,6 +217,33 @@ static void singular_but_for_rounding_is_no_solution(void **state) {
   }
 }
 
+/* A pivoting method that runs out of iterations leaves the point it had, and its residual. */
+static void given_up_points_are_handed_over(void **state) {
+  (void)state;
+  static const char *const pivoting[] = {"murty", "block_pivoting", "ppm"};
+  planted t;
+  plant(&t, 42, true, false);
+  t.p.n_block = 0;
+  t.p.block = NULL; /* all orthant */
+  for (int s = 0; s < BASE_COUNT(pivoting); s++) {
+    double z[N] = {0};
+    lcp_result res = {0};
+    lcp_verdict v;
+    base_error err = {0};
+    assert_true(run_limited(pivoting[s], "1", &t.p, z, &res));
+    assert_string_equal(lcp_outcome_name(res.outcome), "max_iter");
+    int moved = 0;
+    for (int i = 0; i < N; i++) {
+      moved += z[i] > 0;
+    }
+    check_ok(lcp_judge(&t.p, z, &v, &err), &err);
+    if (moved == 0 || !(fabs(res.residual - v.rho) <= 1e-9)) {
+      fail_msg("%s: %d rows moved, residual %g, judged %g", pivoting[s], moved, res.residual,
+               v.rho);
+    }
+  }
+}
+
 /* q = 0 says nothing of how large z is when a box keeps it from zero. */
 static void boxes_away_from_zero_need_no_q(void **state) {
   (void)state;
@@ -267,6 +299,7 @@ int main(void) {
       cmocka_unit_test(planted_solutions_are_found),
       cmocka_unit_test(powers_of_two_change_no_bit),
       cmocka_unit_test(singular_but_for_rounding_is_no_solution),
+      cmocka_unit_test(given_up_points_are_handed_over),
       cmocka_unit_test(boxes_away_from_zero_need_no_q),
       cmocka_unit_test(idle_rows_of_a_box_end_at_zero),
   };
