@@ -102,9 +102,9 @@ def savings(found):
 
 def line(problem, combo, name, c, declared, noise):
     ratio = shortest(c) / shortest(declared) if declared is not None and c["good"] and declared["good"] else np.nan
-    mark = "" if ratio != ratio or name == "as declared" else "good" if ratio < 1 / (1 + noise) else ""
+    saves = name != "as declared" and ratio < 1 / (1 + noise)
     return [problem, combo, name, f"{c['n_dof']:g}", f"{c['lcp_dim']:g}", Cell(si(shortest(c) / c["n_steps"], "s") if c["n_steps"] else "", sort=shortest(c)),
-            Cell(f"{ratio:.2f}" if ratio == ratio else "", mark), Cell(error(c["err_ref"]), "" if c["good"] else "bad"), Cell(c["status"], title=c.get("effects_auto", "") or c.get("note", ""))]
+            Cell(f"{ratio:.2f}{'*' if saves else ''}" if ratio == ratio else "", "good" if saves else "", sort=ratio if ratio == ratio else None), Cell(error(c["err_ref"]), "" if c["good"] else "bad"), Cell(c["status"], title=c.get("effects_auto", "") or c.get("note", ""))]
 
 
 def section(cells):
@@ -128,6 +128,6 @@ def section(cells):
     made = chart(found)
     return Section("effects", "What an effect is worth", judged + f" {families} scenes.", [made] if made else [],
                    [savings(found), Table("effects", "Unknowns, time per step and error with everything on, as declared, as a pilot chose (auto: what it dropped is the tooltip of the "
-                                          "status), and with each declared effect dropped; times are the least of the samples.",
+                                          "status), and with each declared effect dropped; times are the least of the samples. *: less by more than the noise.",
                                           ["scene", "combination", "effects", "dofs", "LCP", "time per step", "time / declared", "error", "status"], table)],
                    {"EffectsScenes": str(families), "EffectsCompared": str(len(compared)), "EffectsDearer": str(len(dearer))})

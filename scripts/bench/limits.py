@@ -140,7 +140,8 @@ def table(rows):
         for name in names:
             found = [r for r in rows if (r["formulation"], r["solver"], r["stressor"]) == (form, solver, name)]
             if not found:
-                line.append(Cell("not defined: no stiffness", "none"))
+                stiff = name in {s.name for _, s in STIFF} and form not in {f for f, _ in STIFF}
+                line.append(Cell("not defined: no stiffness" if stiff else "not run", "none"))
                 continue
             r = found[0]
             if r["word"] == "not defined":

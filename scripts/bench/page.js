@@ -1,10 +1,10 @@
 "use strict";
 document.documentElement.classList.add("js");
 
-/* tables: a click on a header sorts, by data-sort, number or text */
+/* tables: a click or Enter on a header sorts, by data-sort, number or text */
 for (const table of document.querySelectorAll("table.sortable")) {
   const heads = [...table.querySelectorAll("thead th")];
-  heads.forEach((th, column) => th.addEventListener("click", () => {
+  const sort = (th, column) => {
     const up = th.getAttribute("aria-sort") !== "ascending";
     heads.forEach(h => h.removeAttribute("aria-sort"));
     th.setAttribute("aria-sort", up ? "ascending" : "descending");
@@ -20,7 +20,12 @@ for (const table of document.querySelectorAll("table.sortable")) {
     };
     const body = table.tBodies[0];
     [...body.rows].map(r => [key(r), r]).sort((a, b) => order(a[0], b[0])).forEach(p => body.append(p[1]));
-  }));
+  };
+  heads.forEach((th, column) => {
+    th.tabIndex = 0;
+    th.addEventListener("click", () => sort(th, column));
+    th.addEventListener("keydown", e => { if (e.key === "Enter") sort(th, column); });
+  });
 }
 
 /* the table of all cells: one menu per column named in data-column, and a text filter */

@@ -70,7 +70,8 @@ def time_and_error(cells):
         return None
     cells = cells.assign(**{c: cells[c] * 1e3 for c in cells if c.startswith("t_solve_step_s")})
     index, panels = variants(cells), []
-    solvers = solvers_of(cells)[:3]
+    solvers, every = solvers_of(cells)[:3], solvers_of(cells)
+    shown = "" if len(every) == len(solvers) else f" The first {len(solvers)} of {len(every)} solvers."
     times = cells[cells["t_solve_step_s"] > 0]["t_solve_step_s"]
     for solver in solvers:
         here = cells[cells["solver"] == solver]
@@ -89,7 +90,7 @@ def time_and_error(cells):
                         xticks=sorted(cells["p"].unique().tolist())))
     family = cells["problem_family"].iloc[0]
     return Chart("time_and_error", f"Solve time per step (median, 95 % interval) and error of the trajectory against contacts "
-                 f"({family}). A cross is a run that was not solved or whose claim the judge did not confirm. Errors below {FLOOR:g} are drawn there.", panels, columns=len(panels), height=2.1)
+                 f"({family}). A cross is a run that was not solved or whose claim the judge did not confirm. Errors below {FLOOR:g} are drawn there.{shown}", panels, columns=len(panels), height=2.1)
 
 
 def spread(cells):
@@ -107,17 +108,18 @@ def error_against_step(cells, most=6):
     """One panel a scene, one line a formulation, over the steps that were run."""
     cells = cells[(cells["err_ref"] > 0) & (cells["step_s"] > 0)]
     counts = cells.groupby("problem_family")["step_s"].nunique()
-    scenes = sorted(f for f in counts.index if counts[f] >= 2)[:most]
+    scenes = sorted(f for f in counts.index if counts[f] >= 2)
     if not scenes:
         return None
     index, panels = variants(cells), []
-    for scene in scenes:
+    shown = f" The first {most} of {len(scenes)} scenes." if len(scenes) > most else ""
+    for scene in scenes[:most]:
         here = cells[cells["problem_family"] == scene].assign(step_ms=lambda c: c["step_s"] * 1e3)
         panels.append(Panel([from_cells(g[g["good"]], g[~g["good"]], "step_ms", "err_ref", label, variant=index[label])
                              for label, g in here.groupby("label")],
                             title=f"{scene.replace('_', ' ')} ({spread(here)})", xlabel="step [ms]", ylabel="error of the trajectory",
                             xticks=sorted(here["step_ms"].unique().tolist())))
-    return Chart("error_against_step", "Error of the trajectory against the step, per scene; in brackets how far the formulations are apart at one step.", panels, columns=3,
+    return Chart("error_against_step", "Error of the trajectory against the step, per scene; in brackets how far the formulations are apart at one step." + shown, panels, columns=3,
                  share_x=True, height=1.9)
 
 

@@ -62,13 +62,14 @@ def advice_words(cells):
 def accuracy_words(cells):
     own = accuracy.own(cells)
     found = accuracy.scenes(own)
-    votes = {}
+    votes = {}  # formulation -> for each scene that it wins: did another formulation take the same time?
     for _, g in found:
         best = accuracy.cheapest(g, accuracy.LEVEL)
         if best is not None:
-            votes.setdefault(best["formulation"], []).append(best)
-    ranked = sorted(votes.items(), key=lambda kv: -len(kv[1]))
-    first = ", ".join(f"`{name}` in {len(v)}" for name, v in ranked[:3])
+            tied = {combination.split(" + ")[0].split(":")[0] for combination in accuracy.ties(g, best, accuracy.LEVEL)} - {best["formulation"]}
+            votes.setdefault(best["formulation"], []).append(bool(tied))
+    ranked = sorted(votes.items(), key=lambda kv: (-len(kv[1]), kv[0]))
+    first = ", ".join(f"`{name}` in {len(v)}" + (f" ({sum(v)} tied with another)" if any(v) else "") for name, v in ranked[:3])
     tenth = []  # times as long for a tenth of the error, along the front
     for _, g in accuracy.trades(found):
         fit = accuracy.usable(g)
@@ -151,6 +152,7 @@ def main():
         print(f"{root / 'README.md'}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing", file=sys.stderr)
         return 2
     cells = rows.cells(all_rows)
+    accuracy.NOISE = rows.noise(source) or accuracy.NOISE
     target = root / "results" / "reference"
     target.mkdir(parents=True, exist_ok=True)
     if source.resolve() != target.resolve():

@@ -8,6 +8,7 @@ from bench.section import Cell, Section, Table, interval, si
 
 SIZES_MIN = 3  # of verified sizes, for an exponent
 OWN = "scaling"
+PANELS = 9  # of the figure
 
 
 def ladders(cells):
@@ -28,13 +29,15 @@ def ends(g):
     return Cell(f"{first['status']}{at}{beyond}", "bad", f"{first['problem']}: {first.get('note', '')}")
 
 
+def exponent(good, column):
+    """Over the larger half of the sizes, or over all where that has too few for a fit."""
+    fit = stats.fit_exponent(*good[good["p"] >= good["p"].median()][["p", column]].to_numpy(float).T)
+    return stats.fit_exponent(*good[["p", column]].to_numpy(float).T) if math.isnan(fit[0]) else fit
+
+
 def line(family, combo, g):
     good = g[g["good"]]
-    half = good[good["p"] >= good["p"].median()]
-    fit = stats.fit_exponent(half["p"], half["t_total_step_s"])
-    if math.isnan(fit[0]):
-        fit = stats.fit_exponent(good["p"], good["t_total_step_s"])
-    memory = stats.fit_exponent(good["p"], good["rss_peak_B"].clip(lower=1)) if "rss_peak_B" in good else (math.nan,) * 4
+    fit, memory = exponent(good, "t_total_step_s"), exponent(good, "rss_peak_B")
     if good.empty:
         return [family, combo, "none", "", "", "", "", ends(g)]
     top = good.loc[good["p"].idxmax()]
@@ -58,11 +61,13 @@ def section(cells):
                            g["label"].iloc[0], variant=index[g["label"].iloc[0]]))
     if not table:
         return None
-    panels = [Panel(l, title=f"{f.replace('_', ' ')}, {s}", xlabel="contacts", ylabel="time per step [ms]", xlog=10) for (f, s), l in sorted(lines.items())][:9]
+    panels = [Panel(l, title=f"{f.replace('_', ' ')}, {s}", xlabel="contacts", ylabel="time per step [ms]", xlog=10) for (f, s), l in sorted(lines.items())]
+    shown = f" The first {PANELS} of {len(panels)} panels; the table has all." if len(panels) > PANELS else ""
     largest = max((float(g[g["good"]]["p"].max()) for _, _, g in found if g["good"].any()), default=math.nan)
     return Section("scaling", "Cost against contacts",
-                   f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the larger half of the verified sizes, with 95 % bootstrap intervals; memory is the peak of the process.",
-                   [Chart("scaling", "Time per step against contacts; a cross is a size that was not solved.", panels, columns=3, height=1.95)] if panels else [],
+                   f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the larger half of the verified sizes (over all where the half has "
+                   f"fewer than {SIZES_MIN}), with 95 % bootstrap intervals; memory is the peak of the whole process, some megabytes of which are there before it begins.",
+                   [Chart("scaling", "Time per step against contacts; a cross is a size that was not solved." + shown, panels[:PANELS], columns=3, height=1.95)] if panels else [],
                    [Table("scaling", "Fitted exponents, cost and memory at the largest verified size, and what ends the ladder.",
                           ["scene", "combination", "contacts", "exponent of time", "time per step at the largest", "memory there", "exponent of memory", "ends"], table)],
                    {"ScalingLargest": f"{largest:g}"})

@@ -227,7 +227,7 @@ def section(by):
             line.append(cell)
         table.append(line)
     fields = sum(reasons.values())
-    counts = ", ".join(f"{n} {name}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
+    counts = ", ".join(f"{name} {n}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
     return Section("stability", "What breaks first",
                    f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
                    "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "

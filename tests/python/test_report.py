@@ -185,6 +185,12 @@ class Judged(unittest.TestCase):
                 binary.chmod(0o755)
                 self.assertEqual(limits.Probe(str(binary), stressor, "velocity", "lemke", 0.5)(1.0)[0], word, script)
 
+    def test_a_limit_that_was_not_looked_for_is_not_called_undefined(self):
+        row = {"word": "stands", "stands": "5", "fails": "", "reason": "", "command": "", "solver": "lemke"}
+        table = limits.table([{**row, "formulation": "velocity", "stressor": "tallest stack"}, {**row, "formulation": "regularized", "stressor": "largest stiffness [N/m]"}])
+        self.assertEqual([c.text for c in table.rows[0][2:]], ["5, the end of the ladder", "not defined: no stiffness"])
+        self.assertEqual(table.rows[1][2].text, "not run")
+
     def test_bisection_brackets_the_edge(self):
         stressor = limits.Stressor("edge", "x={}", 1, 1e9)
 
