@@ -64,9 +64,9 @@ def cheapest(cells, level, column="err_ref"):
 
 
 def ties(cells, best, level, column="err_ref"):
-    """Other combinations that get there in the same time, to the noise."""
+    """Other combinations that get there in the same time: medians closer than the noise, or intervals of the samples that overlap."""
     fit = within(cells, level, column)
-    fit = fit[fit["cost"] <= NOISE * best["cost"]]
+    fit = fit[(fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])]
     return sorted(set(fit["combination"]) - {best["combination"]})
 
 
@@ -175,7 +175,7 @@ def table(cells):
         rows.append([problem, group["err_quantity"].mode().iloc[0] if "err_quantity" in group and len(group) else ""] + [level_cell(group, level) for level in LEVELS])
     return Table("cheapest", "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). Reached: "
                  "the error and the uncertainty of the reference together stay below, at this step and at every smaller one. \"= n more\": "
-                 f"so many others take the same time to {NOISE - 1:.0%}. The command that reruns it is the tooltip, and scripts/recommend prints it.",
+                 f"so many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The command that reruns it is the tooltip, and scripts/recommend prints it.",
                  ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS], rows)
 
 

@@ -56,7 +56,7 @@ def main():
         print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}")
         same = accuracy.ties(group, best, args.error, column)
         if same:
-            print(f"  in the same time, to the noise: {'; '.join(same)}")
+            print(f"  in the same time, to the noise or the spread of the samples: {'; '.join(same)}")
         print(f"  {best['command']}")
     return status
 

@@ -59,6 +59,16 @@ def advice_words(cells):
     return section.table_md(Table("", "", ["scene", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}", "next formulation"], body)) if body else ""
 
 
+def converged_words(own):
+    """How many scenes have no closed form, and what their references are worth."""
+    found = accuracy.converged.references(own).values()
+    if not found:
+        return ""
+    worst = max(found, key=lambda r: r.uncertainty)
+    return (f"{len(found)} scenes have no closed form: they are measured by a converged run of another method, uncertain by {min(r.uncertainty for r in found):.0e} to {worst.uncertainty:.0e} "
+            f"(`{worst.problem}`).")
+
+
 def accuracy_words(cells):
     own = accuracy.own(cells)
     found = accuracy.scenes(own)
@@ -80,7 +90,7 @@ def accuracy_words(cells):
             tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
     price = f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)" if tenth else "no front spans a decade"
     return (f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below {accuracy.LEVEL:g} "
-            f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}.")
+            f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}. " + converged_words(own))
 
 
 def stability_words(ladders):

@@ -18,7 +18,7 @@ def cell(part, formulation, step, end, seconds=1e-3, **more):
     return {"campaign": "accuracy", "part": part, "problem": "pile", "problem_family": "pile", "duration_s": 0.1, "effects": "contact", "formulation": formulation,
             "combination": f"{formulation} + lemke", "label": formulation, "formulation_options": "", "tol": 1e-9, "start": "cold", "step_s": step, "end_value": end, "end_quantity": "top.y",
             "err_ref": math.nan, "err_quantity": "", "err_source": "", "status": "ok", "good": True, "t_total_s": seconds, "t_total_s_low": seconds, "t_total_s_high": seconds,
-            "command": "lcpbench simulate pile", **more}
+            "command": "lcpbench simulate pile"} | more
 
 
 def judged(*cells):
@@ -87,6 +87,13 @@ class Judged(unittest.TestCase):
     def test_unresolved_errors_are_equal_on_the_front(self):
         cells = judged(*ladder(), cell("open", "velocity", 0.01, 1.002, seconds=2.0), cell("open", "regularized", 0.01, 1.003, seconds=1.0))
         self.assertEqual(accuracy.front(cells.iloc[3:]), [1])
+
+    def test_times_whose_samples_overlap_are_ties(self):
+        cells = judged(cell("open", "velocity", 0.01, 1.0, 1.0, err_ref=0.0), cell("open", "boxed", 0.01, 1.0, 1.2, err_ref=0.0), cell("open", "normal", 0.01, 1.0, 1.3, err_ref=0.0))
+        best = accuracy.cheapest(cells, 1e-3)
+        self.assertEqual(accuracy.ties(cells, best, 1e-3), [])
+        cells.loc[1, "t_total_s_low"] = 0.99
+        self.assertEqual(accuracy.ties(cells, best, 1e-3), ["boxed + lemke"])
 
     def test_a_lucky_step_reaches_nothing_that_finer_ones_do_not_keep(self):
         cells = judged(*ladder(slope=1e-9), cell("open", "velocity", 0.04, 1.0, 1e-4), cell("open", "velocity", 0.02, 1.5, 2e-4), cell("open", "velocity", 0.01, 1.01, 4e-4))
