@@ -269,6 +269,13 @@ static void give_up(block_pivoting *s, const lcp_problem *p, const options *o, e
   }
 }
 
+/* The true q minus what the proximal term adds for the last center. */
+static void pose(block_pivoting *s, const lcp_problem *p) {
+  for (int i = 0; i < p->M.n; i++) {
+    s->q[i] = s->scale[i] * p->q[i] - s->weight[i] * s->last[i];
+  }
+}
+
 /* One more outer step costs one factorisation and gains the digits that e leaves: they are taken
  * until the residual stops falling. */
 static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const options *o, double *z,
@@ -278,9 +285,7 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
   double best = HUGE_VAL;
   bool solved = false;
   for (int k = 0, idle = 0; k < OUTER_MAX; k++) {
-    for (int i = 0; i < p->M.n; i++) {
-      s->q[i] = s->scale[i] * p->q[i] - s->weight[i] * s->last[i];
-    }
+    pose(s, p);
     const end e = pivot(s, p, &o->stop, res, status);
     const bool good = e == FOUND && accepted(s, p, o->stop.tol, s->tmp, res);
     const bool better = e == FOUND && res->residual < 0.5 * best;
@@ -292,10 +297,8 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
       give_up(s, p, o, k == 0 ? e : SINGULAR, z, res); /* from the second on z is the last center */
       return of_end(e);
     }
-    for (int i = 0; i < p->M.n; i++) {
-      z[i] = s->tmp[i];
-      s->proof[i] = s->in[i];
-    }
+    memcpy(z, s->tmp, sizeof *z * (size_t)p->M.n);
+    memcpy(s->proof, s->in, (size_t)p->M.n);
     idle = better ? 0 : idle + 1;
     best = good ? res->residual : fmin(best, res->residual);
     solved = good;
@@ -306,9 +309,7 @@ static lcp_outcome proximal(block_pivoting *s, const lcp_problem *p, const optio
     if (!solved && idle >= 12) {
       return LCP_STALLED;
     }
-    for (int i = 0; i < p->M.n; i++) {
-      s->last[i] = s->z[i];
-    }
+    memcpy(s->last, s->z, sizeof *s->last * (size_t)p->M.n);
   }
   return solved ? LCP_SOLVED : LCP_STALLED;
 }
