@@ -209,6 +209,9 @@ static int attend(watch *w, struct rusage *usage) {
   if (w->item_fd >= 0) {
     take_items(w);
   }
+  if (w->log_fd >= 0 && !w->term_sent) {
+    take_log(w); /* its last words */
+  }
   return status;
 }
 

@@ -65,6 +65,10 @@ base_status problem_file(const char *text, char *path, size_t cap, int *facets, 
   return BASE_OK;
 }
 
+static base_status no_facets(const char *text, base_error *err) {
+  return BASE_FAIL(err, BASE_EINVAL, "%s: facets: it is no friction problem", text);
+}
+
 static base_status open_file(const char *text, int facets, problem_source *out, base_error *err) {
   char path[1024];
   int own;
@@ -72,7 +76,8 @@ static base_status open_file(const char *text, int facets, problem_source *out, 
   if (own != 0 && facets != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: facets are given twice", text);
   }
-  return open_import(path, own + facets, out, err);
+  BASE_TRY(open_import(path, own + facets, out, err));
+  return (own + facets == 0 || out->import.cone.p.M.n > 0) ? BASE_OK : no_facets(text, err);
 }
 
 bool problem_source_has_cone(const problem_source *s) {
@@ -90,8 +95,12 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
                                 problem_source *out, base_error *err) {
   *out = (problem_source){0};
   (void)snprintf(out->name, sizeof out->name, "%s", text);
+  if (q_path != NULL && !ends_with(text, ".mtx")) {
+    return BASE_FAIL(err, BASE_EINVAL, "--q %s: %s has a q already, only a .mtx needs one", q_path,
+                     text);
+  }
   if (ends_with(text, ".mtx")) {
-    return open_mtx(text, q_path, out, err);
+    return (facets != 0) ? no_facets(text, err) : open_mtx(text, q_path, out, err);
   }
   if (is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
       strstr(text, ".h5:") != NULL) {
@@ -104,6 +113,9 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
                      "problem '%s': need a family (lcpbench list problems) or a file .dat, .mtx, "
                      ".hdf5",
                      text);
+  }
+  if (facets != 0) {
+    return no_facets(text, err);
   }
   out->p = &out->known.p;
   return lcp_family_load(text, &out->known, err);

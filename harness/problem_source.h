@@ -9,7 +9,7 @@
 #include "problems/known_lcp.h"
 
 typedef struct problem_source {
-  char name[256];        /* as given */
+  char name[1100];       /* as given */
   lcp_file_problem file; /* Matrix Market and Siconos LCPs */
   known_lcp known;       /* families */
   import_posed import;   /* Siconos text but LCPs, FCLIB */
@@ -26,7 +26,7 @@ base_status problem_source_judge_cone(const problem_source *s, const double *z, 
                                       base_error *err);
 
 /* q_path: the Matrix Market vector; NULL: beside M. facets: of friction problems; 0: those of the
- * text, else the exact cone. */
+ * text, else the exact cone. BASE_EINVAL: either is given where it has no meaning. */
 base_status problem_source_open(const char *text, const char *q_path, int facets,
                                 problem_source *out, base_error *err);
 void problem_source_close(problem_source *s);

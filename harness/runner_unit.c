@@ -60,7 +60,7 @@ static void death_row(runner *r, const isolate_end *end, base_error *err) {
     break;
   case ISOLATE_OOM:
     word = RUN_OOM;
-    SET_TEXT(row.note, "killed by the kernel for memory");
+    SET_TEXT(row.note, "killed by SIGKILL: by the kernel for memory, if not from outside");
     break;
   case ISOLATE_SIGNAL:
     word = RUN_CRASH;

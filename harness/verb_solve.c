@@ -174,6 +174,10 @@ static int run(int argc, char **argv) {
   if (done == BASE_OK) {
     done = problem_source_open(problem, o.q, o.facets, &src, &err);
   }
+  if (done == BASE_OK && o.formulation != NULL && !problem_source_has_cone(&src)) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--formulation %s: %s is no friction problem",
+                     o.formulation, problem);
+  }
   if (done == BASE_OK) {
     done = solve_and_print(&src, &s, &o, &code, &err);
   }

@@ -7,6 +7,7 @@
 #include "harness/runner.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,11 +15,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+enum { NOT_GIVEN = INT_MIN };
+
 typedef struct submit_options {
   const char *engine, *out;
   int shards, jobs;
   bool dry_run, quick, wait;
   const char *slurm_time;
+  bool slurm; /* the engine */
 } submit_options;
 
 typedef struct submission {
@@ -105,6 +109,41 @@ static base_status launch(char *const *argv, int *code, base_error *err) {
   return BASE_OK;
 }
 
+/* What the script quotes must have no quote in it, and what it does not quote only what belongs
+ * there. */
+static base_status check_texts(const submission *s, base_error *err) {
+  const char *const quoted[] = {s->exe, s->dir, s->campaign};
+  for (int i = 0; i < BASE_COUNT(quoted); i++) {
+    if (strchr(quoted[i], '\'') != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "submit: \"%s\": a script cannot quote a '", quoted[i]);
+    }
+  }
+  const char *time = s->o->slurm_time;
+  return (time[0] != '\0' && time[strspn(time, "0123456789:-")] == '\0')
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "--slurm-time %s: need minutes, HH:MM:SS or D-HH:MM",
+                         time);
+}
+
+/* Refuses what the engine has no use for; what is not given gets its default. */
+static base_status settle_options(submit_options *o, base_error *err) {
+  o->slurm = o->engine != NULL && strcmp(o->engine, "slurm") == 0;
+  if (!o->slurm && (o->engine == NULL || strcmp(o->engine, "parallel") != 0)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--engine %s: need parallel or slurm",
+                     o->engine != NULL ? o->engine : "is missing");
+  }
+  if (o->slurm ? o->jobs != NOT_GIVEN : o->slurm_time != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: has no meaning with --engine %s",
+                     o->slurm ? "--jobs" : "--slurm-time", o->engine);
+  }
+  o->jobs = (o->jobs != NOT_GIVEN) ? o->jobs : 1;
+  o->slurm_time = (o->slurm_time != NULL) ? o->slurm_time : "04:00:00";
+  if (o->shards < 1 || o->jobs < 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "--shards and --jobs: need at least 1");
+  }
+  return BASE_OK;
+}
+
 /* The engine's own exit code does not tell: `sbatch --wait` returns 0 for a cancelled array. What
  * counts is which rows are there. */
 static base_status look_after(const submission *s, const campaign *c, int *code, base_error *err) {
@@ -131,21 +170,14 @@ static base_status look_after(const submission *s, const campaign *c, int *code,
 
 static base_status submit(submission *s, const campaign *c, int *code, base_error *err) {
   const submit_options *o = s->o;
-  const bool slurm = o->engine != NULL && strcmp(o->engine, "slurm") == 0;
-  if (!slurm && (o->engine == NULL || strcmp(o->engine, "parallel") != 0)) {
-    return BASE_FAIL(err, BASE_EINVAL, "--engine %s: need parallel or slurm",
-                     o->engine != NULL ? o->engine : "is missing");
-  }
-  if (o->shards < 1 || o->jobs < 1) {
-    return BASE_FAIL(err, BASE_EINVAL, "--shards and --jobs: need at least 1");
-  }
   char dflt[128];
   (void)snprintf(dflt, sizeof dflt, "results/%.48s-shards", c->name);
   const char *dir = (o->out != NULL) ? o->out : dflt;
   BASE_TRY(folder_make(dir, err));
   BASE_TRY(absolute(dir, s->dir, sizeof s->dir, err));
   BASE_TRY(absolute("/proc/self/exe", s->exe, sizeof s->exe, err));
-  BASE_TRY(write_script(s, slurm, err));
+  BASE_TRY(check_texts(s, err));
+  BASE_TRY(write_script(s, o->slurm, err));
   (void)printf("%s\nafterwards: lcpbench merge %s/shard.* --out %s\n", s->script, s->dir, s->dir);
   (void)fflush(stdout);
   *code = CLI_OK;
@@ -157,8 +189,13 @@ static base_status submit(submission *s, const campaign *c, int *code, base_erro
   char shell[] = "sh";
   char *slurm_argv[] = {sbatch, o->wait ? wait : s->script, o->wait ? s->script : NULL, NULL};
   char *parallel_argv[] = {shell, s->script, NULL};
-  BASE_TRY(launch(slurm ? slurm_argv : parallel_argv, code, err));
-  return (slurm && !o->wait) ? BASE_OK : look_after(s, c, code, err);
+  BASE_TRY(launch(o->slurm ? slurm_argv : parallel_argv, code, err));
+  if (!o->slurm || o->wait) {
+    return look_after(s, c, code, err);
+  }
+  return (*code == CLI_OK) ? BASE_OK
+                           : BASE_FAIL(err, BASE_EEXTERNAL,
+                                       "sbatch refused %s; nothing was submitted", s->script);
 }
 
 static base_status read_and_submit(submission *s, int *code, base_error *err) {
@@ -170,7 +207,7 @@ static base_status read_and_submit(submission *s, int *code, base_error *err) {
 }
 
 static int run(int argc, char **argv) {
-  submit_options o = {.shards = 1, .jobs = 1, .slurm_time = "04:00:00"};
+  submit_options o = {.shards = 1, .jobs = NOT_GIVEN};
   const arg_option options[] = {{"--engine", ARG_TEXT, &o.engine},
                                 {"--shards", ARG_INT, &o.shards},
                                 {"--jobs", ARG_INT, &o.jobs},
@@ -185,6 +222,9 @@ static int run(int argc, char **argv) {
   int code = CLI_INTERNAL;
   base_error err = {0};
   base_status done = args_parse(&table, argc, argv, &s.campaign, &n, &err);
+  if (done == BASE_OK) {
+    done = settle_options(&o, &err);
+  }
   if (done == BASE_OK) {
     done = read_and_submit(&s, &code, &err);
   }

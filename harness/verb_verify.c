@@ -265,6 +265,9 @@ static int run(int argc, char **argv) {
   base_error err = {0};
   record_table t;
   base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
+  if (done == BASE_OK && certificate != NULL && rerun) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--rerun: a certificate is checked without a solver");
+  }
   if (done == BASE_OK && certificate != NULL) {
     return verify_certificate(dir, q, facets, certificate);
   }

@@ -49,6 +49,27 @@ def options_out_of_range_are_refused(d):
     one_line_error("run", d / "quote.yaml", "--dry-run", names=["it's.M.mtx"])
 
 
+def options_without_a_meaning_are_refused(d):
+    """Not accepted and forgotten."""
+    m = problem(d)
+    solve = ("solve", "murty:n=4", "--solver", "lemke")
+    for words, names in (((*solve, "--facets", 8), ["facets", "murty"]), ((*solve, "--formulation", "coulomb"), ["--formulation", "murty"]),
+                         ((*solve, "--formulation", "velocity"), ["facets"]), ((*solve, "--q", d / "a.q.mtx"), ["--q", "murty"]),
+                         (("solve", m, "--solver", "lemke", "--facets", 4), ["facets", "a.M.mtx"]),
+                         (("export", "murty:n=4", "--format", "mtx", "--out", d / "x", "--q", d / "a.q.mtx"), ["--q"]),
+                         (("verify", m, "--certificate", d / "c", "--rerun"), ["--rerun"]),
+                         (("compare", d, d, "--noise", -1), ["--noise"]), (("compare", d, d, "--column", "rho"), ["--column", "rho"])):
+        one_line_error(*words, names=names)
+    lcp = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds" / "lcp.dat"
+    for path in (lcp, lcp.with_name("mlcp.dat")):
+        one_line_error("solve", f"{path}:facets=4", "--solver", "lemke", names=["facets", path.name])
+    submit = ("submit", "smoke", "--out", d / "s", "--dry-run", "--engine")
+    one_line_error(*submit, "slurm", "--jobs", 2, names=["--jobs", "slurm"])
+    one_line_error(*submit, "parallel", "--slurm-time", 10, names=["--slurm-time", "parallel"])
+    one_line_error(*submit, "slurm", "--slurm-time", "1; rm", names=["--slurm-time", "1; rm"])
+    one_line_error("submit", "smoke", "--out", d / "it's", "--dry-run", "--engine", "slurm", names=["it's"])
+
+
 def output_that_does_not_arrive_is_no_success(d):
     problem(d)
     for words in (("list", "solvers"), ("list", "scenes", "--format", "json"), ("--help",), ("run", "smoke", "--dry-run"), ("solve", d / "a.M.mtx", "--solver", "lemke")):
@@ -294,7 +315,7 @@ def environment_gives_options(d):
         assert name in done.stderr and value in done.stderr and done.stderr.count("\n") == 1, done.stderr
 
 
-tap([usage_errors, options_out_of_range_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
+tap([usage_errors, options_out_of_range_are_refused, options_without_a_meaning_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
      certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])
