@@ -1,8 +1,7 @@
-/* problems/pair_table.h - a value per pair of sides, with a default. Sides are the bodies, then
- * the half-spaces of a scene. */
+/* problems/pair_table.h - a value per pair of sides (name_index.h), with a default. */
 #pragma once
 
-#include "problems/spec.h"
+#include "problems/name_index.h"
 
 #include <stdint.h>
 
@@ -19,7 +18,7 @@ typedef struct pair_table {
 } pair_table;
 
 /* A later pair overrides an earlier one of the same sides. */
-base_status pair_table_open(pair_table *t, const scene_spec *s, double dflt, const spec_pair *pair,
-                            int n_pair, base_error *err);
+base_status pair_table_open(pair_table *t, const name_index *names, double dflt,
+                            const spec_pair *pair, int n_pair, base_error *err);
 void pair_table_close(pair_table *t);
 double pair_value(const pair_table *t, int side_a, int side_b);

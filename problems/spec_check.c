@@ -1,65 +1,41 @@
 #include "problems/spec_check.h"
 
+#include "problems/name_index.h"
 #include "problems/vec.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-/* ---- names ---------------------------------------------------------------------------------- */
-
-typedef struct names {
-  const char **sorted;
-  int n;
-} names;
-
-static int by_text(const void *a, const void *b) {
-  return strcmp(*(const char *const *)a, *(const char *const *)b);
-}
-
-static bool name_known(const names *k, const char *name) {
-  return k->sorted != NULL &&
-         bsearch(&name, k->sorted, (size_t)k->n, sizeof *k->sorted, by_text) != NULL;
-}
-
-/* Sorted names of bodies and statics; refuses empty and repeated ones. */
-static base_status collect_names(const scene_spec *s, names *k, base_error *err) {
-  k->n = s->n_body + s->n_static;
-  k->sorted = malloc((size_t)k->n * sizeof *k->sorted);
-  if (k->sorted == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "scene '%s': no memory for %d names", s->id, k->n);
-  }
-  for (int i = 0; i < k->n; i++) {
-    k->sorted[i] = (i < s->n_body) ? s->body[i].name : s->fixed[i - s->n_body].name;
-    if (k->sorted[i][0] == '\0' || strchr(k->sorted[i], '.') != NULL) {
-      return BASE_FAIL(err, BASE_EINVAL,
-                       "scene '%s': body or static %d named '%s': need a name without '.'", s->id,
-                       i, k->sorted[i]);
-    }
-  }
-  qsort(k->sorted, (size_t)k->n, sizeof *k->sorted, by_text);
-  for (int i = 1; i < k->n; i++) {
-    if (strcmp(k->sorted[i], k->sorted[i - 1]) == 0) {
-      return BASE_FAIL(err, BASE_EINVAL, "scene '%s': the name '%s' is used twice", s->id,
-                       k->sorted[i]);
-    }
-  }
-  return BASE_OK;
-}
 
 #define BAD(...) BASE_FAIL(err, BASE_EINVAL, __VA_ARGS__)
 
-/* ---- coefficients, loads, joints ------------------------------------------------------------- */
+/* ---- names ---------------------------------------------------------------------------------- */
 
-static base_status check_pair(const scene_spec *s, const names *k, const char *what,
-                              const spec_pair *p, base_error *err) {
-  if (!name_known(k, p->a) || !name_known(k, p->b)) {
-    return BAD("scene '%s': %s of pair %s-%s: no body or static named '%s'", s->id, what, p->a,
-               p->b, name_known(k, p->a) ? p->b : p->a);
+/* Refuses empty names, and such as are used twice. */
+static base_status check_names(const scene_spec *s, const name_index *k, base_error *err) {
+  for (int i = 0; i < k->n; i++) {
+    const char *name = k->entry[i].name;
+    if (name[0] == '\0' || strchr(name, '.') != NULL) {
+      return BAD("scene '%s': body or static %d named '%s': need a name without '.'", s->id,
+                 k->entry[i].side, name);
+    }
+    if (i > 0 && strcmp(name, k->entry[i - 1].name) == 0) {
+      return BAD("scene '%s': the name '%s' is used twice", s->id, name);
+    }
   }
   return BASE_OK;
 }
 
-static base_status check_coefficient(const scene_spec *s, const names *k, const char *what,
+/* ---- coefficients, loads, joints ------------------------------------------------------------- */
+
+static base_status check_pair(const scene_spec *s, const name_index *k, const char *what,
+                              const spec_pair *p, base_error *err) {
+  if (name_index_find(k, p->a) < 0 || name_index_find(k, p->b) < 0) {
+    return BAD("scene '%s': %s of pair %s-%s: no body or static named '%s'", s->id, what, p->a,
+               p->b, (name_index_find(k, p->a) >= 0) ? p->b : p->a);
+  }
+  return BASE_OK;
+}
+
+static base_status check_coefficient(const scene_spec *s, const name_index *k, const char *what,
                                      const spec_coefficient *c, double lo, double hi,
                                      base_error *err) {
   if (!(c->dflt >= lo && c->dflt <= hi) || !isfinite(c->dflt)) {
@@ -77,7 +53,7 @@ static base_status check_coefficient(const scene_spec *s, const names *k, const 
   return BASE_OK;
 }
 
-static base_status check_coefficients(const scene_spec *s, const names *k, base_error *err) {
+static base_status check_coefficients(const scene_spec *s, const name_index *k, base_error *err) {
   const double any = HUGE_VAL;
   BASE_TRY(check_coefficient(s, k, "friction", &s->friction, 0.0, any, err));
   /* -1: same as static */
@@ -168,7 +144,7 @@ bool spec_quantity_known(const char *quantity, int dim) {
   return false;
 }
 
-static base_status check_var(const scene_spec *s, const names *k, const char *var,
+static base_status check_var(const scene_spec *s, const name_index *k, const char *var,
                              base_error *err) {
   if (s->model != NULL || var[0] == '\0') {
     return BASE_OK; /* the model knows its own names */
@@ -178,7 +154,7 @@ static base_status check_var(const scene_spec *s, const names *k, const char *va
   if (dot != NULL) {
     memcpy(body, var, (size_t)(dot - var));
   }
-  if (dot == NULL || !name_known(k, body)) {
+  if (dot == NULL || name_index_find(k, body) < 0) {
     return BAD("scene '%s': '%s' names no body; need body.quantity", s->id, var);
   }
   if (!spec_quantity_known(dot + 1, s->dim)) {
@@ -195,7 +171,7 @@ static bool needs_var(const spec_check *c) {
          k == CHECK_WINDOW_MAX || k == CHECK_WINDOW_MIN || k == CHECK_MIN_CHANGE;
 }
 
-static base_status check_check(const scene_spec *s, const names *k, const spec_check *c,
+static base_status check_check(const scene_spec *s, const name_index *k, const spec_check *c,
                                base_error *err) {
   const char *kind = spec_check_name(c->kind);
   if (needs_var(c) && c->var[0] == '\0') {
@@ -269,7 +245,7 @@ static base_status check_frame(const scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-static base_status check_parts_of(scene_spec *s, const names *k, base_error *err) {
+static base_status check_parts_of(scene_spec *s, const name_index *k, base_error *err) {
   for (int i = 0; i < s->n_body; i++) {
     BASE_TRY(spec_check_body(s, &s->body[i], err));
   }
@@ -297,14 +273,12 @@ static base_status check_parts_of(scene_spec *s, const names *k, base_error *err
 
 base_status spec_check_all(scene_spec *s, base_error *err) {
   BASE_TRY(check_frame(s, err));
-  names k = {NULL, 0};
-  base_status status = BASE_OK;
-  if (s->n_body + s->n_static > 0) {
-    status = collect_names(s, &k, err);
-  }
+  name_index names;
+  BASE_TRY(name_index_open(&names, s, err));
+  base_status status = check_names(s, &names, err);
   if (status == BASE_OK) {
-    status = check_parts_of(s, &k, err);
+    status = check_parts_of(s, &names, err);
   }
-  free(k.sorted);
+  name_index_close(&names);
   return status;
 }

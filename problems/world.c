@@ -26,23 +26,34 @@ static base_status check_spec(const scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-static base_status open_tables(world *w, base_error *err) {
+static base_status fill_tables(world *w, const name_index *names, base_error *err) {
   const scene_spec *s = &w->spec;
-  const spec_coefficient *f = &s->friction, *k = &s->friction_kinetic;
-  BASE_TRY(pair_table_open(&w->mu, s, f->dflt, f->pair, f->n_pair, err));
-  if (k->dflt < 0.0) {
-    k = f;
+  const struct {
+    pair_table *table;
+    const spec_coefficient *from;
+  } all[] = {
+      {&w->mu, &s->friction},
+      {&w->mu_kinetic, (s->friction_kinetic.dflt < 0.0) ? &s->friction : &s->friction_kinetic},
+      {&w->restitution, &s->restitution},
+      {&w->rolling, &s->rolling},
+      {&w->torsion, &s->torsion}};
+  for (int i = 0; i < BASE_COUNT(all); i++) {
+    const spec_coefficient *c = all[i].from;
+    BASE_TRY(pair_table_open(all[i].table, names, c->dflt, c->pair, c->n_pair, err));
   }
-  BASE_TRY(pair_table_open(&w->mu_kinetic, s, k->dflt, k->pair, k->n_pair, err));
-  const spec_coefficient *e = &s->restitution, *r = &s->rolling, *t = &s->torsion;
-  BASE_TRY(pair_table_open(&w->restitution, s, e->dflt, e->pair, e->n_pair, err));
-  BASE_TRY(pair_table_open(&w->rolling, s, r->dflt, r->pair, r->n_pair, err));
-  BASE_TRY(pair_table_open(&w->torsion, s, t->dflt, t->pair, t->n_pair, err));
-  BASE_TRY(pair_table_open(&w->apart, s, 0.0, s->no_collision, s->n_no_collision, err));
+  BASE_TRY(pair_table_open(&w->apart, names, 0.0, s->no_collision, s->n_no_collision, err));
   for (int i = 0; i < w->apart.n; i++) {
     w->apart.entry[i].value = 1.0;
   }
   return BASE_OK;
+}
+
+static base_status open_tables(world *w, base_error *err) {
+  name_index names;
+  BASE_TRY(name_index_open(&names, &w->spec, err));
+  const base_status status = fill_tables(w, &names, err);
+  name_index_close(&names);
+  return status;
 }
 
 static base_status open_pieces(world *w, base_error *err) {

@@ -6,8 +6,8 @@
 #define BAD(n, ...) BASE_FAIL((n)->err, BASE_EINVAL, __VA_ARGS__)
 
 /* Index of the body named under key; `world` is -1 where that is allowed. */
-static base_status read_body_name(const scene_spec *s, const node *n, const char *key,
-                                  bool world_allowed, int *out) {
+static base_status read_body_name(const scene_spec *s, const name_index *names, const node *n,
+                                  const char *key, bool world_allowed, int *out) {
   char name[SPEC_NAME];
   if (!node_has(n, key) && world_allowed) {
     *out = -1;
@@ -15,7 +15,8 @@ static base_status read_body_name(const scene_spec *s, const node *n, const char
   }
   BASE_TRY(node_need(n, key));
   BASE_TRY(node_text(n, key, name, sizeof name));
-  *out = spec_find_body(s, name);
+  const int side = name_index_find(names, name);
+  *out = (side < s->n_body) ? side : -1;
   if (*out < 0 && !(world_allowed && strcmp(name, "world") == 0)) {
     return BAD(n, "%s: no body named '%s'", n->where, name);
   }
@@ -38,7 +39,8 @@ static const load_row load_rows[] = {
     {SPEC_TORSION_SPRING, "body|type|k|c|rest"},
 };
 
-base_status read_load(scene_spec *s, json_t *v, int index, base_error *err) {
+base_status read_load(scene_spec *s, const name_index *names, json_t *v, int index,
+                      base_error *err) {
   node n;
   int type = 0;
   BASE_TRY(node_open(&n, v, err, "scene '%s': load %d", s->id, index + 1));
@@ -48,9 +50,9 @@ base_status read_load(scene_spec *s, json_t *v, int index, base_error *err) {
   spec_load *l;
   BASE_TRY(spec_add_load(s, &l, err));
   l->kind = load_rows[type].kind;
-  BASE_TRY(read_body_name(s, &n, "body", false, &l->body));
+  BASE_TRY(read_body_name(s, names, &n, "body", false, &l->body));
   if (l->kind == SPEC_SPRING_PAIR) {
-    BASE_TRY(read_body_name(s, &n, "other", false, &l->other));
+    BASE_TRY(read_body_name(s, names, &n, "other", false, &l->other));
   }
   BASE_TRY(node_vector(&n, "force", s->dim, l->force));
   BASE_TRY(s->dim == 2 ? node_real(&n, "torque", &l->torque[2])
@@ -74,7 +76,8 @@ base_status read_load(scene_spec *s, json_t *v, int index, base_error *err) {
   return node_vector(&n, "other_offset", s->dim, l->other_offset);
 }
 
-base_status read_joint(scene_spec *s, json_t *v, int index, base_error *err) {
+base_status read_joint(scene_spec *s, const name_index *names, json_t *v, int index,
+                       base_error *err) {
   node n;
   int type = 0;
   BASE_TRY(node_open(&n, v, err, "scene '%s': joint %d", s->id, index + 1));
@@ -89,8 +92,8 @@ base_status read_joint(scene_spec *s, json_t *v, int index, base_error *err) {
   static const spec_joint_kind kinds[] = {SPEC_BALL, SPEC_HINGE, SPEC_SLIDER, SPEC_FIXED,
                                           SPEC_DISTANCE};
   j->kind = kinds[type];
-  BASE_TRY(read_body_name(s, &n, "body", false, &j->body));
-  BASE_TRY(read_body_name(s, &n, "other", true, &j->other));
+  BASE_TRY(read_body_name(s, names, &n, "body", false, &j->body));
+  BASE_TRY(read_body_name(s, names, &n, "other", true, &j->other));
   BASE_TRY(node_vector(&n, "anchor", s->dim, j->anchor));
   BASE_TRY(node_vector(&n, "other_anchor", s->dim, j->other_anchor));
   return node_vector(&n, "axis", s->dim, j->axis);

@@ -20,6 +20,32 @@ static base_status read_items(scene_spec *s, const node *n, const char *key, int
   return BASE_OK;
 }
 
+typedef base_status (*read_tie)(scene_spec *s, const name_index *names, json_t *v, int index,
+                                base_error *err);
+
+static base_status read_tied(scene_spec *s, const name_index *names, const node *n, const char *key,
+                             read_tie read) {
+  json_t *list;
+  int count;
+  BASE_TRY(node_list(n, key, READ_ITEMS, &list, &count));
+  for (int i = 0; i < count; i++) {
+    BASE_TRY(read(s, names, json_array_get(list, (size_t)i), i, n->err));
+  }
+  return BASE_OK;
+}
+
+/* What acts on bodies, by their names. */
+static base_status read_ties(scene_spec *s, const node *n) {
+  name_index names;
+  BASE_TRY(name_index_open(&names, s, n->err));
+  base_status status = read_tied(s, &names, n, "loads", read_load);
+  if (status == BASE_OK) {
+    status = read_tied(s, &names, n, "joints", read_joint);
+  }
+  name_index_close(&names);
+  return status;
+}
+
 static base_status read_coefficient(const node *n, const char *key, spec_coefficient *c) {
   json_t *v = json_object_get(n->v, key), *list;
   if (v == NULL) {
@@ -296,8 +322,7 @@ base_status read_scene(json_t *v, scene_spec *s, base_error *err) {
   BASE_TRY(read_coefficient(&n, "restitution", &s->restitution));
   BASE_TRY(read_coefficient(&n, "rolling", &s->rolling));
   BASE_TRY(read_coefficient(&n, "torsion", &s->torsion));
-  BASE_TRY(read_items(s, &n, "loads", READ_ITEMS, read_load));
-  BASE_TRY(read_items(s, &n, "joints", READ_ITEMS, read_joint));
+  BASE_TRY(read_ties(s, &n));
   BASE_TRY(read_items(s, &n, "no_collision", READ_ITEMS, read_no_collision));
   BASE_TRY(read_not_applicable(s, &n));
   BASE_TRY(read_observed(s, &n));

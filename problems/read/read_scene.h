@@ -1,6 +1,7 @@
 /* problems/read/read_scene.h - parts of the scene reader (internal to problems/read). */
 #pragma once
 
+#include "problems/name_index.h"
 #include "problems/read/node.h"
 #include "problems/spec.h"
 
@@ -12,8 +13,11 @@ base_status read_scene(json_t *v, scene_spec *s, base_error *err);
 
 base_status read_body(scene_spec *s, json_t *v, int index, base_error *err);
 base_status read_static(scene_spec *s, json_t *v, int index, base_error *err);
-base_status read_load(scene_spec *s, json_t *v, int index, base_error *err);
-base_status read_joint(scene_spec *s, json_t *v, int index, base_error *err);
+/* Loads and joints name bodies: they come after these. */
+base_status read_load(scene_spec *s, const name_index *names, json_t *v, int index,
+                      base_error *err);
+base_status read_joint(scene_spec *s, const name_index *names, json_t *v, int index,
+                       base_error *err);
 base_status read_check(scene_spec *s, json_t *v, int index, base_error *err);
 base_status read_off(scene_spec *s, const char *name, json_t *v, base_error *err);
 /* Two names of a pair ["a", "b"]. */
