@@ -1,5 +1,6 @@
 #include "lcp/linear/basis.h"
 
+#include "lcp/base/clones.h"
 #include "lcp/linear/extended.h"
 
 #include <math.h>
@@ -126,6 +127,18 @@ static void subtract(int n, double t, const double *restrict x, double *restrict
   }
 }
 
+/* x <- x - sum of four columns, in one sweep. */
+BASE_CLONES static void subtract_four(int n, const double *t, const double *const *column,
+                                      double *restrict x) {
+  const double *restrict a = column[0];
+  const double *restrict b = column[1];
+  const double *restrict c = column[2];
+  const double *restrict d = column[3];
+  for (int i = 0; i < n; ++i) {
+    x[i] = (((x[i] - t[0] * a[i]) - t[1] * b[i]) - t[2] * c[i]) - t[3] * d[i];
+  }
+}
+
 /* x += t * column(var). */
 static void add_column(const lin_system *s, int var, double t, double *x) {
   if (var < s->n) {
@@ -150,6 +163,34 @@ static void add_column(const lin_system *s, int var, double t, double *x) {
   }
 }
 
+/* Columns to be added to x, the full ones of M four at a time. */
+typedef struct waiting {
+  int count;
+  double t[4];
+  const double *column[4];
+} waiting;
+
+static void add_later(waiting *w, const lin_system *s, int var, double t, double *x) {
+  const int j = var - s->n;
+  if (j < 0 || j == s->n || s->colptr[j + 1] - s->colptr[j] != s->n) {
+    add_column(s, var, t, x);
+    return;
+  }
+  w->t[w->count] = t;
+  w->column[w->count++] = s->val + s->colptr[j];
+  if (w->count == 4) {
+    subtract_four(s->n, w->t, w->column, x);
+    w->count = 0;
+  }
+}
+
+static void add_waiting(waiting *w, int n, double *x) {
+  for (int k = 0; k < w->count; ++k) {
+    subtract(n, w->t[k], w->column[k], x);
+  }
+  w->count = 0;
+}
+
 void lin_basis_column(const lin_basis *b, int var, double *x) {
   memset(x, 0, sizeof(double) * (size_t)b->sys->n);
   add_column(b->sys, var, 1, x);
@@ -161,12 +202,14 @@ void lin_basis_solve(lin_basis *b, double *x) {
     b->work[k] = x[b->kernel_row[k]];
   }
   lin_lu_solve(&b->lu, b->work);
+  waiting w = {0};
   for (int k = 0; k < b->kernel_size; ++k) { /* rows outside the kernel: x_w = r - B_wk x_k */
     b->active[k] = b->work[b->lu.prow[k]];
     if (b->active[k] != 0) {
-      add_column(b->sys, b->kernel_var[b->lu.col[k]], -b->active[k], x);
+      add_later(&w, b->sys, b->kernel_var[b->lu.col[k]], -b->active[k], x);
     }
   }
+  add_waiting(&w, b->sys->n, x);
   for (int k = 0; k < b->kernel_size; ++k) {
     x[b->kernel_row[b->lu.prow[k]]] = b->active[k];
   }
@@ -216,11 +259,13 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
 void lin_basis_defect(const lin_basis *b, const double *y, const double *r, double *x) {
   const int n = b->sys->n;
   memcpy(x, r, sizeof(double) * (size_t)n);
+  waiting w = {0};
   for (int k = 0; k < n; ++k) {
     if (y[k] != 0) {
-      add_column(b->sys, b->head[k], -y[k], x);
+      add_later(&w, b->sys, b->head[k], -y[k], x);
     }
   }
+  add_waiting(&w, n, x);
 }
 
 void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {

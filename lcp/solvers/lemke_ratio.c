@@ -88,7 +88,8 @@ int lemke_ratio_test(lemke_path *t) {
   int count = 0;
   for (int i = 0; i < n; ++i) {
     if (t->d[i] > small && t->may_leave[i]) {
-      const double room = lemke_larger(t->x[i], 0) + lemke_slack(t, i, slack);
+      const double room =
+          lemke_larger(t->x[i], 0) + (t->tol.local ? lemke_slack(t, i, slack) : slack);
       bound = (room < bound * t->d[i]) ? room / t->d[i] : bound;
       tied[count++] = i;
     }
