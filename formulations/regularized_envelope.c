@@ -205,6 +205,49 @@ void reg_envelope_forward(const contact_set *c, reg_mass *m, int p, int sets, in
   }
 }
 
+/* y += s a + t b + u c */
+static inline void add_three(const double *s, ptrdiff_t stride, const double *restrict rows,
+                             double *restrict y, int n) {
+  const double *restrict b = rows + stride;
+  const double *restrict c = b + stride;
+  for (int k = 0; k < n; k++) {
+    y[k] = ((y[k] + s[0] * rows[k]) + s[stride] * b[k]) + s[2 * stride] * c[k];
+  }
+}
+
+/* Columns `from` .. `to`-1 of A, of length p, get the share of the n rows y of one body: sum of y_i y_(j+slip),
+ * `slip` columns on. */
+BASE_CLONES static void multiply_body(const double *y, int n, int all, int from, int to, int slip,
+                                      double *A, int p) {
+  for (int j = from; j < to; j++) {
+    const int first = (slip == 0) ? j : from;
+    double *a = A + (ptrdiff_t)j * p + first;
+    const double *right = y + slip + j;
+    const double *left = y + first;
+    int r = 0;
+    for (; r + 3 <= n; r += 3, left += 3 * (ptrdiff_t)all, right += 3 * (ptrdiff_t)all) {
+      add_three(right, all, left, a, to - first);
+    }
+    for (; r < n; r++, left += all, right += all) {
+      form_add_scaled(right[0], left, a, to - first);
+    }
+  }
+}
+
+void reg_envelope_multiply(const contact_set *c, const reg_mass *m, int p, bool slip, int all,
+                           double *A) {
+  int from = p;
+  int to = 0;
+  memset(A, 0, (size_t)p * (size_t)p * sizeof *A);
+  for (int k = c->n_body - 1; k >= 0; k--) {
+    const int b = m->order[k];
+    from = (m->from[b] < from) ? m->from[b] : from;
+    to = (m->to[b] > to) ? m->to[b] : to;
+    multiply_body(m->Y + (ptrdiff_t)m->place[b] * all + 1, contact_dofs(c, b), all, from, to,
+                  slip ? p : 0, A, p);
+  }
+}
+
 void reg_envelope_backward(reg_mass *m, int n, double *x) {
   for (int i = n - 1; i >= 0; i--) {
     const double *row = entry(m, i, m->first[i]);

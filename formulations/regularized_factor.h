@@ -25,6 +25,10 @@ bool reg_envelope_factor(const contact_set *c, reg_mass *m);
 /* Y <- L^-1 Y, Y row-major with `all` right sides: c, `sets` sets of p columns of which `from` and `to` say
  * where they begin, the rest full. */
 void reg_envelope_forward(const contact_set *c, reg_mass *m, int p, int sets, int all);
+/* A = N B', p x p by columns, N the columns 1 .. p of Y as a p x n matrix and B the p behind them; without slip
+ * B = N, and only the lower part is written. Joints have not been projected out. */
+void reg_envelope_multiply(const contact_set *c, const reg_mass *m, int p, bool slip, int all,
+                           double *A);
 /* x <- L'^-1 x. */
 void reg_envelope_backward(reg_mass *m, int n, double *x);
 

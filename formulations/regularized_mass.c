@@ -165,26 +165,25 @@ static bool substitute(regularized *s, int all) {
   return true;
 }
 
-enum { FEW = 4096 }; /* products for which BLAS does not pay */
+/* Products p p n up to which A is summed body by body; beyond, BLAS gains more by its blocks. */
+static const double few = 2e7;
 
-/* A = N N', N the p x n matrix of columns `all` apart. */
-static void square(double *A, const double *N, int p, int n, int all) {
-  if ((double)p * p * n > FEW) {
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, A, p);
-  } else {
-    for (int j = 0; j < p; j++) {
-      for (int i = j; i < p; i++) {
-        double sum = 0;
-        for (ptrdiff_t k = 0; k < n; k++) {
-          sum += N[k * all + i] * N[k * all + j];
-        }
-        A[(ptrdiff_t)j * p + i] = sum;
-      }
-    }
+/* A = N B' of the columns `all` apart, without slip B = N. */
+static void multiply(regularized *s, int all) {
+  const int p = s->a.n_contact;
+  const int n = s->a.set->n_dof;
+  const double *N = s->mass.Y + 1;
+  if (!s->mass.by_sparse && s->mass.joint.n == 0 && (double)p * p * n <= few) {
+    reg_envelope_multiply(s->a.set, &s->mass, p, s->any_slip, all, s->A);
+  } else if (s->any_slip) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, all, N + p, all, 0, s->A,
+                p);
+  } else if (p > 0) { /* joints alone pose no problem */
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, p, n, 1, N, all, 0, s->A, p);
   }
-  for (int j = 0; j < p; j++) {
+  for (int j = 0; j < p && !s->any_slip; j++) {
     for (int i = j + 1; i < p; i++) {
-      A[(ptrdiff_t)i * p + j] = A[(ptrdiff_t)j * p + i];
+      s->A[(ptrdiff_t)i * p + j] = s->A[(ptrdiff_t)j * p + i];
     }
   }
 }
@@ -209,12 +208,7 @@ bool reg_mass_reduce(regularized *s) {
   if (m->joint.n > 0) {
     reg_joint_project(s, width);
   }
-  if (s->any_slip) {
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, p, p, n, 1, N, all, N + p, all, 0, s->A,
-                p);
-  } else {
-    square(s->A, N, p, n, all);
-  }
+  multiply(s, all);
   return true;
 }
 
