@@ -1,21 +1,23 @@
 /* Bilateral rows of a local friction problem, eliminated:
  *   u = W r + V l + q,   0 = V' r + R l + s   gives   u = (W - V R^-1 V') r + (q - V R^-1 s).
- * R must be symmetric positive definite, which it is where joints are independent. */
+ * R must be symmetric positive definite, which it is where joints are independent. Densely: joints tie bodies
+ * into chains, and R^-1 is full along a chain, so W becomes full anyway. */
 #include "problems/import/friction_problem.h"
 #include "problems/triplets.h"
 
+#include <cblas.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const double ENTRIES_MAX = 5e7; /* W becomes as good as full */
+static const double ENTRIES_MAX = 5e7; /* of W, V and R each, 400 MB */
 
-static void to_dense(const lcp_csc *A, double *out) {
-  memset(out, 0, (size_t)A->n_row * (size_t)A->n_col * sizeof *out);
+/* out += A, column-major. */
+static void add_sparse(const lcp_csc *A, double *out) {
   for (int j = 0; j < A->n_col; j++) {
     for (int at = A->colptr[j]; at < A->colptr[j + 1]; at++) {
-      out[(size_t)j * (size_t)A->n_row + (size_t)A->rowind[at]] = A->val[at];
+      out[(size_t)j * (size_t)A->n_row + (size_t)A->rowind[at]] += A->val[at];
     }
   }
 }
@@ -60,24 +62,17 @@ static base_status factorise(double *R, int m, double *diagonal, base_error *err
   return BASE_OK;
 }
 
-/* Y = L^-1 V', y = L^-1 s:  W -= Y' Y, q -= Y' y (symmetric as W is). */
+/* Y = L^-1 V', y = L^-1 s:  W = -Y' Y, exactly symmetric, q -= Y' y. */
 static void eliminate(const double *L, double *Y, double *y, int m, int n, double *W, double *q) {
   (void)LAPACKE_dtrtrs(LAPACK_COL_MAJOR, 'L', 'N', 'N', m, n, L, m, Y, m);
   (void)LAPACKE_dtrtrs(LAPACK_COL_MAJOR, 'L', 'N', 'N', m, 1, L, m, y, m);
-  for (int j = 0; j < n; j++) {
-    const double *yj = Y + (size_t)j * (size_t)m;
-    for (int i = 0; i < n; i++) {
-      const double *yi = Y + (size_t)i * (size_t)m;
-      double sum = 0.0;
-      for (int k = 0; k < m; k++) {
-        sum += yi[k] * yj[k];
-      }
-      W[(size_t)j * (size_t)n + (size_t)i] -= sum;
-    }
-    for (int k = 0; k < m; k++) {
-      q[j] -= yj[k] * y[k];
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasTrans, n, m, -1.0, Y, m, 0.0, W, n);
+  for (size_t j = 0; j < (size_t)n; j++) {
+    for (size_t i = j + 1; i < (size_t)n; i++) {
+      W[i * (size_t)n + j] = W[j * (size_t)n + i];
     }
   }
+  cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, Y, m, y, 1, 1.0, q, 1);
 }
 
 /* V' by columns: m x n. */
@@ -93,11 +88,12 @@ static void transpose(const lcp_csc *V, double *Y) {
 
 static base_status reduce(friction_problem *p, double *R, double *Y, double *W, base_error *err) {
   const int n = p->rows * p->n_contact;
-  to_dense(&p->R, R);
+  memset(R, 0, (size_t)p->n_joint * (size_t)p->n_joint * sizeof *R);
+  add_sparse(&p->R, R);
   BASE_TRY(factorise(R, p->n_joint, Y, err)); /* Y: scratch so far, at least one column */
-  to_dense(&p->W, W);
   transpose(&p->V, Y);
   eliminate(R, Y, p->s, p->n_joint, n, W, p->q);
+  add_sparse(&p->W, W);
   lcp_csc reduced;
   BASE_TRY(from_dense(W, n, &reduced, err));
   lcp_csc_free(&p->W);

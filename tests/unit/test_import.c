@@ -2,6 +2,7 @@
  * are exact, and malformed files are refused in one line. */
 #include "tests/support/check.h"
 
+#include "lcp/base/rng.h"
 #include "lcp/io/lcp_read.h"
 #include "problems/import/import.h"
 
@@ -312,6 +313,62 @@ static void joints_are_eliminated(void **state) {
   }
 }
 
+/* Rows and columns i0 .. of a symmetric matrix, row-major. */
+static lcp_csc part_of(const double *K, int size, int i0, int n_row, int j0, int n_col) {
+  double *by_rows = malloc((size_t)(n_row * n_col) * sizeof *by_rows);
+  for (int i = 0; i < n_row; i++) {
+    memcpy(by_rows + (ptrdiff_t)i * n_col, K + (ptrdiff_t)(i0 + i) * size + j0,
+           (size_t)n_col * sizeof *by_rows);
+  }
+  const lcp_csc A = csc_of(n_row, n_col, by_rows);
+  free(by_rows);
+  return A;
+}
+
+/* K = [W V; V' R] of random joints: with joints kept or eliminated, K (r, l) + (q, s) is the same where its
+ * lower part vanishes; and W stays symmetric to the bit. */
+static void elimination_leaves_the_velocities(void **state) {
+  (void)state;
+  enum { N = 30, M = 20, SIZE = N + M };
+  base_rng rng = base_rng_seeded(7);
+  double K[SIZE * SIZE], A[SIZE * SIZE], x[SIZE], u[SIZE] = {0};
+  for (int k = 0; k < SIZE * SIZE; k++) {
+    A[k] = base_rng_normal(&rng);
+  }
+  for (int i = 0; i < SIZE; i++) {
+    x[i] = base_rng_normal(&rng);
+    for (int j = 0; j <= i; j++) {
+      double sum = (i == j) ? 1.0 : 0.0;
+      for (int k = 0; k < SIZE; k++) {
+        sum += A[i * SIZE + k] * A[j * SIZE + k];
+      }
+      K[i * SIZE + j] = K[j * SIZE + i] = sum;
+    }
+  }
+  friction_problem p = {.rows = 2, .n_contact = N / 2, .n_joint = M};
+  p.W = part_of(K, SIZE, 0, N, 0, N);
+  p.V = part_of(K, SIZE, 0, N, N, M);
+  p.R = part_of(K, SIZE, N, M, N, M);
+  for (int i = 0; i < SIZE; i++) {
+    for (int j = 0; j < SIZE; j++) {
+      u[i] -= K[i * SIZE + j] * x[j];
+    }
+  }
+  p.q = copy_of(u, N); /* so that u = 0 and the joints hold at x */
+  p.s = copy_of(u + N, M);
+  base_error err = {0};
+  check_ok(friction_eliminate_joints(&p, &err), &err);
+  for (int i = 0; i < N; i++) {
+    double now = p.q[i];
+    for (int j = 0; j < N; j++) {
+      assert_true(p.W.val[j * N + i] == p.W.val[i * N + j]);
+      now += p.W.val[j * N + i] * x[j];
+    }
+    check_close(now, 0.0, 1e-9);
+  }
+  friction_free(&p);
+}
+
 static void dependent_joints_are_refused(void **state) {
   (void)state;
   base_error err = {0};
@@ -616,6 +673,7 @@ int main(void) {
       cmocka_unit_test(round_trips_are_exact),
       cmocka_unit_test(facets_follow_the_formula),
       cmocka_unit_test(joints_are_eliminated),
+      cmocka_unit_test(elimination_leaves_the_velocities),
       cmocka_unit_test(dependent_joints_are_refused),
       cmocka_unit_test(rolling_facets_hold_the_cone_along_them),
       cmocka_unit_test(malformed_text_is_refused),
