@@ -1,6 +1,6 @@
 """Ten malformed files of every format: exit code 2, nothing on stdout, one line that names the file and the rule.
 
-Each is one edit of a good file (tests/fuzz/seeds), which must be accepted as it is. FCLIB files: tests/unit/test_import.c;
+Each is one edit of a good file (tests/fuzz/seeds), which must be accepted as it is. FCLIB files: tests/unit/test_import_hostile.c;
 certificates: tests/unit/test_certificate.c; trajectories: tests/python/test_render.py."""
 import pathlib
 import subprocess
