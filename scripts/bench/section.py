@@ -99,14 +99,16 @@ def tex(text):
 SHORT, MANY = 20, 8  # characters of a column that need no wrapping; columns that fit on a page
 
 
-LINES, WRAP = 62, 24  # lines of a page; characters of a line in a column that wraps
+LINES, ACROSS = 62, 118  # lines of a page, characters of a line
 
 
-def fitting(rows):
-    """How many of the rows fit on a page when long texts wrap."""
+def fitting(rows, wraps):
+    """How many of the rows fit on a page when the long texts wrap in what the short columns leave."""
+    narrow = sum(max([len(as_cell(row[k]).text) for row in rows] + [0]) + 2 for k, w in enumerate(wraps) if not w)
+    width = max(8, (ACROSS - narrow) // max(1, sum(wraps)))
     left = LINES
     for n, row in enumerate(rows):
-        left -= max(1, *(sum(-(-max(len(part), 1) // WRAP) for part in as_cell(c).text.split("\n")) for c in row))
+        left -= max(-(-max(len(as_cell(c).text), 1) // width) if w else 1 for c, w in zip(row, wraps))
         if left < 0:
             return n
     return len(rows)
@@ -118,7 +120,7 @@ def table_tex(table):
     rows = [[as_cell(row[i]) for i in keep] for row in table.rows]
     wraps = [max([len(row[k].text) for row in rows] + [0]) > SHORT for k in range(len(keep))]
     wide = len(keep) > MANY or not any(wraps)
-    most = 40 if wide else fitting(rows)
+    most = 40 if wide else fitting(rows, wraps)
     body = rows[:most]
     columns = "l" * len(keep) if wide else "".join("Y" if w else "l" for w in wraps)
     start = (["\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%", f"\\begin{{tabular}}{{{columns}}}"] if wide

@@ -15,7 +15,7 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, chart, claims, effects, latex, library, limits, page, paper, reference, report, rows, stability, style  # noqa: E402
+from bench import accuracy, chart, claims, effects, latex, library, limits, page, paper, reference, report, rows, section, stability, style  # noqa: E402
 
 HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
           "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
@@ -241,6 +241,12 @@ class Judged(unittest.TestCase):
         self.assertEqual(len(some) - len(table.rows), 4)
         self.assertIn("and 4 verified ones at larger steps", table.caption)
         self.assertEqual(sum(row[6].text == "unverified" for row in table.rows), int((some["status"] == "unverified").sum()))
+
+    def test_a_table_of_the_document_is_cut_only_where_the_page_ends(self):
+        def made(n):
+            return section.table_tex(section.Table("t", "c", ["claim", "verdict", "evidence"], [["a claim of some length", "holds when this or that is so", "evidence " * 30]] * n))
+        self.assertNotIn("all of them in the page", made(8))
+        self.assertIn("rows; all of them in the page", made(30))
 
     def test_missing_rows_are_an_error(self):
         with self.assertRaises(rows.BadRows):
