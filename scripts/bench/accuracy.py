@@ -191,6 +191,9 @@ def yardsticks_table(cells, level=1e-3):
 def references_table(cells):
     """The converged runs that stand in for closed forms, and how close the nearest other formulation comes."""
     rows = []
+
+    def told(value, ref):
+        return error(value) if value >= ref.uncertainty else "not resolved"
     for (problem, _, _), ref in sorted(converged.references(cells).items(), key=lambda kv: kv[0][0]):
         judged = usable(cells[(cells["problem"] == problem) & cells["converged"]])
         near = judged.loc[judged["err_ref"].idxmin()] if len(judged) else None
@@ -198,8 +201,8 @@ def references_table(cells):
         fine = judged[judged["step_s"] == least]["err_ref"]
         rows.append([problem, f"end {ref.quantity}", f"{ref.value:.9g}", f"± {ref.uncertainty:.1g}", f"{ref.combination}, {ref.runs} runs, finest h = {ref.step:g} s",
                      f"{ref.order:.2g}" if ref.order > 0 else "none",
-                     "" if near is None else f"{error(near['err_ref'])} ({near['combination']}, h = {near['step_s']:g} s)",
-                     "" if near is None else f"{error(fine.min())} to {error(fine.max())} at h = {least:g} s"])
+                     "" if near is None else f"{told(near['err_ref'], ref)} ({near['combination']}, h = {near['step_s']:g} s)",
+                     "" if near is None else f"{' to '.join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))} at h = {least:g} s"])
     return Table("references", "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
                  "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
                  ["scene", "quantity", "value", "uncertainty", "by", "observed order", "nearest other formulation", "errors at the smallest step"], rows)

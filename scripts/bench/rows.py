@@ -108,23 +108,20 @@ def cells(rows):
     Times of rows that are not `ok` or not verified are not times of a solution: they stay in t_*_s for the record,
     and `cost` (what comparisons use) is infinite there.
     """
+    groups, kept = {}, [c for c in rows.columns if c not in TIMES]
+    for row in rows.to_dict("records"):  # plain rows: a frame of each group would take a minute
+        groups.setdefault(row["cell_id"], []).append(row)
     out = []
-    for cell, group in rows.groupby("cell_id", sort=False):
-        first = group.iloc[0]
-        line = {c: first[c] for c in rows.columns if c not in TIMES}
-        line["cell_id"] = cell
-        line["reps"] = len(group)
-        line["verified"] = bool(group["verified"].all())
-        bad = group[group["status"] != "ok"]
-        if len(bad):
-            line.update(status=bad.iloc[0]["status"], note=bad.iloc[0].get("note", ""))
+    for group in groups.values():
+        first = group[0]
+        line = {c: first[c] for c in kept} | {"reps": len(group), "verified": all(row["verified"] for row in group)}
+        bad = next((row for row in group if row["status"] != "ok"), None)
+        if bad:
+            line.update(status=bad["status"], note=bad.get("note", ""))
         line["good"] = line["verified"] and line["status"] == "ok"
         for c in TIMES:
-            if c in group:
-                line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval(group[c])
-        line["cost"] = line.get("t_total_s", np.nan) if line["good"] else np.inf
-        if not np.isfinite(line["cost"]):
-            line["cost"] = np.inf
+            line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval([row[c] for row in group])
+        line["cost"] = line["t_total_s"] if line["good"] and np.isfinite(line["t_total_s"]) else np.inf
         out.append(line)
     frame = pd.DataFrame(out)
     frame["label"] = [formulation_label(f, o) for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))]
