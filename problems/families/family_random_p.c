@@ -17,7 +17,8 @@ static const base_field fields[] = {
     BASE_FIELD(random_p, seed, BASE_INT, "1", 1, 0, 1e9, "seed"),
 };
 
-/* I + skew K/sqrt(n) with K antisymmetric, or unit lower triangular with entries of that size. */
+/* A diagonal in [0.5, 1.5] plus skew K/(1 + n/10) with K antisymmetric and normal, or lower triangular with
+ * entries of that size. */
 static base_status build(const void *param, known_lcp *k, base_error *err) {
   const random_p *p = param;
   const size_t n = (size_t)p->n;

@@ -1,5 +1,6 @@
 #include "problems/families/generate.h"
 
+#include <cblas.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -211,15 +212,13 @@ static int next_lcg(uint32_t *s) {
   return (int)(*s >> 16);
 }
 
-/* M = A'A + I for A[n*n] row by row. */
+/* M = A'A + I for A[n*n] row by row, of small integers: every sum is exact, in any order. */
 static void gram_plus_identity(int n, const double *A, double *M) {
+  cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, n, 1.0, A, n, 0.0, M, n);
   for (int j = 0; j < n; j++) {
-    for (int i = 0; i < n; i++) {
-      double sum = (i == j) ? 1.0 : 0.0;
-      for (int r = 0; r < n; r++) {
-        sum += A[(size_t)r * (size_t)n + (size_t)i] * A[(size_t)r * (size_t)n + (size_t)j];
-      }
-      AT(M, n, i, j) = sum;
+    AT(M, n, j, j) += 1.0;
+    for (int i = j + 1; i < n; i++) {
+      AT(M, n, j, i) = AT(M, n, i, j);
     }
   }
 }
