@@ -72,6 +72,28 @@ static void memory_is_linear_in_the_balls(void **state) {
   broad_close(&bp);
 }
 
+/* A fifth of the balls is thirty times larger than the others: the comparisons still grow as the balls do. */
+static void two_sizes_are_linear_too(void **state) {
+  (void)state;
+  broad_phase bp = {0};
+  base_rng r = base_rng_seeded(10);
+  for (int n = 300; n <= 30000; n *= 10) {
+    const double side = 30.0 * cbrt((double)n);
+    check_ok(broad_reserve(&bp, n, &err), &err);
+    for (int i = 0; i < n; i++) {
+      for (int k = 0; k < 3; k++) {
+        bp.ball[i].x[k] = base_rng_between(&r, 0, side);
+      }
+      bp.ball[i].r = (i % 5 == 0) ? 15.0 : 0.5;
+    }
+    check_ok(broad_find(&bp, 3, &err), &err);
+    print_message("# %d balls: %ld compared, %d overlap\n", n, bp.tested, bp.n_pair);
+    assert_true(bp.tested < 10L * n);
+    assert_true(bp.n_pair > n / 10);
+  }
+  broad_close(&bp);
+}
+
 static void refuses_what_is_not_finite(void **state) {
   (void)state;
   broad_phase bp = {0};
@@ -86,6 +108,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(finds_exactly_the_overlapping_pairs),
       cmocka_unit_test(memory_is_linear_in_the_balls),
+      cmocka_unit_test(two_sizes_are_linear_too),
       cmocka_unit_test(refuses_what_is_not_finite),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
