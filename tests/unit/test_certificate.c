@@ -156,11 +156,33 @@ static void bad_files_are_refused(void **state) {
   assert_int_equal(lcp_certificate_read("/nowhere/at/all", &f, &err), BASE_EIO);
 }
 
+/* M = [1 -1; -1 1], q = (-1, -1) has no solution; z = (t, t) leaves w = q, and rho = 1/(4 t). */
+static void large_points_prove_nothing(void **state) {
+  (void)state;
+  const double M[4] = {1, -1, -1, 1};
+  double q[2] = {-1, -1};
+  double z[2] = {1e15, 1e15};
+  unsigned char basis[2] = {1, 1};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q};
+  const lcp_certificate_file f = {.kind = LCP_CERT_BASIS, .n = 2, .basis = basis, .vector = z};
+  lcp_certificate_verdict v;
+  base_error err = {0};
+  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  assert_true(v.residual <= 1e-9);
+  assert_false(v.holds);
+  q[0] = 1; /* z = (1, 2): M z = (-1, 1), w = 0 */
+  z[0] = 1;
+  z[1] = 2;
+  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  assert_true(v.holds);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(solvers_certify, make_path, drop_path),
       cmocka_unit_test_setup_teardown(tampering_shows, make_path, drop_path),
       cmocka_unit_test_setup_teardown(bad_files_are_refused, make_path, drop_path),
+      cmocka_unit_test(large_points_prove_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
