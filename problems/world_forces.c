@@ -1,7 +1,7 @@
 /* world_forces.c - gravity and loads, taken explicitly at the start of the step.
  *
  * With q+ = q + h v+ this makes a spring symplectic Euler: exact in the mean, stable for
- * h sqrt(k/m) < 2. A spring or damper beyond that bound on a body is refused, not damped. */
+ * h sqrt(k/m) < 2. A spring or damper beyond that bound between its two ends is refused, not damped. */
 #include "problems/vec.h"
 #include "problems/world_data.h"
 
@@ -157,22 +157,32 @@ base_status loads_check(const world *w, base_error *err) {
   return BASE_OK;
 }
 
-/* Explicit springs and dampers: refuse steps outside the stability region h^2 k/m < 4, h c/m < 2
- * (each for the lighter end alone, a necessary condition). */
+/* 1/m of one end of a spring [1/kg, or 1/(kg m^2)]. */
+static double mobility_of(const world *w, const spec_load *l, int b) {
+  if (b < 0 || w->body[b].n_dof == 0) {
+    return 0.0;
+  }
+  const body *y = &w->body[b];
+  return 1.0 / ((l->kind == SPEC_TORSION_SPRING) ? y->inertia[2] : y->mass);
+}
+
+/* Explicit springs and dampers: refuses steps beyond a + 2 b < 4, a = h^2 k/m, b = h c/m, 1/m the sum over
+ * both ends. There l^2 - (2 - a - b) l + 1 - b, of the step of one spring alone, has a root l <= -1 (Jury's
+ * criterion); several springs on one body may need less. */
 static base_status check_stiffness(const world *w, double h, base_error *err) {
   for (int i = 0; i < w->spec.n_load; i++) {
     const spec_load *l = &w->spec.load[i];
-    const body *b = &w->body[l->body];
     const bool spring =
         l->kind == SPEC_SPRING || l->kind == SPEC_SPRING_PAIR || l->kind == SPEC_TORSION_SPRING;
-    if (!spring || b->n_dof == 0) {
+    if (!spring) {
       continue;
     }
-    const double m = (l->kind == SPEC_TORSION_SPRING) ? b->inertia[2] : b->mass;
-    if (h * h * l->k / m >= 4.0 || h * damping_of(w, l) / m >= 2.0) {
+    const double inverse = mobility_of(w, l, l->body) + mobility_of(w, l, l->other);
+    const double reach = h * (h * l->k + 2.0 * damping_of(w, l)) * inverse;
+    if (reach >= 4.0) {
       return BASE_FAIL(err, BASE_EINVAL,
-                       "load %d: explicit spring needs h^2 k/m < 4 and h c/m < 2, have %.3g, %.3g",
-                       i, h * h * l->k / m, h * l->c / m);
+                       "load %d: explicit spring needs h^2 k/m + 2 h c/m < 4, has %.3g", i + 1,
+                       reach);
     }
   }
   return BASE_OK;

@@ -343,8 +343,35 @@ static void models_give_sets_energies_and_observables(void **state) {
   spec_free(&s);
 }
 
+/* A heavy body and a light one on a spring: the light end decides, wherever it stands; damping counts twice. */
+static void springs_too_stiff_for_a_step_are_refused(void **state) {
+  (void)state;
+  for (int swap = 0; swap < 2; swap++) {
+    scene_spec s;
+    world *w;
+    spec_load *l;
+    contact_set c;
+    start(&s, 2);
+    add_body(&s, "a", 0, 0, 0)->mass = swap ? 1.0 : 1000.0;
+    add_body(&s, "b", 1, 0, 0)->mass = swap ? 1000.0 : 1.0;
+    check_ok(spec_add_load(&s, &l, &err), &err);
+    l->kind = SPEC_SPRING_PAIR;
+    l->other = 1;
+    l->rest = 1.0;
+    l->k = 100.0;
+    l->c = 5.0;
+    check_ok(world_open(&w, &s, ~(unsigned)EFFECT_CONTACT, &err), &err);
+    check_ok(world_contacts(w, 0.12, -1.0, &c, &err), &err);                /* 1.44 + 1.2 < 4 */
+    assert_int_equal(world_contacts(w, 0.17, -1.0, &c, &err), BASE_EINVAL); /* 2.89 + 1.7 */
+    assert_non_null(strstr(err.text, "load 1: explicit spring"));
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(springs_too_stiff_for_a_step_are_refused),
       cmocka_unit_test(spring_oscillates_as_symplectic_euler_does),
       cmocka_unit_test(forces_follow_their_time_laws),
       cmocka_unit_test(pair_spring_keeps_momenta),
