@@ -44,6 +44,10 @@ void cell_identity(const cell_job *job, record *r) {
   (void)snprintf(r->solver, sizeof r->solver, "%.*s", (int)strcspn(c->solver, ":"), c->solver);
   SET_TEXT(r->formulation_options, after_colon(c->formulation));
   SET_TEXT(r->solver_options, after_colon(c->solver));
+  if (c->formulation[0] != '\0') {
+    SET_TEXT(r->start, c->start);
+    SET_TEXT(r->contact_order, c->contact_order);
+  }
   cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
 }
 

@@ -211,8 +211,6 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   r->duration_s = s->request.duration;
   (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", s->solver.config);
   (void)snprintf(r->formulation_config, sizeof r->formulation_config, "%.479s", s->form.config);
-  SET_TEXT(r->start, c->start[0] != '\0' ? c->start : "cold");
-  SET_TEXT(r->contact_order, c->contact_order);
   effects_print(s->request.effects, r->effects, sizeof r->effects);
   model_words(s->form.form->model, r->model, sizeof r->model);
   return BASE_OK;

@@ -31,7 +31,7 @@ def own(cells):
 def confirmed(cells):
     """A cell counts when the judge confirmed the solver's claim at the tolerance it was asked for: what that is worth, the error says.
     Experiments with effects are not answers to the scene as declared."""
-    some = cells[~cells["command"].str.contains("--effects")]
+    some = cells[~cells["command"].str.contains("--effects|--contact-order")]
     good = some["status"] == "ok"
     return kept_by_finer(some.assign(good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf)))
 

@@ -40,7 +40,7 @@ def gather(cells, manifests, ladders, bounds, calibrated, noise):
     makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda _: stability_section(ladders, bounds)),
               ("effects", effects.section), ("scaling", scaling.section), ("library", lambda c: library.section(c, noise))]
     sections, absent = [], []
-    asked = cells[~cells["command"].str.contains("--effects")]  # an experiment with effects answers its own section only
+    asked = cells[~cells["command"].str.contains("--effects|--contact-order")]  # an experiment with effects or orders answers its own section only
     for name, make in makers:
         made = make(cells if name == "effects" else asked)
         if made:

@@ -1,8 +1,11 @@
 """Contacts in another order: another path to the same motion, recorded, repeatable, and an experiment of its own."""
 import json
+import pathlib
 import shlex
+import subprocess
+import sys
 
-from support import campaign, one_line_error, rows, run, run_json, tap
+from support import FAULTY, campaign, one_line_error, rows, run, run_json, tap
 
 TEXT = """
 name: orders
@@ -42,6 +45,32 @@ def orders_are_experiments(d):
     one_line_error("compare", d / "given", d / "other", names=["no cell of", "given", "other"])
 
 
+def a_death_keeps_its_order(d):
+    text = TEXT.replace('"pgs:tol=1e-10", nsgs', "faulty_crash").replace(', "arch:duration=0.02"', "").replace('"velocity:facets=4", coulomb, penalty', "normal")
+    run("run", campaign(d, text), "--out", d / "o", "--quiet", exe=FAULTY)
+    assert sorted((r["status"], r["contact_order"], r["start"]) for r in rows(d / "o")) == [("crash", o, "cold") for o in ("given", "random:1", "random:2")]
+
+
+def the_spread_is_told(d):
+    """The shipped campaign and the table of it."""
+    script = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "variability"
+
+    def table(folder):
+        return subprocess.run([sys.executable, script, folder], capture_output=True, text=True)
+
+    run("run", "variability", "--quick", "--out", d / "o", "--quiet", "--filter", "problem=stack*", "--filter", "formulation=regularized", "--filter",
+        "solver=[lp][eg][ms]*", "--time-limit", 20)
+    got = rows(d / "o")
+    done = table(d / "o")
+    lines = [line.split() for line in done.stdout.splitlines()]
+    assert done.returncode == 0 and [line[:3] for line in lines[1:-1]] == [["stack:n=5", "regularized", s] for s in ("lemke", "pgs")], done
+    for line in lines[1:-1]:
+        work = [int(r["n_iter"]) + int(r["n_pivot"]) for r in got if r["solver"] == line[2]]
+        assert line[3:6] == ["5", "of", "5"] and line[7:9] == [str(min(work)), str(max(work))] and min(work) < max(work), (line, work)
+    run("run", campaign(d, TEXT), "--out", d / "p", "--quiet", "--filter", "contact_order=given", "--filter", "problem=stack*")
+    assert table(d / "p").returncode == 2 and "no cells in other orders" in table(d / "p").stderr and table(d / "nothing").returncode == 2
+
+
 def the_given_order_is_no_other_experiment(d):
     words = ("simulate", "stack:n=2", "--formulation", "velocity", "--solver", "lemke")
     assert run_json(*words)["solution_hash"] == run_json(*words, "--contact-order", "given")["solution_hash"]
@@ -59,4 +88,4 @@ def bad_orders_are_named(d):
     one_line_error("run", campaign(d, lcps), "--dry-run", names=["contact_orders", "scenes"])
 
 
-tap([orders_are_experiments, the_given_order_is_no_other_experiment, bad_orders_are_named])
+tap([orders_are_experiments, a_death_keeps_its_order, the_spread_is_told, the_given_order_is_no_other_experiment, bad_orders_are_named])
