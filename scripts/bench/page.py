@@ -21,7 +21,7 @@ def png(figure):
     out, small = io.BytesIO(), io.BytesIO()
     figure.savefig(out, format="png", dpi=160, metadata={"Software": "lcpbench"})
     style.plt.close(figure)
-    Image.open(out).convert("RGB").quantize(48).save(small, format="png", optimize=True)
+    Image.open(out).convert("RGB").quantize(128).save(small, format="png", optimize=True)
     return base64.b64encode(small.getvalue()).decode()
 
 

@@ -90,9 +90,9 @@ def main():
     ladders = stability.ladders(cells)
     sections = gather(cells, manifests, ladders, bounds, calibrated, noise)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
-    counts = (f"{len(all_rows)} rows, {len(cells)} cells: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
+    counts = (f"{len(all_rows)} rows are repetitions of {len(cells)} cells, each one problem with one formulation, solver and setting: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
               f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
-              f"Times closer than {noise - 1:.0%} are ties ({'noise floor, A/A' if measured else 'noise floor not measured'}). "
+              f"Times closer than {noise - 1:.0%} are ties ({'noise floor, measured as the same work under two names' if measured else 'noise floor not measured'}). "
               f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
     advised = accuracy.scenes(accuracy.own(cells))
     cards = accuracy.advise(cells) if advised else []
