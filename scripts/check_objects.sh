@@ -30,6 +30,6 @@ own() { # library, prefixes
   nm -g --defined-only "$1" | awk 'NF == 3 {print $3}' | grep -vE "^($2)(_|\$)" && say "foreign prefix in $1"
 }
 own "$b/lcp/liblcp.a" 'lcp|base|lin|linear|lemke'
-own "$b/problems/libproblems.a" 'scenes?|kit|spec|world|contact|effects?|shape|segment|gap|body|broad|pair|detect|loads|joint|joints|model|store|piece|problem|round|survives|case|node|read|known|plant|triplets|generate|family|friction|import|fclib|siconos|lcp_case|lcp_family|lcp_families'
-own "$b/formulations/libformulations.a" 'form|formulations?|force|contact_memory|poly|row_form|row_matrix|reg|arc|impulse_log|penalty|slip|event|step'
+own "$b/problems/libproblems.a" 'scenes?|kit|spec|world|contact|effects?|shape|segment|gap|body|broad|pair|detect|loads|joint|joints|model|store|piece|problem|round|survives|case|node|read|known|plant|triplets|generate|family|friction|import|fclib|siconos|lcp_case|lcp_family|lcp_families|name_index'
+own "$b/formulations/libformulations.a" 'form|formulations?|force|contact_memory|poly|row_form|row_matrix|reg|arc|impulse_log|penalty|slip|event|step|turns'
 exit $bad
