@@ -42,13 +42,32 @@ typedef struct outlook {
   double known, doctor;    /* [s] of the others, and of the noise floor */
 } outlook;
 
+static void print_cell(const plan *p, const cell *c, bool todo) {
+  char command[1200];
+  cell_command(c, &p->campaign->limits, command, sizeof command);
+  (void)printf("%s %s %s %s\n", todo ? "todo" : "done", c->id, c->part, command);
+}
+
+/* The cells in their order, and what is left of each. */
+static base_status print_cells(const plan *p, const bool *done, base_error *err) {
+  bool *todo = calloc((size_t)p->n_cell + 1, sizeof *todo);
+  if (todo == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
+  }
+  for (int u = 0; u < p->n_unit; u++) {
+    todo[p->unit[u].cell] = todo[p->unit[u].cell] || !done[u];
+  }
+  for (int u = 0; u < p->n_unit; u++) {
+    if (p->unit[u].process == 0) {
+      print_cell(p, &p->cell[p->unit[u].cell], todo[p->unit[u].cell]);
+    }
+  }
+  free(todo);
+  return BASE_OK;
+}
+
 static void add_unit(const plan *p, int u, bool done, const record_table *rows, outlook *sum) {
   const cell *c = &p->cell[p->unit[u].cell];
-  if (p->unit[u].process == 0) {
-    char command[1200];
-    cell_command(c, &p->campaign->limits, command, sizeof command);
-    (void)printf("%s %s %s %s\n", done ? "done" : "todo", c->id, c->part, command);
-  }
   if (done) {
     sum->done++;
     return;
@@ -80,6 +99,9 @@ base_status dry_run(const plan *p, const runner_options *o, base_error *err) {
   bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
   base_status s = (done != NULL) ? runner_done(p, &rows, done, err)
                                  : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
+  if (s == BASE_OK) {
+    s = print_cells(p, done, err);
+  }
   for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
     add_unit(p, u, done[u], &rows, &sum);
   }

@@ -181,8 +181,8 @@ base_status runner_run(const plan *p, const runner_options *o, runner_summary *o
   *out = (runner_summary){.units = p->n_unit, .cells = p->n_cell};
   runner r = {.plan = p, .o = o, .sum = out, .fd = -1, .lock = -1};
   machine_read(&r.machine);
-  const double from = base_seconds();
   base_status done = prepare(&r, err);
+  const double from = base_seconds(); /* waiting for another run and the doctor are no overhead */
   if (done == BASE_OK) {
     progress_begin(&r.progress, p->n_unit, out->resumed, o->quiet);
     done = run_units(&r, err);

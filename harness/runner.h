@@ -29,7 +29,7 @@ typedef struct runner_summary {
   int rows, stale; /* rows of cells that the plan does not know any more, moved to stale.csv */
   int cells, by_status[RUN_STATUS_COUNT]; /* cells of the plan; those with rows, of any session */
   bool interrupted;
-  double wall, inside; /* [s] of the run; of it spent in child processes */
+  double wall, inside; /* [s] of the measuring; of it spent in child processes */
 } runner_summary;
 
 base_status runner_run(const plan *p, const runner_options *o, runner_summary *out,

@@ -70,6 +70,11 @@ def reruns_are_planned(d):
         last = run("run", c, "--out", d / "o", "--dry-run", *(("--rerun", what) if what else ())).stdout.splitlines()[-1]
         assert f", {todo} to do;" in last, (what, last)
     assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet").stdout
+    # a cell is done when all of its processes are
+    text = (d / "o/results.csv").read_text().splitlines(keepends=True)
+    (d / "o/results.csv").write_text("".join(line for line, r in zip(text, [{"process": ""}, *rows(d / "o")]) if r["process"] != "1"))
+    plan = run("run", c, "--out", d / "o", "--dry-run").stdout.splitlines()
+    assert all(line.startswith("todo ") for line in plan[:-1]) and "12 processes: 6 done, 6 to do" in plan[-1], plan
 
 
 def merging_does_not_mix_with_what_is_there(d):
