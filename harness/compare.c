@@ -32,7 +32,8 @@ static void collect(const span *cell, const char *column, samples *out) {
   out->n_process = 0;
   for (int i = 0; i < cell->n && n < COMPARE_SAMPLES; i++) {
     const record *r = cell->row[i].r;
-    if (!usable(r, column)) {
+    const bool same_class = strcmp(r->host_class, cell->first->host_class) == 0;
+    if (!same_class || !usable(r, column)) { /* times of one class of machine */
       continue;
     }
     if (r->process != process) {
