@@ -16,7 +16,8 @@ enum {
   SPEC_FORMS = 9,
   SPEC_PAIRS = 8,
   SPEC_STEPS = 8,
-  SPEC_OBSERVE = 16
+  SPEC_OBSERVE = 16,
+  SPEC_COPIES = 256 /* of a contact point */
 };
 
 typedef enum spec_shape_kind {

@@ -224,9 +224,9 @@ static base_status check_frame(const scene_spec *s, base_error *err) {
   if (!spec_all_finite(s->gravity, 3)) {
     return BAD("scene '%s': gravity is not finite", s->id);
   }
-  if (s->contact_multiplicity < 1 || s->contact_multiplicity > 1000) {
-    return BAD("scene '%s': contact_multiplicity = %d, need 1 to 1000", s->id,
-               s->contact_multiplicity);
+  if (s->contact_multiplicity < 1 || s->contact_multiplicity > SPEC_COPIES) {
+    return BAD("scene '%s': contact_multiplicity = %d, need 1 to %d", s->id,
+               s->contact_multiplicity, SPEC_COPIES);
   }
   if (s->n_h < 1 || s->n_h > SPEC_STEPS) {
     return BAD("scene '%s': need 1 to %d steps in hs, has %d", s->id, SPEC_STEPS, s->n_h);

@@ -13,9 +13,9 @@ static base_status check_spec(const scene_spec *s, base_error *err) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "scene %.64s: at most %d bodies and half-spaces",
                      s->id, bodies_max);
   }
-  if (s->contact_multiplicity < 1 || s->contact_multiplicity > (1 << ID_COPY_BITS)) {
+  if (s->contact_multiplicity < 1 || s->contact_multiplicity > SPEC_COPIES) {
     return BASE_FAIL(err, BASE_EINVAL, "scene %.64s: contact_multiplicity must be 1 to %d", s->id,
-                     1 << ID_COPY_BITS);
+                     SPEC_COPIES);
   }
   for (int i = 0; i < s->n_body; i++) {
     if (shape_pieces(&s->body[i].shape) > (1 << ID_PIECE_BITS)) {

@@ -23,6 +23,7 @@ enum {
   ID_SIDE_B_SHIFT = ID_COPY_BITS + ID_FEATURE_BITS + 2 * ID_PIECE_BITS,
   ID_SIDE_A_SHIFT = ID_SIDE_B_SHIFT + ID_SIDE_BITS,
 };
+_Static_assert(SPEC_COPIES <= 1 << ID_COPY_BITS, "a copy needs its bits in the id");
 
 /* A joint in body axes. */
 typedef struct joint_data {

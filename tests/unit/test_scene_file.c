@@ -150,6 +150,7 @@ static const struct {
     {HEAD BODIES ", \"checks\": [{\"type\": \"event_time\", \"var\": \"a.x\", \"value\": 1}]}",
      "between bodies"},
     {HEAD BODIES ", \"if_off\": {\"gravity\": {\"var\": \"a.x\"}}}", "needs 'value'"},
+    {HEAD BODIES ", \"contact_multiplicity\": 257}", "need 1 to 256"},
     {HEAD BODIES ", \"scenes\": []}", "unknown key 'scenes'"},
     {HEAD
      "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0], \"shape\": {\"type\": \"disc\", \"r\": 1},"
