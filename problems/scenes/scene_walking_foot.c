@@ -7,7 +7,7 @@ typedef struct walking_foot {
 } walking_foot;
 
 static const base_field fields[] = {
-    BASE_FIELD(walking_foot, multiplicity, BASE_INT, "1", 10, 1, 1000,
+    BASE_FIELD(walking_foot, multiplicity, BASE_INT, "1", 10, 1, SPEC_COPIES,
                "times each of the four contact points is listed"),
     BASE_FIELD(walking_foot, load, BASE_REAL, "N", 700.0, 0.0, 1e6, "weight on the foot"),
     BASE_FIELD(walking_foot, push, BASE_REAL, "1", 0.6, 0.0, 5.0,
