@@ -77,6 +77,12 @@ class Recommended(unittest.TestCase):
                     continue
                 self.assertEqual(again[now], row[then], f"{command}: {now}")
 
+    def test_the_value_at_the_end_is_what_the_prediction_is_held_against(self):
+        found = self.cells[(self.cells["problem_family"] == "gripper") & self.cells["good"]]
+        self.assertEqual(set(found["end_quantity"]), {"object.y"})
+        self.assertEqual(set(found["err_quantity"]), {"state object.y"})
+        self.assertEqual((found["end_value"] - found["err_predicted"]).abs().tolist(), found["err_ref"].tolist())
+
     def test_the_recommended_error_is_kept_by_the_yardstick(self):
         _, text, _ = self.asked("--scene", "slide", "--error", "0.1")
         self.assertIn("regularized", text)  # the faceted cones leave the line
