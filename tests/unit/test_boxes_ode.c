@@ -89,7 +89,7 @@ static void boxes_agree_with_ode(void **state) {
     }
   }
   dCloseODE();
-  print_message("%d touching: %d same axis and depth, %d shallower edge\n", touching, same,
+  print_message("# %d touching: %d same axis and depth, %d shallower edge\n", touching, same,
                 preferred);
   assert_int_equal(same + preferred, touching);
   assert_true(same > 6000);
