@@ -38,6 +38,13 @@ base_status friction_write_siconos(const char *path, const friction_problem *p, 
   if (p->n_joint > 0) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: friction text has no joints", path);
   }
+  if (p->global && p->M.n_col == n) {
+    return BASE_FAIL(
+        err, BASE_EUNSUPPORTED,
+        "%s: friction text tells a global problem by its size, which is %d of dofs and of "
+        "rows here",
+        path, n);
+  }
   FILE *f = fopen(path, "wb");
   if (f == NULL) {
     return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));

@@ -376,6 +376,27 @@ static void dependent_joints_are_refused(void **state) {
   friction_free(&p);
 }
 
+/* Friction text tells a global problem by the size of its first matrix: as many dofs as rows would read back
+ * as a local one. */
+static void ambiguous_text_is_not_written(void **state) {
+  (void)state;
+  const double one[4] = {1, 0, 0, 1}, two[2] = {0.5, -1}, mu = 0.3;
+  friction_problem p = {.rows = 2, .n_contact = 1, .global = true}, back;
+  base_error err = {0};
+  p.M = csc_of(2, 2, one);
+  p.H = csc_of(2, 2, one);
+  p.f = copy_of(two, 2);
+  p.w = copy_of(two, 2);
+  p.mu = copy_of(&mu, 1);
+  assert_int_equal(friction_write_siconos(scratch(".dat"), &p, &err), BASE_EUNSUPPORTED);
+  assert_non_null(strstr(err.text, "2 of dofs and of rows"));
+  check_ok(friction_write_fclib(scratch(".hdf5"), &p, &err), &err);
+  check_ok(friction_read_fclib(scratch(".hdf5"), &back, &err), &err);
+  assert_true(back.global);
+  friction_free(&p);
+  friction_free(&back);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_shared_file_is_read),
@@ -385,6 +406,7 @@ int main(void) {
       cmocka_unit_test(joints_are_eliminated),
       cmocka_unit_test(elimination_leaves_the_velocities),
       cmocka_unit_test(dependent_joints_are_refused),
+      cmocka_unit_test(ambiguous_text_is_not_written),
       cmocka_unit_test(rolling_facets_hold_the_cone_along_them),
   };
   return cmocka_run_group_tests(tests, NULL, scratch_remove);
