@@ -18,6 +18,11 @@ def kind(command):
     return {"declared": "as declared", "all": "everything on"}.get(text, "auto" if text.startswith("auto") else text)
 
 
+def said(kind):
+    """'-friction' -> 'without friction'"""
+    return kind.replace("-", "without ", 1) if kind.startswith("-") else kind
+
+
 def shortest(cell):
     """The least of the samples: what the machine's other work adds to a sample is never negative."""
     return cell["t_total_s_low"] if cell.get("t_total_s_low", np.nan) == cell.get("t_total_s_low", np.nan) else cell["t_total_s"]
@@ -73,7 +78,7 @@ def chart(found):
             for name in LOOKS:
                 points = [(p, r) for p, r in kinds.get(name, []) if p in half]
                 if points:
-                    lines.append(Line(name, [r for _, r in points], [half.index(p) for p, _ in points], kind="points", look_as=LOOKS[name]))
+                    lines.append(Line(said(name), [r for _, r in points], [half.index(p) for p, _ in points], kind="points", look_as=LOOKS[name]))
             out.append(Panel(lines, title=combo, xlabel="time of the run / as declared", xlog=2, ylog=0, yticks=[s.replace("_", " ").split(":col")[0].split(":mult")[0] for s in half]))
     if not out:
         return None
@@ -103,7 +108,7 @@ def savings(found):
 def line(problem, combo, name, c, declared, noise):
     ratio = shortest(c) / shortest(declared) if declared is not None and c["good"] and declared["good"] else np.nan
     saves = name != "as declared" and ratio < 1 / (1 + noise)
-    return [problem, combo, name, f"{c['n_dof']:g}", f"{c['lcp_dim']:g}", Cell(si(shortest(c) / c["n_steps"], "s") if c["n_steps"] else "", sort=shortest(c)),
+    return [problem, combo, said(name), f"{c['n_dof']:g}", f"{c['lcp_dim']:g}", Cell(si(shortest(c) / c["n_steps"], "s") if c["n_steps"] else "", sort=shortest(c)),
             Cell(f"{ratio:.2f}{'*' if saves else ''}" if ratio == ratio else "", "good" if saves else "", sort=ratio if ratio == ratio else None), Cell(error(c["err_ref"]), "" if c["good"] else "bad"), Cell(c["status"], title=c.get("effects_auto", "") or c.get("note", ""))]
 
 

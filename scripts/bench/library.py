@@ -84,20 +84,28 @@ def profiles(name, cost, families, solvers, noise, products=None):
                  + ". Failures and combinations that are not defined stay in the denominator.", panels, columns=len(panels), height=2.3)
 
 
+ENDS = {"false claims": ["unverified"], "limits": ["timeout", "time_limit", "max_iter", "stalled", "near"], "rays": ["ray", "infeasible"],
+        "breakdowns": ["crash", "oom", "numerical", "error", "no_output", "flood"], "not defined": ["unsupported", "skipped"]}
+
+
+def ends(cells):
+    """How many of the cells that are not verified ended in which way; the rest were solved to less than the judge asks."""
+    bad = cells[~cells["good"]]
+    found = {name: int(bad["status"].isin(words).sum()) for name, words in ENDS.items()}
+    return found | {"otherwise": len(bad) - sum(found.values())}
+
+
 def lines_of(name, cells, cost, solvers, noise):
     """Rows of the summary, one a solver, and the shift of their means."""
-    asked = cells[~cells["status"].isin(["unsupported", "skipped"])]
     r = stats.ratios(cost)
     shift = float(np.median(cost[np.isfinite(cost)])) if np.isfinite(cost).any() else 1e-3
     limit = float(np.max(cost[np.isfinite(cost)])) if np.isfinite(cost).any() else None
     rows = []
     for j, s in enumerate(solvers):
-        mine = asked[asked["combination"] == s]
+        mine = cells[cells["combination"] == s]
         solved = int(np.isfinite(cost[:, j]).sum())
         rows.append([name, s, Cell(f"{solved} of {len(cost)}", "good" if solved == len(cost) else "", sort=solved),
-                     Cell(str(int((mine["status"] == "unverified").sum())), "bad" if (mine["status"] == "unverified").any() else ""),
-                     str(int(mine["status"].isin(["timeout", "time_limit", "max_iter", "stalled", "near"]).sum())),
-                     str(int(mine["status"].isin(["crash", "oom", "numerical", "error", "no_output", "flood"]).sum())),
+                     *(Cell(str(n), "bad" if n and name == "false claims" else "") for name, n in ends(mine).items()),
                      Cell(f"{np.mean(r[:, j] <= noise):.0%}", sort=float(np.mean(r[:, j] <= noise))),
                      Cell(si(stats.geometric_mean_shifted(cost[:, j], shift, limit), "s"), sort=stats.geometric_mean_shifted(cost[:, j], shift, limit))])
     return rows, shift
@@ -118,5 +126,6 @@ def section(cells, noise=NOISE):
     return Section("library", "Solvers on the problem library", "Problems by themselves, without a simulation: generated families, imported files, friction problems on cones and on facets. "
                    "Solvers are compared on the problems that all of them were given.", charts,
                    [Table("solvers", "Solvers on the problems of the library, by the problems that they were given.",
-                          ["problems", "solver", "verified", "false claims", "limits", "breakdowns", "fastest or tied", "shifted geometric mean"], table,
-                          note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved.")])
+                          ["problems", "solver", "verified", *ENDS, "otherwise", "fastest or tied", "shifted geometric mean"], table,
+                          note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved. "
+                               "Limits: of time or iterations, stalled, or near; rays: ended on a ray or called infeasible; breakdowns: a crash, no memory, numerical trouble, an error of a library.")])

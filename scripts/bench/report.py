@@ -48,8 +48,10 @@ def gather(cells, manifests, ladders, bounds, calibrated, noise):
         else:
             absent.append(name)
     bad = page.failures_table(cells)
+    refused = int(stability.refusals(cells).sum())
     undefined = page.undefined_table(cells)
-    sections.append(Section("failures", "Failures", f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified; {sum(int(r[2]) for r in undefined.rows)} "
+    sections.append(Section("failures", "Failures", f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified, {refused} of them refusals where no solution exists, "
+                            f"which is the right answer there; {sum(int(r[2]) for r in undefined.rows)} "
                             "were not defined or left out.", [], [t for t in (bad, undefined) if t.rows]))
     sections.append(Section("cells", "All cells", "Filter, sort, and rerun any of them.", [], [page.cells_table(cells)]))
     lead = ("Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md explains the columns." +

@@ -4,6 +4,7 @@ import math
 import re
 
 import numpy as np
+import pandas as pd
 
 from bench import rows as rows_
 from bench.chart import Heat, HeatPanel
@@ -55,6 +56,11 @@ def missed_word(missed):
 
 def unsolvable(cell):
     return cell["part"] in NO_SOLUTION and cell["formulation"] != "penalty"
+
+
+def refusals(cells):
+    """Which cells did what is right where no solution exists: they said so."""
+    return pd.Series([c["campaign"].startswith("stability") and unsolvable(c) and c["status"] not in ("unsupported", "skipped") and word(c)[0] == "stands" for c in cells.to_dict("records")], dtype=bool)
 
 
 def word(cell):

@@ -98,7 +98,11 @@ class Judged(unittest.TestCase):
         self.assertEqual([(name, sorted(set(g["solver"]))) for name, g in found], [("x", ["lemke", "liar", "pgs"]), ("cones", ["nsgs"])])
         made = library.section(pd.concat([some, cones]))
         self.assertEqual([c.name for c in made.charts], ["profiles_x"])  # one solver alone wins nothing
-        self.assertEqual([row[0] for row in made.tables[0].rows], ["x"] * 3 + ["cones"])
+        table = made.tables[0]
+        self.assertEqual([row[0] for row in table.rows], ["x"] * 3 + ["cones"])
+        for row in table.rows:  # every problem ends in exactly one way
+            self.assertEqual(int(row[2].text.split()[0]) + sum(int(c.text) for c in row[3:9]), int(row[2].text.split()[2]), row[1])
+        self.assertEqual(table.rows[1][table.header.index("false claims")].text, "3")
 
     def test_a_lying_solver_is_a_cross_in_the_figure(self):
         made = paper.time_and_error(self.cells)
@@ -174,6 +178,13 @@ class Judged(unittest.TestCase):
         table = stability.section(stability.ladders(pd.concat([some, more]))).tables[1]
         self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
         self.assertIn("no stiffness", next(r for r in table.rows if r[0] == "velocity")[3].text + next(r for r in table.rows if r[0] == "velocity")[2].text)
+
+    def test_a_refusal_is_right_only_where_no_solution_exists(self):
+        some = self.cells[self.cells["campaign"] == "stability"]
+        bad = some[some["status"] == "ray"]
+        self.assertEqual(int(stability.refusals(bad).sum()), 0)
+        self.assertEqual(int(stability.refusals(bad.assign(part="vise")).sum()), 1)
+        self.assertEqual(int(stability.refusals(bad.assign(part="vise", status="crash")).sum()), 0)
 
     def test_a_probe_that_is_killed_or_prints_nothing_dies(self):
         stressor = limits.Stressor("edge", "x={}", 1, 1e9)
