@@ -203,6 +203,10 @@ def references_table(cells):
                      f"{ref.order:.2g}" if ref.order > 0 else "none",
                      "" if near is None else f"{told(near['err_ref'], ref)} ({near['combination']}, h = {near['step_s']:g} s)",
                      "" if near is None else f"{' to '.join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))} at h = {least:g} s"])
+    planned = cells[cells["part"].str.startswith(converged.PART)]
+    for problem, runs in planned.groupby("problem"):
+        if problem not in {row[0] for row in rows}:
+            rows.append([problem, "", Cell("no reference", "bad"), "", f"{int(runs['good'].sum())} of {len(runs)} runs verified: {', '.join(sorted(set(runs['combination'])))}", "", "", ""])
     return Table("references", "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
                  "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
                  ["scene", "quantity", "value", "uncertainty", "by", "observed order", "nearest other formulation", "errors at the smallest step"], rows)
@@ -312,5 +316,5 @@ def section(cells):
     reached = sum(all(cheapest(g, v) is not None for v in LEVELS) for _, g in found)
     return Section("accuracy", "What accuracy costs in time",
                    "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
-                   f"tolerance it was asked for. {len(found)} scenes, {len(given.rows)} of them measured by a converged run of another method; {reached} reach all four levels.",
+                   f"tolerance it was asked for. {len(found)} scenes, {len(converged.references(cells))} of them measured by a converged run of another method; {reached} reach all four levels.",
                    [made] if made else [], [table(cells)] + ([given] if given.rows else []) + [yardsticks_table(cells)], {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)})

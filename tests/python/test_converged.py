@@ -69,6 +69,14 @@ class Judged(unittest.TestCase):
         self.assertEqual(cells["err_quantity"][3], "end top.y")
         self.assertIn("converged run: event + lemke", cells["err_source"][3])
 
+    def test_a_ladder_that_gives_no_reference_is_told(self):
+        short = judged(*ladder()[1:], cell("open", "velocity", 0.01, 1.1))
+        (row,) = accuracy.references_table(short).rows
+        self.assertEqual((row[0], row[2].text), ("pile", "no reference"))
+        self.assertIn("2 of 2 runs verified: event + lemke", row[4])
+        (row,) = accuracy.references_table(judged(*ladder(), cell("open", "velocity", 0.01, 1.1))).rows
+        self.assertEqual(row[2], "1.002")
+
     def test_a_closed_form_stays(self):
         cells = judged(*ladder(), cell("open", "velocity", 0.01, 1.1, err_ref=1e-5))
         self.assertEqual(cells["err_ref"][3], 1e-5)
