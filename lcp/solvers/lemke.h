@@ -61,10 +61,6 @@ typedef enum lemke_end {
   LEMKE_BROKEN,  /* a basis could not be factored */
 } lemke_end;
 
-enum {
-  LEMKE_TABLE_ROWS = 256
-}; /* most rows of a tableau: at 256 a pivot costs what a solve with a factored basis does */
-
 /* A small basis as a condensed tableau: B^-1 of every nonbasic column is there to be read. A pivot is
  * n^2 operations of the fastest kind and nothing is ever factored, but round-off adds up from pivot
  * to pivot: the values of the basis it ends in are to be computed again (lemke_table.c). */

@@ -109,10 +109,12 @@ static int list_support(const lemke_system *s, const double *z) {
   return count;
 }
 
-/* sum_j |P_ij z_j| over the support, P_ij from row i of J and column j of W J'. */
-static double row_size(const lemke_system *s, int i, const double *z, int support) {
+/* sum_j |P_ij z_j| over the support, P_ij from row i of J and column j of W J'. *reach: a lower bound of
+ * sum_j |M_ij| zref_j, from P_ii and the columns of the support in which S has no entry (it might cancel). */
+static double row_size(const lemke_system *s, int i, const double *z, int support, double *reach) {
   long double *back = s->row_sum + s->n; /* row i of J over the diagonals, by velocity */
   double size = 0;
+  *reach = (double)s->row_sum[i]; /* P_ii zref_i */
   memset(back, 0, sizeof *back * (size_t)(s->rows - s->n));
   for (int p = s->jptr[i]; p < s->jptr[i + 1]; ++p) {
     const int c = s->n + s->jdof[p];
@@ -121,10 +123,13 @@ static double row_size(const lemke_system *s, int i, const double *z, int suppor
   for (int k = 0; k < support; ++k) {
     const int j = s->row_top[k];
     long double entry = 0;
+    bool apart = j != i;
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
       const int r = s->rowind[p];
       entry += (r >= s->n) ? (long double)s->val[p] * back[r - s->n] : 0;
+      apart = apart && r != i;
     }
+    *reach += apart ? fabs((double)entry) * s->zref[j] : 0;
     size += fabs((double)(entry * (long double)z[j]));
   }
   return size;
@@ -146,9 +151,10 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
     double r = row_residual(s, i, z[i], s->zref[i], s->tau0[i]);
     if (r > looks_bad && s->rows > s->n && s->diagonal[i] != 0) {
       /* tau_i >= |P_ii| zref_i = tau0_i >= the true row, S left out */
-      const double size = row_size(s, i, z, support);
+      double reach;
+      const double size = row_size(s, i, z, support, &reach);
       r = fmin(r, row_residual(s, i, z[i], fmax(s->zref[i], size / fabs(s->diagonal[i])),
-                               fmax(s->tau0[i], size)));
+                               fmax(fmax(s->tau0[i], size), fabs(s->q[i]) + reach)));
     }
     if (!(r < HUGE_VAL)) {
       return HUGE_VAL;

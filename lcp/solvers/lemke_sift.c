@@ -6,7 +6,7 @@
 enum { SIFT_PRICED = -1 }; /* helper: w_i >= 0 must come from the velocities */
 enum { SIFT_HELPER = -2 }; /* the row of a helper */
 
-void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a) {
+void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, int table, base_arena *a) {
   const bool factored = cap->n_dof > 0;
   const size_t n = factored ? (size_t)cap->n : 0;
   const size_t rows = factored ? n + (size_t)cap->n_dof : 0;
@@ -21,7 +21,7 @@ void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a) {
   k->chosen = BASE_ARRAY(a, unsigned char, n);
   k->row = BASE_ARRAY(a, int, n);
   k->local = BASE_ARRAY(a, int, n);
-  const int table = lemke_sift_table_rows(cap);
+  k->table_rows = table;
   k->group = BASE_ARRAY(a, int, table);
   k->entry_column = BASE_ARRAY(a, double, table);
   k->entry_row = BASE_ARRAY(a, double, table);

@@ -22,17 +22,18 @@ typedef struct lemke_sift {
   bool one_by_one;       /* M not symmetric: a round takes in one contact, not one of every body */
   int set_groups;        /* in the set */
   bool tabular;          /* the set is in the table of the path, rows in the order they came */
+  int table_rows;        /* most */
   int *group;            /* table rows: sub row -> contact */
   double *entry_column, *entry_row; /* table rows: scratch */
   double *reply, *back;             /* n_dof, zero between calls: scratch */
 } lemke_sift;
 
-/* Rows of the table that a path must have for sets in it. */
-static inline int lemke_sift_table_rows(const lcp_capacity *cap) {
-  return (cap->n_dof == 0) ? 0 : (cap->n < LEMKE_TABLE_ROWS) ? cap->n : LEMKE_TABLE_ROWS;
+/* Rows of the table for sets of at most `most` rows. */
+static inline int lemke_sift_table_rows(const lcp_capacity *cap, int most) {
+  return (cap->n_dof == 0) ? 0 : (cap->n < most) ? cap->n : most;
 }
 
-void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, base_arena *a);
+void lemke_sift_layout(lemke_sift *k, const lcp_capacity *cap, int table, base_arena *a);
 
 /* After lemke_system_build. Leaves k->f NULL where contacts are few for the velocities, or S joins rows of
  * different contacts. */

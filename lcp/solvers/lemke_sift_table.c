@@ -87,7 +87,7 @@ bool lemke_sift_append(lemke_sift *k, lemke_path *t, const lemke_system *s, int 
   const int first = k->f->row_start[g];
   const int last = k->f->row_start[g + 1];
   for (int i = first; i < last; ++i) {
-    if (s->is_free[i] || sub->n == t->table.cap) {
+    if (s->is_free[i] || sub->n == k->table_rows) {
       return false;
     }
     k->row[sub->n] = i;

@@ -10,6 +10,7 @@ typedef struct lemke_options {
   lcp_stop stop;
   int start;    /* START_* */
   int restarts; /* first bases tried after a ray that proves nothing */
+  int table;    /* rows of a sifted set */
 } lemke_options;
 
 enum { START_SIFT, START_ORIGIN, START_SLIDING };
@@ -21,6 +22,8 @@ static const base_field field_table[] = {
                       "in factored form; else, where z is zero, all w; or every contact sliding"),
     BASE_FIELD(lemke_options, restarts, BASE_INT, "1", 4, 0, 1000,
                "other first bases tried after a ray that proves nothing"),
+    BASE_FIELD(lemke_options, table, BASE_INT, "1", 1000, 0, 10000,
+               "rows up to which a sifted set without friction is solved on a tableau"),
 };
 
 typedef struct lemke_state {
@@ -49,19 +52,18 @@ static const double round_off = 1e-14;
  * gives z so large that rho, relative to M z, would pass anything. */
 static const double data_share = 1e-3;
 
-/* Rows up to which a cold path is faster on a tableau; a full M: LEMKE_TABLE_ROWS. */
-enum { SMALL = 64 };
+/* Rows up to which a cold path is faster on a tableau, where M has many zeros and where it has few. */
+enum { SMALL = 64, SMALL_FULL = 256 };
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
-  (void)opt;
   lemke_state *k = state;
   const size_t n = (size_t)cap->n;
-  const int sifted = lemke_sift_table_rows(cap);
-  const int small = (cap->n < LEMKE_TABLE_ROWS) ? cap->n : LEMKE_TABLE_ROWS;
+  const int sifted = lemke_sift_table_rows(cap, ((const lemke_options *)opt)->table);
+  const int small = (cap->n < SMALL_FULL) ? cap->n : SMALL_FULL;
   lemke_system_layout(&k->system, cap, a);
   lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof,
                     (sifted > small) ? sifted : small, a);
-  lemke_sift_layout(&k->sift, cap, a);
+  lemke_sift_layout(&k->sift, cap, sifted, a);
   k->best = BASE_ARRAY(a, double, n);
   k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
   k->proof = BASE_ARRAY(a, double, n);
@@ -291,8 +293,7 @@ static bool sift_attempt(lemke_state *k, const lemke_options *o, const double *z
 static bool is_small(const lemke_system *s) {
   const size_t n = (size_t)s->n;
   const bool full = 2 * (size_t)s->colptr[n] > n * n;
-  return s->rows == s->n && s->n <= (full ? LEMKE_TABLE_ROWS : SMALL) &&
-         memchr(s->is_free, 1, n) == NULL;
+  return s->rows == s->n && s->n <= (full ? SMALL_FULL : SMALL) && memchr(s->is_free, 1, n) == NULL;
 }
 
 /* The path from in_z, all w where it is cold. What a tableau cannot end, or ends on a ray, is left to a
