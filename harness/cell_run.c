@@ -26,6 +26,7 @@ void cell_identity(const cell_job *job, record *r) {
   r->threads = 1;
   r->quick = job->campaign->quick ? 1 : 0;
   r->t_limit_s = job->campaign->limits.time;
+  r->mem_limit_B = (job->campaign->limits.memory > 0) ? job->campaign->limits.memory : (double)NAN;
   r->canary_s = job->canary;
   r->mem_node = (job->mem_node >= 0) ? job->mem_node : INT64_MIN;
   SET_TEXT(r->cache, job->campaign->sampling.cold ? "cold" : "warm");

@@ -31,6 +31,7 @@ def g3_each_death_has_its_word(d):
         assert len(mine) == (4 if word == "ok" else 1), (solver, len(mine))
         if word != "ok":
             assert mine[0]["t_total_s"] == "" and mine[0]["verified"] != "true", solver
+    assert {(r["t_limit_s"], r["mem_limit_B"]) for r in got} == {("2", str(2 << 30))}
     liar = next(r for r in got if r["solver"] == "faulty_liar")
     assert liar["status_claimed"] == "ok" and float(liar["rho"]) > 1e-3 and liar["note"]
     assert next(r for r in got if r["solver"] == "faulty_crash")["exit_signal"] == ("6" if SANITIZED else "11")
