@@ -91,13 +91,7 @@ static void across(const double *axis, int dim, double *u, double *v) {
     v[0] = v[1] = 0.0, v[2] = 1.0;
     return;
   }
-  int k = 0; /* the coordinate direction farthest from the axis */
-  for (int i = 1; i < 3; i++) {
-    k = (fabs(axis[i]) < fabs(axis[k])) ? i : k;
-  }
-  const double e[3] = {k == 0, k == 1, k == 2};
-  v3_cross(axis, e, u);
-  v3_scale(1.0 / v3_norm(u), u, u);
+  v3_perpendicular(axis, u);
   v3_cross(axis, u, v);
 }
 
