@@ -3,7 +3,6 @@
  * choice of covering vector and d = 1 is to mean what it says. */
 #include "lcp/solvers/lemke.h"
 
-#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
@@ -71,18 +70,32 @@ static void columns_of_csc(lemke_system *s, const lcp_csc *M) {
   s->colptr[M->n_col] = at;
 }
 
-/* Entries of W J' in column `row` of the impulses, for one side of a group. */
+/* v = W x, W symmetric n x n: by columns, the sums of neighbours side by side. */
+static inline void weigh(const double *restrict W, const double *restrict x, double *restrict v,
+                         int n) {
+  for (int i = 0; i < n; ++i) {
+    double sum = 0;
+    for (int k = 0; k < n; ++k) {
+      sum += W[k * n + i] * x[k];
+    }
+    v[i] = sum;
+  }
+}
+
+/* Entries of W J' in a column of the impulses, for one side of a group. */
 static int body_velocity(lemke_system *s, const lcp_factored *f, int body, const double *jac,
                          int at) {
   const int first = f->dof_start[body];
   const int size = f->dof_start[body + 1] - first;
   const double *W = f->weight + f->weight_start[body];
+  double *v = s->zref; /* rows: at least as long */
+  if (size == 6) {
+    weigh(W, jac, v, 6);
+  } else {
+    weigh(W, jac, v, size);
+  }
   for (int i = 0; i < size; ++i) {
-    double v = 0;
-    for (int k = 0; k < size; ++k) {
-      v += W[k * size + i] * jac[k];
-    }
-    at = push(s, at, s->n + first + i, v);
+    at = push(s, at, s->n + first + i, v[i]);
   }
   return at;
 }
@@ -118,6 +131,17 @@ static int impulse_columns(lemke_system *s, const lcp_factored *f) {
   return at;
 }
 
+static void row_entries(lemke_system *s, int row, const double *jac, int size, int *next,
+                        bool store) {
+  for (int c = 0; c < size; ++c) {
+    if (store && jac[c] != 0) {
+      s->rowind[next[c]] = row;
+      s->val[next[c]] = jac[c];
+    }
+    next[c] += jac[c] != 0;
+  }
+}
+
 /* Counts the entries of J in group g by column, or stores them where next says. */
 static void group_entries(lemke_system *s, const lcp_factored *f, int g, int *next, bool store) {
   const double *jac = f->jac + f->jac_start[g];
@@ -126,15 +150,9 @@ static void group_entries(lemke_system *s, const lcp_factored *f, int g, int *ne
     const int body = f->body[2 * g + k];
     const int first = (body < 0) ? 0 : f->dof_start[body];
     const int size = (body < 0) ? 0 : f->dof_start[body + 1] - first;
-    for (int e = 0; e < rows * size; ++e) {
-      const int c = first + e % size;
-      if (store && jac[e] != 0) {
-        s->rowind[next[c]] = f->row_start[g] + e / size;
-        s->val[next[c]] = jac[e];
-      }
-      next[c] += jac[e] != 0;
+    for (int r = 0; r < rows; ++r, jac += size) {
+      row_entries(s, f->row_start[g] + r, jac, size, next + first, store);
     }
-    jac += (ptrdiff_t)rows * size;
   }
 }
 
@@ -211,76 +229,24 @@ static void shift_down(int *exponent, const int *top, int n, int divisor) {
   }
 }
 
-/* Columns to maximum 1..2, the first step of every scaling. */
-static void scale_columns(lemke_system *s) {
-  for (int j = 0; j < s->rows; ++j) {
-    const double top = lemke_largest(s->val + s->colptr[j], s->colptr[j + 1] - s->colptr[j]);
-    s->row_exp[j] = 0;
-    s->col_exp[j] = (top > 0) ? -exponent(top) : 0;
-  }
-}
-
-/* top_i <- max(top_i, |v_i| unit) for the entries of one column of n rows; a full one needs no index. */
-static void raise_tops(const double *restrict v, const int *row, int count, int n, double unit,
-                       double *restrict top) {
-  for (int p = 0; p < count && count < n; ++p) {
-    top[row[p]] = lemke_larger(fabs(v[p]) * unit, top[row[p]]);
-  }
-  for (int i = 0; i < count && count == n; ++i) {
-    top[i] = lemke_larger(fabs(v[i]) * unit, top[i]);
-  }
-}
-
-/* Largest entries of the rows with columns scaled, -1 for an empty row: their exponents in row_top. False
- * where a row is so small that a product with its columns' scales may have lost digits. */
-static bool measure_rows(lemke_system *s) {
-  double *top = s->tau0;
-  for (int i = 0; i < s->rows; ++i) {
-    top[i] = -1;
-  }
-  for (int j = 0; j < s->rows; ++j) {
-    const double unit = scaled(1, s->col_exp[j]);
-    const int first = s->colptr[j];
-    raise_tops(s->val + first, s->rowind + first, s->colptr[j + 1] - first, s->rows, unit, top);
-  }
-  bool sure = true;
-  for (int i = 0; i < s->rows; ++i) {
-    sure = sure && (top[i] < 0 || (top[i] >= DBL_MIN && top[i] < HUGE_VAL));
-    s->row_top[i] = (top[i] > 0) ? exponent(top[i]) : INT_MIN;
-  }
-  return sure;
-}
-
-/* Do rows, too, have to be scaled? */
-static bool rows_differ(lemke_system *s) {
-  if (!measure_rows(s)) {
-    measure(s);
-  }
-  return spread(s->row_top, s->rows) > SPREAD;
-}
-
-static void scale_rows(lemke_system *s) {
+static void equilibrate(lemke_system *s) {
   const int n = s->rows;
+  for (int i = 0; i < n; ++i) {
+    s->row_exp[i] = 0;
+    s->col_exp[i] = 0;
+  }
   measure(s);
-  for (int pass = 0; pass < PASSES; ++pass) {
+  shift_down(s->col_exp, s->col_top, n, 1);
+  measure(s);
+  const bool rows_too = spread(s->row_top, n) > SPREAD;
+  for (int pass = 0; rows_too && pass < PASSES; ++pass) {
     shift_down(s->row_exp, s->row_top, n, 2);
     shift_down(s->col_exp, s->col_top, n, 2);
     measure(s);
   }
-}
-
-static void equilibrate(lemke_system *s) {
-  scale_columns(s);
-  const bool both = rows_differ(s);
-  if (both) {
-    scale_rows(s);
-  }
-  for (int j = 0; j < s->rows; ++j) {
-    const int e = s->col_exp[j];
-    const double unit = scaled(1, e);
-    const bool plain = !both && e >= -1022 && e <= 1023;
+  for (int j = 0; j < n; ++j) {
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
-      s->val[p] = plain ? s->val[p] * unit : scaled(s->val[p], s->row_exp[s->rowind[p]] + e);
+      s->val[p] = scaled(s->val[p], s->row_exp[s->rowind[p]] + s->col_exp[j]);
     }
   }
 }
