@@ -52,6 +52,20 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
   return BASE_OK;
 }
 
+base_status cell_file_unchanged(const cell *c, const char *recorded, base_error *err) {
+  char hex[SHA256_HEX];
+  char path[512];
+  int facets;
+  BASE_TRY(problem_file(c->problem, path, sizeof path, &facets, err));
+  if (!is_file(path)) {
+    return BASE_OK;
+  }
+  BASE_TRY(problem_key(c, hex, err));
+  return (strcmp(hex, recorded) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "%.200s: the file has changed since", path);
+}
+
 static base_status remember(problem_hashes *known, const cell *c, base_error *err) {
   if (known->n == known->cap) {
     const int cap = (known->cap > 0) ? 2 * known->cap : 64;

@@ -8,6 +8,7 @@
 #include "harness/cell_run.h"
 #include "harness/cli.h"
 #include "harness/json_out.h"
+#include "harness/plan_key.h"
 #include "harness/runner.h"
 #include "harness/verdict.h"
 #include "harness/verify_certificate.h"
@@ -68,6 +69,7 @@ static base_status replay(const char *path, const record *row, record *again, ba
   const campaign limits = {.limits.time = row->t_limit_s};
   (void)snprintf(text, sizeof text, "%s", row->command);
   BASE_TRY(cell_of_command(text, &c, err));
+  BASE_TRY(cell_file_unchanged(&c, row->problem_sha256, err));
   const cell_job job = {.campaign = &limits, .cell = &c, .mem_node = -1};
   return cell_replay(&job, path, again, err);
 }

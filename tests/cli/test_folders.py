@@ -119,6 +119,21 @@ def every_row_is_verified(d):
         assert f"DIFFERS {r['cell_id']}" in out and "process 1, repetition 1:" in out and "5 cells verified" in out and ", 1 differ" in out, out
 
 
+def a_changed_file_is_told(d):
+    """Not as a difference of verdicts."""
+    path = diagonal(d, 3)
+    run("run", campaign(d, (SMALL % "").replace('"murty:n={4,5}", "random_spd:n=6"', f"'{path}'")), "--out", d / "o", "--quiet")
+    assert "2 cells verified" in run("verify", d / "o").stdout
+    text = path.read_text()
+    for name in (path, path.with_name(path.name.replace(".M.", ".q."))):
+        whole = name.read_text()
+        name.write_text(whole + "\n")
+        out = run("verify", d / "o", code=3).stdout
+        assert out.count("the file has changed since") == 2 and path.name in out, out
+        name.write_text(whole)
+    assert path.read_text() == text and "2 cells verified" in run("verify", d / "o").stdout
+
+
 def answers_cut_by_the_clock_are_told_apart(d):
     """What a time limit leaves is another answer each time; neither a difference nor verified."""
     c = campaign(d, SMALL % "" + "  - {name: late, problems: ['%s'], solvers: [faulty_tired]}\n" % diagonal(d, 4))
@@ -243,4 +258,4 @@ def a_second_run_waits_its_turn(d):
     assert first.wait(60) == 0
 
 
-tap([compare_takes_times_of_one_class_of_machine, campaigns_do_not_mix, a_second_run_waits_its_turn, full_disks_lose_nothing, strict_counts_all_sessions, twins_that_die_are_run_once, every_row_is_verified, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
+tap([compare_takes_times_of_one_class_of_machine, campaigns_do_not_mix, a_second_run_waits_its_turn, full_disks_lose_nothing, strict_counts_all_sessions, twins_that_die_are_run_once, every_row_is_verified, a_changed_file_is_told, answers_cut_by_the_clock_are_told_apart, merging_does_not_mix_with_what_is_there, shipped_campaigns_measure_the_noise_floor, the_noise_floor_is_of_this_machine, reruns_are_planned])
