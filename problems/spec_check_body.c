@@ -167,6 +167,9 @@ base_status spec_check_body(const scene_spec *s, const spec_body *b, base_error 
   if (b->kinematic && b->prescribed != 0) {
     return BAD("scene '%s': body '%s': both kinematic and prescribed", s->id, b->name);
   }
+  if (b->kinematic && (b->lock & (SPEC_X | SPEC_Y | SPEC_Z)) != 0) {
+    return BAD("scene '%s': body '%s': a kinematic body has no dofs to lock", s->id, b->name);
+  }
   if ((b->lock & b->prescribed) != 0) {
     return BAD("scene '%s': body '%s': a dof is both locked and prescribed", s->id, b->name);
   }

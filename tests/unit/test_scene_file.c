@@ -156,6 +156,10 @@ static const struct {
      "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0], \"shape\": {\"type\": \"disc\", \"r\": 1},"
      " \"kinematic\": {}, \"prescribed\": {\"x\": {\"v0\": 1}}}]}",
      "both kinematic and prescribed"},
+    {HEAD
+     "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0], \"shape\": {\"type\": \"disc\", \"r\": 1},"
+     " \"kinematic\": {\"vel\": [1, 0]}, \"lock\": [\"x\"]}]}",
+     "no dofs to lock"},
     {HEAD3 "\"bodies\": [{\"name\": \"a\", \"pos\": [0, 0, 0], \"mass\": 1, \"inertia\": [1, 1, "
            "1], \"shape\":"
            " {\"type\": \"compound\", \"parts\": [{\"shape\": {\"type\": \"point\"}, \"quat\": [0, "
