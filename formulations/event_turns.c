@@ -35,9 +35,9 @@ base_status turns_begin(facet_turns *t, int n_contact, base_error *err) {
   return BASE_OK;
 }
 
-/* Contact i has a cone of two tangents, and friction. */
-static bool turns(const slip_problem *p, const form_assembly *a, int i) {
-  return slip_at_rest(p, a, i) && form_rows_of(a, i) == 3 && p->mu[i] > 0.0;
+/* Contact i has a cone of two tangents, and some friction in it. */
+static bool turns(const slip_problem *p, const form_assembly *a, int i, const double *lambda) {
+  return slip_at_rest(p, a, i) && form_rows_of(a, i) == 3 && p->mu[i] * lambda[a->row[i]] > 0.0;
 }
 
 /* |f_t - P(aim)| [N] of contact i, and aim. */
@@ -61,7 +61,7 @@ double turns_residual(const slip_problem *p, const form_assembly *a, const doubl
   for (int i = 0; i < a->n_contact; i++) {
     double aim[2];
     largest = fmax(largest, p->mu[i] * lambda[a->row[i]]);
-    worst = turns(p, a, i) ? fmax(worst, off_circle(p, a, i, u0, lambda, aim)) : worst;
+    worst = turns(p, a, i, lambda) ? fmax(worst, off_circle(p, a, i, u0, lambda, aim)) : worst;
   }
   return (worst > 0.0) ? worst / largest : 0.0;
 }
@@ -72,7 +72,7 @@ static void take(facet_turns *t, const slip_problem *p, const form_assembly *a, 
   const int column = t->kept % TURNS_DEPTH * t->n;
   for (int i = 0; i < t->n; i++) {
     double aim[2], step = 0.0;
-    if (turns(p, a, i) && off_circle(p, a, i, u0, lambda, aim) > 0.0) {
+    if (turns(p, a, i, lambda) && off_circle(p, a, i, u0, lambda, aim) > 0.0) {
       step = remainder(atan2(aim[1], aim[0]) - p->turn[i], 6.283185307179586476925);
     }
     t->d_at[column + i] = p->turn[i] - t->at[i];
