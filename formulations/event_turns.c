@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of the largest friction: what it takes to stop a motion worth following. */
+static const double idle_tol = 1e-6;
 static const double rank_tol = 1e-8; /* directions of the mixing that the differences do not tell */
 
 static void layout(void *state, base_arena *m) {
@@ -35,9 +37,9 @@ base_status turns_begin(facet_turns *t, int n_contact, base_error *err) {
   return BASE_OK;
 }
 
-/* Contact i has a cone of two tangents, and some friction in it. */
-static bool turns(const slip_problem *p, const form_assembly *a, int i, const double *lambda) {
-  return slip_at_rest(p, a, i) && form_rows_of(a, i) == 3 && p->mu[i] * lambda[a->row[i]] > 0.0;
+/* Contact i has a cone of two tangents, and friction. */
+static bool has_facets(const slip_problem *p, const form_assembly *a, int i) {
+  return slip_at_rest(p, a, i) && form_rows_of(a, i) == 3 && p->mu[i] > 0.0;
 }
 
 /* |f_t - P(aim)| [N] of contact i, and aim. */
@@ -55,33 +57,55 @@ static double off_circle(const slip_problem *p, const form_assembly *a, int i, c
   return hypot(f[1] - share * aim[0], f[2] - share * aim[1]);
 }
 
-double turns_residual(const slip_problem *p, const form_assembly *a, const double *u0,
-                      const double *lambda) {
-  double largest = 0.0, worst = 0.0;
+static double largest_friction(const slip_problem *p, const form_assembly *a,
+                               const double *lambda) {
+  double largest = 0.0;
   for (int i = 0; i < a->n_contact; i++) {
-    double aim[2];
     largest = fmax(largest, p->mu[i] * lambda[a->row[i]]);
-    worst = turns(p, a, i, lambda) ? fmax(worst, off_circle(p, a, i, u0, lambda, aim)) : worst;
   }
-  return (worst > 0.0) ? worst / largest : 0.0;
+  return largest;
 }
 
-/* Takes the angles and steps of this turn in, and their differences from those of the last one. */
+double turns_residual(const slip_problem *p, const form_assembly *a, const double *u0,
+                      const double *lambda) {
+  double worst = 0.0;
+  for (int i = 0; i < a->n_contact; i++) {
+    double aim[2];
+    if (has_facets(p, a, i) && lambda[a->row[i]] > 0.0) {
+      worst = fmax(worst, off_circle(p, a, i, u0, lambda, aim));
+    }
+  }
+  return (worst > 0.0) ? worst / largest_friction(p, a, lambda) : 0.0;
+}
+
+/* arg(aim) - theta of contact i, 0 where its friction is right. A contact without force that moves turns
+ * towards where its friction would point: redundant neighbours pass load to and fro. */
+static double step_of(const slip_problem *p, const form_assembly *a, int i, const double *u0,
+                      const double *lambda, double largest) {
+  double aim[2];
+  if (!has_facets(p, a, i)) {
+    return 0.0;
+  }
+  const double miss = off_circle(p, a, i, u0, lambda, aim);
+  const bool loaded = lambda[a->row[i]] > 0.0;
+  const bool turns = loaded ? miss > 0.0 : hypot(aim[0], aim[1]) > idle_tol * largest;
+  return turns ? remainder(atan2(aim[1], aim[0]) - p->turn[i], 6.283185307179586476925) : 0.0;
+}
+
+/* Takes the angles and steps of this turn in, and their differences from those of the last one. The
+ * first turn is from anywhere to the first aim: it tells nothing. */
 static void take(facet_turns *t, const slip_problem *p, const form_assembly *a, const double *u0,
                  const double *lambda) {
   const int column = t->kept % TURNS_DEPTH * t->n;
+  const double largest = largest_friction(p, a, lambda);
   for (int i = 0; i < t->n; i++) {
-    double aim[2], step = 0.0;
-    if (turns(p, a, i, lambda) && off_circle(p, a, i, u0, lambda, aim) > 0.0) {
-      step = remainder(atan2(aim[1], aim[0]) - p->turn[i], 6.283185307179586476925);
-    }
+    const double step = step_of(p, a, i, u0, lambda, largest);
     t->d_at[column + i] = p->turn[i] - t->at[i];
     t->d_step[column + i] = step - t->step[i];
     t->at[i] = p->turn[i];
     t->step[i] = step;
   }
-  t->kept +=
-      (t->turns > 1); /* the first turn is from anywhere to the first aim: it tells nothing */
+  t->kept += (t->turns > 1);
   t->turns++;
 }
 
