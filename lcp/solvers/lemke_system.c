@@ -3,6 +3,7 @@
  * choice of covering vector and d = 1 is to mean what it says. */
 #include "lcp/solvers/lemke.h"
 
+#include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
@@ -229,24 +230,76 @@ static void shift_down(int *exponent, const int *top, int n, int divisor) {
   }
 }
 
-static void equilibrate(lemke_system *s) {
-  const int n = s->rows;
-  for (int i = 0; i < n; ++i) {
-    s->row_exp[i] = 0;
-    s->col_exp[i] = 0;
+/* Columns to maximum 1..2, the first step of every scaling. */
+static void scale_columns(lemke_system *s) {
+  for (int j = 0; j < s->rows; ++j) {
+    const double top = lemke_largest(s->val + s->colptr[j], s->colptr[j + 1] - s->colptr[j]);
+    s->row_exp[j] = 0;
+    s->col_exp[j] = (top > 0) ? -exponent(top) : 0;
   }
+}
+
+/* top_i <- max(top_i, |v_i| unit) for the entries of one column of n rows; a full one needs no index. */
+static void raise_tops(const double *restrict v, const int *row, int count, int n, double unit,
+                       double *restrict top) {
+  for (int p = 0; p < count && count < n; ++p) {
+    top[row[p]] = lemke_larger(fabs(v[p]) * unit, top[row[p]]);
+  }
+  for (int i = 0; i < count && count == n; ++i) {
+    top[i] = lemke_larger(fabs(v[i]) * unit, top[i]);
+  }
+}
+
+/* Largest entries of the rows with columns scaled, -1 for an empty row: their exponents in row_top. False
+ * where a row is so small that a product with its columns' scales may have lost digits. */
+static bool measure_rows(lemke_system *s) {
+  double *top = s->tau0;
+  for (int i = 0; i < s->rows; ++i) {
+    top[i] = -1;
+  }
+  for (int j = 0; j < s->rows; ++j) {
+    const double unit = scaled(1, s->col_exp[j]);
+    const int first = s->colptr[j];
+    raise_tops(s->val + first, s->rowind + first, s->colptr[j + 1] - first, s->rows, unit, top);
+  }
+  bool sure = true;
+  for (int i = 0; i < s->rows; ++i) {
+    sure = sure && (top[i] < 0 || (top[i] >= DBL_MIN && top[i] < HUGE_VAL));
+    s->row_top[i] = (top[i] > 0) ? exponent(top[i]) : INT_MIN;
+  }
+  return sure;
+}
+
+/* Do rows, too, have to be scaled? */
+static bool rows_differ(lemke_system *s) {
+  if (!measure_rows(s)) {
+    measure(s);
+  }
+  return spread(s->row_top, s->rows) > SPREAD;
+}
+
+static void scale_rows(lemke_system *s) {
+  const int n = s->rows;
   measure(s);
-  shift_down(s->col_exp, s->col_top, n, 1);
-  measure(s);
-  const bool rows_too = spread(s->row_top, n) > SPREAD;
-  for (int pass = 0; rows_too && pass < PASSES; ++pass) {
+  for (int pass = 0; pass < PASSES; ++pass) {
     shift_down(s->row_exp, s->row_top, n, 2);
     shift_down(s->col_exp, s->col_top, n, 2);
     measure(s);
   }
-  for (int j = 0; j < n; ++j) {
+}
+
+static void equilibrate(lemke_system *s) {
+  scale_columns(s);
+  const bool both = rows_differ(s);
+  if (both) {
+    scale_rows(s);
+  }
+  for (int j = 0; j < s->rows; ++j) {
+    const int e = s->col_exp[j];
+    const double unit = scaled(1, e);
+    const bool plain = !both && e >= -1022 && e <= 1023;
     for (int p = s->colptr[j]; p < s->colptr[j + 1]; ++p) {
-      s->val[p] = scaled(s->val[p], s->row_exp[s->rowind[p]] + s->col_exp[j]);
+      s->val[p] = plain ? s->val[p] * unit : scaled(s->val[p], s->row_exp[s->rowind[p]] + e);
     }
   }
 }
