@@ -3,7 +3,7 @@
  * in the last step has no past. Both lists are sorted by id, so that matching is one merge. */
 #pragma once
 
-#include "problems/contact_set.h"
+#include "problems/world/contact_set.h"
 
 typedef struct contact_memory {
   int stride;

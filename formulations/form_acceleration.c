@@ -12,7 +12,7 @@
  * A contact that would reverse its sliding within the step is posed again as one that sticks or
  * starts anew (faceted cone), once; every such change is counted.
  */
-#include "formulations/slip_problem.h"
+#include "formulations/regularized/slip_problem.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -13,7 +13,7 @@
  *
  * Where the acceleration-level problem has no solution (Painleve), the step is unsolved and says so.
  */
-#include "formulations/event_run.h"
+#include "formulations/event/event_run.h"
 
 #include <gsl/gsl_errno.h>
 

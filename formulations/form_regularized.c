@@ -2,7 +2,7 @@
  * the current modes, test the friction law, choose new modes, until the law holds. A reduced LCP
  * without a solution means wrong modes, not a step without a solution (MATH 2.3.7): all slip then
  * turns to the secant form, whose matrix is symmetric positive semidefinite. */
-#include "formulations/regularized.h"
+#include "formulations/regularized/regularized.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -13,8 +13,8 @@
 #include "lcp/base/fields.h"
 #include "lcp/lcp_outcome.h"
 #include "lcp/lcp_problem.h"
-#include "problems/contact_set.h"
-#include "problems/world.h"
+#include "problems/world/contact_set.h"
+#include "problems/world/world.h"
 
 /* What of Coulomb's law the model keeps; reported next to every result, so that a
  * fast solver of an easier model is not mistaken for a fast solver. */

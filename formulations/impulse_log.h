@@ -2,7 +2,7 @@
  * the motion itself: trapezoids of the forces at accepted states, plus jumps, keyed by contact id. */
 #pragma once
 
-#include "problems/contact_set.h"
+#include "problems/world/contact_set.h"
 
 typedef struct impulse_entry {
   uint64_t id;

@@ -12,7 +12,7 @@
  * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
 #include "lcp/base/clock.h"
 #include "lcp/solvers/data_test.h"
-#include "lcp/solvers/ppm.h"
+#include "lcp/solvers/ppm/ppm.h"
 #include "lcp/solvers/sets.h"
 
 #include <float.h>

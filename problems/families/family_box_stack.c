@@ -1,5 +1,5 @@
-#include "problems/family.h"
-#include "problems/triplets.h"
+#include "problems/families/family.h"
+#include "problems/families/triplets.h"
 
 typedef struct box_stack {
   int n, storage;

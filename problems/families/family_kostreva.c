@@ -1,5 +1,5 @@
+#include "problems/families/family.h"
 #include "problems/families/generate.h"
-#include "problems/family.h"
 
 typedef struct kostreva {
   int variant;

@@ -1,6 +1,6 @@
 #include "lcp/base/rng.h"
-#include "problems/family.h"
-#include "problems/triplets.h"
+#include "problems/families/family.h"
+#include "problems/families/triplets.h"
 
 typedef struct random_psd {
   int n, repeat, seed;

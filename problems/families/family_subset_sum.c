@@ -1,6 +1,6 @@
 #include "lcp/base/rng.h"
+#include "problems/families/family.h"
 #include "problems/families/generate.h"
-#include "problems/family.h"
 
 typedef struct subset_sum {
   int n, largest, solvable, seed;

@@ -3,7 +3,7 @@
  * success and failure. All data are integers or dyadic rationals, hence exact. */
 #pragma once
 
-#include "problems/known_lcp.h"
+#include "problems/families/known_lcp.h"
 
 #include <stdbool.h>
 #include <stdint.h>

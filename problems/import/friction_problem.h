@@ -10,7 +10,7 @@
 #pragma once
 
 #include "lcp/lcp_problem.h"
-#include "problems/known_lcp.h"
+#include "problems/families/known_lcp.h"
 
 typedef struct friction_problem {
   int rows; /* of a contact: 2, 3, or 5 with rolling */

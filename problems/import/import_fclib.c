@@ -1,9 +1,9 @@
 /* FCLIB's HDF5 files (FIELD E): /fclib_local, /fclib_global or /fclib_global_rolling with matrices
  * in triplet (nz >= 0: x[k] at row i[k], column p[k]), column (nz = -1) or row (-2) form. Stored
  * solutions are zeros in practice and are not read. */
+#include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
 #include "problems/import/survives.h"
-#include "problems/triplets.h"
 
 #include <hdf5.h>
 #include <stdio.h>

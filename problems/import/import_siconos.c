@@ -3,8 +3,8 @@
  * dense (0), block-sparse (1) or CSparse' printout (2). Whether a problem is global shows in the
  * size of its first matrix. */
 #include "lcp/io/lcp_text.h"
+#include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
-#include "problems/triplets.h"
 
 #include <stdio.h>
 #include <stdlib.h>

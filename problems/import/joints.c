@@ -2,8 +2,8 @@
  *   u = W r + V l + q,   0 = V' r + R l + s   gives   u = (W - V R^-1 V') r + (q - V R^-1 s).
  * R must be symmetric positive definite, which it is where joints are independent. Densely: joints tie bodies
  * into chains, and R^-1 is full along a chain, so W becomes full anyway. */
+#include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
-#include "problems/triplets.h"
 
 #include <cblas.h>
 #include <lapacke.h>

@@ -1,6 +1,6 @@
 /* A local friction problem as a complementarity problem: exact cones, or facets. */
+#include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
-#include "problems/triplets.h"
 
 #include <math.h>
 #include <string.h>

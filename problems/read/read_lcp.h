@@ -1,7 +1,7 @@
 /* problems/read/read_lcp.h - one complementarity problem of the case format (internal). */
 #pragma once
 
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 #include "problems/read/node.h"
 
 /* *c is zeroed by the caller and freed with lcp_case_free on success and failure. */

@@ -1,7 +1,7 @@
 /* problems/read/read_lcp_part.h - parts of the reader of complementarity problems (read_lcp*.c only). */
 #pragma once
 
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 #include "problems/read/node.h"
 
 #define READ_BAD(n, ...) BASE_FAIL((n)->err, BASE_EINVAL, __VA_ARGS__)

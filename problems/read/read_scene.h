@@ -1,9 +1,9 @@
 /* problems/read/read_scene.h - parts of the scene reader (internal to problems/read). */
 #pragma once
 
-#include "problems/name_index.h"
 #include "problems/read/node.h"
-#include "problems/spec.h"
+#include "problems/spec/name_index.h"
+#include "problems/spec/spec.h"
 
 enum { READ_BODIES = 1000000, READ_ITEMS = 100000 };
 

@@ -2,7 +2,7 @@
  * z in space (the last one); solids get the inertia of their shape. */
 #pragma once
 
-#include "problems/scene.h"
+#include "problems/scenes/scene.h"
 
 #include <math.h>
 

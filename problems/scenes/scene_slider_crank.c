@@ -1,6 +1,6 @@
 /* Slider-crank with clearance. */
-#include "problems/model.h"
 #include "problems/scenes/kit.h"
+#include "problems/world/model.h"
 
 typedef struct slider_crank {
   double clearance, restitution, mu, duration, step;

@@ -1,6 +1,6 @@
 /* The woodpecker toy. */
-#include "problems/model.h"
 #include "problems/scenes/kit.h"
+#include "problems/world/model.h"
 
 typedef struct woodpecker {
   double mu, restitution, duration, step;

@@ -2,11 +2,11 @@
  * and posing the problem of one step in a formulation, against the number of contacts.
  *
  * bench_world N [FORMULATION]: the pile of N^3 spheres; one CSV line. Run by scripts/bench_world. */
-#include "harness/registry.h"
+#include "harness/measure/registry.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 #include "lcp/base/rng.h"
-#include "problems/world.h"
+#include "problems/world/world.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* lcpbench-tableau: the command line with the textbook's Lemke as one more solver, for
  * scripts/bench_steps. */
-#include "harness/cli.h"
-#include "harness/registry.h"
+#include "harness/cli/cli.h"
+#include "harness/measure/registry.h"
 #include "tests/bench/solver_tableau.h"
 
 int main(int argc, char **argv) {

@@ -1,7 +1,7 @@
 /* Every registered family: passes the problem check, and its stated answer is one. */
 #include "tests/support/check.h"
 
-#include "problems/family.h"
+#include "problems/families/family.h"
 
 #include <stdio.h>
 #include <string.h>

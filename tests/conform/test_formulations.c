@@ -4,7 +4,7 @@
 
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
-#include "problems/contact_merit.h"
+#include "problems/world/contact_merit.h"
 #include "tests/support/relax.h"
 #include "tests/support/rig.h"
 #include "tests/support/tableau.h"

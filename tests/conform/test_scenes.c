@@ -2,8 +2,8 @@
  * no other effect may matter, predictions must hold. Each kind of false claim is planted once. */
 #include "tests/support/check.h"
 
-#include "harness/predictions.h"
-#include "problems/scene.h"
+#include "harness/measure/predictions.h"
+#include "problems/scenes/scene.h"
 
 #include <stdio.h>
 #include <string.h>

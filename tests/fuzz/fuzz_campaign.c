@@ -1,5 +1,5 @@
 /* Campaign files, as written and in their quick form. */
-#include "harness/campaign.h"
+#include "harness/plan/campaign.h"
 #include "tests/fuzz/fuzz_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

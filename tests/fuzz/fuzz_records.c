@@ -1,5 +1,5 @@
 /* results.csv of a campaign, read again by status, verify, merge and compare. */
-#include "harness/record.h"
+#include "harness/plan/record.h"
 #include "tests/fuzz/fuzz_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

@@ -1,5 +1,5 @@
 /* JSON scene and case files. */
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 #include "tests/fuzz/fuzz_file.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

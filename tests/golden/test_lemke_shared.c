@@ -5,7 +5,7 @@
 #include "lcp/io/lcp_read.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 
 #include <stdio.h>
 #include <string.h>

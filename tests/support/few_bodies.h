@@ -5,7 +5,7 @@
  * otherwise the velocity LCP of Stewart & Trinkle with n = contacts (facets + 2), mu = 1/2. */
 #pragma once
 
-#include "problems/known_lcp.h"
+#include "problems/families/known_lcp.h"
 
 #include <stdint.h>
 

@@ -2,7 +2,7 @@
  * registered families. */
 #pragma once
 
-#include "problems/family.h"
+#include "problems/families/family.h"
 
 typedef struct golden {
   const char *name;

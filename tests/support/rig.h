@@ -3,7 +3,7 @@
 #pragma once
 
 #include "formulations/formulation.h"
-#include "problems/contact_set.h"
+#include "problems/world/contact_set.h"
 
 enum { RIG_BODIES = 32, RIG_CONTACTS = 160, RIG_JOINTS = 16 };
 enum { RIG_GROUPS = RIG_CONTACTS + RIG_JOINTS };

@@ -1,7 +1,7 @@
 /* tests/support/shape_list.h - one shape of every kind, in the plane and in space. */
 #pragma once
 
-#include "problems/spec.h"
+#include "problems/spec/spec.h"
 
 static const spec_shape polygon5 = {
     .kind = SPEC_POLYGON,

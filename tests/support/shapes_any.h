@@ -2,7 +2,7 @@
 #pragma once
 
 #include "lcp/base/rng.h"
-#include "problems/shapes.h"
+#include "problems/geometry/shapes.h"
 #include "problems/vec.h"
 
 typedef struct any_piece {

@@ -3,7 +3,7 @@
 
 #include "tests/support/check.h"
 
-#include "problems/world.h"
+#include "problems/world/world.h"
 
 static inline spec_body *add_body(scene_spec *s, const char *name, spec_shape_kind kind,
                                   double size) {

@@ -1,7 +1,7 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "problems/broad_phase.h"
+#include "problems/geometry/broad_phase.h"
 
 static base_error err;
 

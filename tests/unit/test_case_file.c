@@ -1,7 +1,7 @@
 /* The case format: every case of the shared catalogue, without loss; and what must be refused. */
 #include "tests/support/check.h"
 
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -2,10 +2,10 @@
  * answer back where it belongs. */
 #include "tests/support/check.h"
 
-#include "harness/contact_order.h"
+#include "harness/measure/contact_order.h"
 #include "lcp/base/rng.h"
-#include "problems/scene.h"
-#include "problems/world.h"
+#include "problems/scenes/scene.h"
+#include "problems/world/world.h"
 
 #include <stdlib.h>
 #include <string.h>

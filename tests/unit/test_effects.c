@@ -1,6 +1,6 @@
 #include "tests/support/check.h"
 
-#include "problems/effects.h"
+#include "problems/spec/effects.h"
 
 static void override_adds_and_removes(void **state) {
   (void)state;

@@ -3,9 +3,9 @@
  * at the predicted rate where it is viscous. */
 #include "tests/support/check.h"
 
-#include "harness/registry.h"
-#include "harness/series.h"
-#include "harness/simulate.h"
+#include "harness/measure/registry.h"
+#include "harness/measure/series.h"
+#include "harness/measure/simulate.h"
 #include "lcp/base/rng.h"
 #include "tests/support/rig.h"
 

@@ -2,15 +2,15 @@
 /* Parts of the harness whose mistakes would be believed: rows, keys, statistics, verdicts. */
 #include "tests/support/check.h"
 
-#include "harness/answers.h"
-#include "harness/args.h"
-#include "harness/plan.h"
-#include "harness/registry.h"
-#include "harness/runner_state.h"
-#include "harness/sha256.h"
-#include "harness/stats.h"
-#include "harness/verdict.h"
-#include "harness/versions.h"
+#include "harness/campaign/runner_state.h"
+#include "harness/measure/answers.h"
+#include "harness/measure/registry.h"
+#include "harness/measure/stats.h"
+#include "harness/measure/verdict.h"
+#include "harness/plan/plan.h"
+#include "harness/util/args.h"
+#include "harness/util/sha256.h"
+#include "harness/util/versions.h"
 
 #include <stdio.h>
 #include <stdlib.h>

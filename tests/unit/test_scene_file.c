@@ -1,7 +1,7 @@
 /* Scene files of users: JSON and YAML say the same, and what is wrong is named in one line. */
 #include "tests/support/check.h"
 
-#include "problems/case_file.h"
+#include "problems/read/case_file.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -3,9 +3,9 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "problems/scene.h"
+#include "problems/scenes/scene.h"
 #include "problems/vec.h"
-#include "problems/world.h"
+#include "problems/world/world.h"
 
 #include <stdio.h>
 #include <string.h>

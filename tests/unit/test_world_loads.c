@@ -2,9 +2,9 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "problems/model.h"
 #include "problems/vec.h"
-#include "problems/world.h"
+#include "problems/world/model.h"
+#include "problems/world/world.h"
 
 #include <string.h>
 

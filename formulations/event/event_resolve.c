@@ -1,0 +1,286 @@
+#include "formulations/event/event_run.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Distance from the circle's law over the largest friction. */
+static const double circle_tol = 1e-9;
+/* A box that pivots about a corner settles in ten or so (test form_event); what has not by now does not. */
+static const int max_turns = 100;
+
+static base_status grow_scratch(event_run *s, const contact_set *c, base_error *err) {
+  if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
+    s->cap_row = 2 * c->n_row + 8;
+    s->cap_contact = 2 * c->n_contact + 8;
+    const size_t unknowns = (size_t)s->cap_contact * (size_t)(s->opt->facets + 2);
+    free(s->row);
+    free(s->gap);
+    free(s->z);
+    s->row = calloc((size_t)s->cap_row * 3, sizeof *s->row);
+    s->gap = calloc((size_t)s->cap_contact, sizeof *s->gap);
+    s->z = calloc(unknowns, sizeof *s->z);
+    if (s->row == NULL || s->gap == NULL || s->z == NULL) {
+      s->cap_row = s->cap_contact = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "event: no memory for %d contacts", c->n_contact);
+    }
+  }
+  return BASE_OK;
+}
+
+/* Touching: within a hundred closed-gap tolerances, more than the drift of an arc. */
+static bool touches(const contact_set *c, int g) {
+  return c->gap[g] <= 100.0 * c->tol;
+}
+
+/* The contact space of the set with v_free and u_drift replaced and only the contacts marked by
+ * gap 0 closed. */
+static base_status assemble(event_run *s, const contact_set *c, const double *v_free,
+                            const double *drift, base_error *err) {
+  static const form_rule rule = {.level = FORM_LEVEL_VELOCITY, .activation = FORM_CLOSED};
+  s->view = *c;
+  s->view.gap = s->gap;
+  s->view.v_free = v_free;
+  s->view.u_drift = drift;
+  BASE_TRY(contact_memory_begin(&s->memory, 1, &s->view, err));
+  BASE_TRY(form_assembly_begin(&s->a, &s->view, FORM_ROWS_TANGENT, &rule, &s->memory, err));
+  BASE_TRY(form_assembly_eliminate(&s->a, err));
+  contact_memory_forget(&s->memory);
+  return slip_begin(&s->p, &s->a, s->opt->facets, err);
+}
+
+/* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
+ * would otherwise pose a problem of its own, of noise. */
+static void drop_noise(int n, double *u) {
+  double largest = 0.0;
+  for (int r = 0; r < n; r++) {
+    largest = fmax(largest, fabs(u[r]));
+  }
+  for (int r = 0; r < n; r++) {
+    u[r] = (fabs(u[r]) > 1e-12 * largest) ? u[r] : 0.0;
+  }
+}
+
+/* Poses, solves, and leaves lambda (n_row of the assembly) in a.lambda; s->solved says how. */
+static base_status solve(event_run *s, const double *u0, double *lambda, base_error *err) {
+  lcp_problem p;
+  lcp_outcome claimed = LCP_NUMERICAL;
+  slip_pose(&s->p, &s->a, u0, &p);
+  memset(s->z, 0, (size_t)p.M.n * sizeof *s->z);
+  BASE_TRY(s->solver->solve(s->solver->ctx, &p, s->z, &claimed, err));
+  s->answer.work.solves++;
+  s->answer.lcp_dim = (p.M.n > s->answer.lcp_dim) ? p.M.n : s->answer.lcp_dim;
+  s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
+  s->solved = claimed == LCP_SOLVED;
+  s->answer.residual = s->solved ? 0.0 : 1.0; /* without a solution nothing of the model is met */
+  slip_impulses(&s->p, &s->a, s->z, lambda);
+  return BASE_OK;
+}
+
+/* Marks the touching contacts and says whether one of them closes. */
+static bool mark_closing(event_run *s, const contact_set *c) {
+  bool closing = false;
+  for (int g = 0; g < c->n_contact; g++) {
+    s->gap[g] = touches(c, g) ? 0.0 : 1.0;
+    closing = closing || (touches(c, g) && c->u_before[c->row_start[g]] < -s->opt->touch_speed);
+  }
+  return closing;
+}
+
+static base_status impact(event_run *s, const contact_set *c, base_error *err) {
+  double *drift = s->row, *u0 = s->row + s->cap_row;
+  contact_relative_velocity(c, c->v, NULL, drift);
+  for (int r = 0; r < c->n_row; r++) {
+    drift[r] = c->u_before[r] - drift[r];
+  }
+  BASE_TRY(assemble(s, c, c->v, drift, err));
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], first = s->a.row[i];
+    const double u = c->u_before[c->row_start[g]];
+    memcpy(u0 + first, s->a.r + first, (size_t)form_rows_of(&s->a, i) * sizeof *u0);
+    if (c->restitution != NULL && u < -s->opt->rest_speed) {
+      u0[first] += c->restitution[g] * u;
+    }
+  }
+  drop_noise(s->a.n_row, u0);
+  double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
+  BASE_TRY(solve(s, u0, lambda, err));
+  for (int i = 0; s->solved && i < s->a.n_contact; i++) {
+    impulse_entry *e;
+    BASE_TRY(impulse_log_at(&s->log, c->id[s->a.group[i]], 0.0, &e, err));
+    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
+      e->impulse[r] += lambda[s->a.row[i] + r];
+    }
+  }
+  form_assembly_answer(&s->a, lambda);
+  memcpy(s->y + s->n_config, s->a.v_next, (size_t)s->n_dof * sizeof *s->y);
+  return BASE_OK;
+}
+
+/* Sliding contacts keep their direction; the others get the cone. */
+static void set_directions(event_run *s, const contact_set *c) {
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], nt = c->rows[g].tangent;
+    const double *u = c->u_before + c->row_start[g] + 1;
+    const double slip = (nt == 2) ? hypot(u[0], u[1]) : (nt == 1 ? fabs(u[0]) : 0.0);
+    for (int t = 0; t < nt && slip > s->opt->stick_speed; t++) {
+      s->p.direction[2 * i + t] = u[t] / slip;
+      s->p.mu[i] = c->mu_kinetic[g];
+    }
+  }
+}
+
+/* The force of contact i lies on the circle itself, not only on a facet. */
+static bool saturated(const event_run *s, int i, const double *f) {
+  const double friction = hypot(f[1], f[2]);
+  return friction > 0.0 && friction >= s->p.mu[i] * f[0] * (1.0 - 1e-9);
+}
+
+/* Largest free acceleration: what is smaller than 1e-9 of it is none. */
+static double scale_of(const event_run *s, const double *u0) {
+  double scale = 0.0;
+  for (int r = 0; r < s->a.n_row; r++) {
+    scale = fmax(scale, fabs(u0[r]));
+  }
+  return scale;
+}
+
+/* A contact at rest sticks if the forces leave it at rest inside its cone. On the edge of its cone it
+ * slides against its force: where it starts to move its acceleration may be too small to point
+ * anywhere, and where redundant neighbours hold it, sharing among sticking contacts could not give
+ * it that force. */
+static base_status keep_contact(event_run *s, const contact_set *c, int i, const double *u0,
+                                const double *lambda, base_error *err) {
+  const double *d = s->p.direction + 2 * i;
+  double f[3] = {0.0}, along[2];
+  memcpy(f, lambda + s->a.row[i], (size_t)form_rows_of(&s->a, i) * sizeof *f);
+  BASE_TRY(arc_reserve(&s->arc, s->arc.n + 1, err));
+  arc_contact *k = &s->arc.contact[s->arc.n++];
+  *k = (arc_contact){
+      .id = c->id[s->a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
+  k->stick = slip_at_rest(&s->p, &s->a, i);
+  slip_departure(&s->p, &s->a, i, u0, lambda, along);
+  const double size = hypot(along[0], along[1]), friction = hypot(f[1], f[2]);
+  if (k->stick && saturated(s, i, f)) {
+    k->stick = false;
+    k->direction[0] = -f[1] / friction;
+    k->direction[1] = -f[2] / friction;
+  } else if (k->stick && size > 1e-9 * scale_of(s, u0)) {
+    k->stick = false;
+    k->direction[0] = along[0] / size;
+    k->direction[1] = along[1] / size;
+  }
+  return BASE_OK;
+}
+
+/* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
+ * here. */
+static void stabilise(const event_run *s, const contact_set *c, double *u0) {
+  const double rate = s->opt->rate;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i];
+    const double *u = c->u_before + c->row_start[g];
+    double *row = u0 + s->a.row[i];
+    row[0] += 2.0 * rate * u[0] + rate * rate * c->gap[g];
+    for (int t = 1; t < form_rows_of(&s->a, i) && slip_at_rest(&s->p, &s->a, i); t++) {
+      row[t] += rate * u[t];
+    }
+  }
+}
+
+/* Solves the problem posed by s->p with its facets turned until friction is that of the circle; where
+ * it never is, the answer is unsolved and carries how far it is off. */
+static base_status solve_turning(event_run *s, const double *u0, double *lambda, base_error *err) {
+  BASE_TRY(turns_begin(&s->turns, s->a.n_contact, err));
+  BASE_TRY(solve(s, u0, lambda, err));
+  double off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
+  while (s->solved && off > circle_tol && s->turns.turns < max_turns) {
+    BASE_TRY(turns_next(&s->turns, &s->p, &s->a, u0, lambda, err));
+    BASE_TRY(solve(s, u0, lambda, err));
+    off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
+  }
+  if (off > circle_tol) {
+    s->solved = false;
+    s->answer.residual = off;
+  }
+  return BASE_OK;
+}
+
+/* Which touching contacts persist, and how: the acceleration-level problem. */
+static base_status choose_modes(event_run *s, const contact_set *c, base_error *err) {
+  double *drift = s->row, *u0 = s->row + s->cap_row;
+  BASE_TRY(world_acceleration(s->w, s->acc, err));
+  contact_relative_velocity(c, c->v, NULL, drift);
+  for (int r = 0; r < c->n_row; r++) {
+    drift[r] = (c->u_curve[r] + c->u_drift[r] + drift[r] - c->u_before[r]) / c->h;
+  }
+  for (int g = 0; g < c->n_contact; g++) {
+    const bool parts = c->u_before[c->row_start[g]] > s->opt->touch_speed;
+    s->gap[g] = (touches(c, g) && !parts) ? 0.0 : 1.0;
+  }
+  BASE_TRY(assemble(s, c, s->acc, drift, err));
+  set_directions(s, c);
+  memcpy(u0, s->a.r, (size_t)s->a.n_row * sizeof *u0);
+  stabilise(s, c, u0);
+  drop_noise(s->a.n_row, u0);
+  double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
+  BASE_TRY(solve_turning(s, u0, lambda, err));
+  double largest = 0.0;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    largest = fmax(largest, lambda[s->a.row[i]]);
+  }
+  s->arc.n = 0;
+  for (int i = 0; s->solved && i < s->a.n_contact; i++) {
+    if (lambda[s->a.row[i]] > 1e-9 * largest) {
+      BASE_TRY(keep_contact(s, c, i, u0, lambda, err));
+    }
+  }
+  return BASE_OK;
+}
+
+/* Forces after a jump start the next trapezoid. */
+static base_status restart_forces(event_run *s, base_error *err) {
+  BASE_TRY(arc_forces(&s->arc, s->acc, err));
+  impulse_log_begin(&s->log);
+  for (int i = 0; i < s->arc.n; i++) {
+    impulse_entry *e;
+    BASE_TRY(impulse_log_at(&s->log, s->arc.contact[i].id, 0.0, &e, err));
+    memcpy(e->force, s->arc.contact[i].force, sizeof e->force);
+    e->seen = true;
+  }
+  for (int i = 0; i < s->log.n; i++) {
+    if (!s->log.entry[i].seen) {
+      memset(s->log.entry[i].force, 0, sizeof s->log.entry[i].force);
+    }
+  }
+  return BASE_OK;
+}
+
+/* Everything that happens at one instant. */
+base_status event_resolve(event_run *s, double t, base_error *err) {
+  contact_set c;
+  world_set_state(s->w, t, s->y, s->y + s->n_config);
+  BASE_TRY(world_contacts_curved(s->w, 1e-3, -1.0, &c, err));
+  BASE_TRY(grow_scratch(s, &c, err));
+  if (mark_closing(s, &c)) {
+    BASE_TRY(impact(s, &c, err));
+    world_set_state(s->w, t, s->y, s->y + s->n_config);
+    if (!s->solved) {
+      return BASE_OK;
+    }
+    BASE_TRY(world_contacts_curved(s->w, 1e-3, -1.0, &c, err));
+    BASE_TRY(grow_scratch(s, &c, err));
+  }
+  BASE_TRY(choose_modes(s, &c, err));
+  return s->solved ? restart_forces(s, err) : BASE_OK;
+}
+
+void event_resolve_close(event_run *s) {
+  form_assembly_close(&s->a);
+  turns_close(&s->turns);
+  contact_memory_close(&s->memory);
+  slip_close(&s->p);
+  free(s->row);
+  free(s->gap);
+  free(s->z);
+}

@@ -1,0 +1,199 @@
+/* formulations/regularized/regularized.h - normal impulses as the only unknowns; friction through a compliant
+ * law in the static phase and through lambda_n in the kinetic one (Gholami, Nasri, Kovecses &
+ * Teichmann 2016; the equations are MATH 2.3).
+ *
+ * Law of one part (friction, torsion or rolling of one contact): a Coulomb slider in series with
+ * spring k and damper c, state s [m], implicit Euler over the step,
+ *
+ *   h tau = h k s + G v_t,   G = h^2 k + h c [kg]
+ *   stick |h tau| <= mu lambda_n:  lambda_t = -h tau,                s+ = s + h v_t
+ *   slip  otherwise, d = tau/|tau|: lambda_t = -mu lambda_n d,       s+ = (mu lambda_n d + c s)/(h k + c)
+ *
+ * For given modes lambda_t is affine in lambda_n, which leaves an LCP of size p. Each part is
+ *   S  stick            lambda_t = -h tau
+ *   L  slip, linearised lambda_t = -mu lambda_n d - r (I - d d') h tau
+ *   R  secant           lambda_t = -r h tau,   r = min(1, mu lambda_n / |h tau|) of the last iterate
+ * and the modes are found by solving again: L is a Newton step, R always converges. With an ellipse
+ * of friction coefficients the second tangent is scaled so that the law is a circle again; k and c
+ * then differ along the axes like mu^2, for which the radial return is exact (MATH 2.3.11). */
+#pragma once
+
+#include "formulations/assembly.h"
+
+enum { REG_KINDS = 3 }; /* friction, torsion, rolling */
+typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT } reg_mode;
+typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
+typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY } reg_modes;
+
+typedef struct reg_options {
+  int model;     /* reg_model */
+  int bias;      /* form_level */
+  int stiffness; /* 0: G/m_t fixed, 1: k and c fixed */
+  double ratio;  /* G/m_t [1] */
+  double zeta;   /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
+  double k, c;   /* [N/m], [N s/m] */
+  int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
+  int modes;     /* reg_modes */
+  int form;      /* 0 by size, 1 contact space, 2 mass matrix */
+  int factor;    /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
+  double sigma0, sigma1, sigma2, v_stribeck; /* LuGre [N/m], [N s/m], [N s/m], [m/s] */
+  double ellipse;                            /* mu along t2 over mu along t1 [1] */
+  int activation, restitution;
+  double tol;      /* of the mode loop, on the friction impulses over the largest impulse [1] */
+  int mode_iter;   /* most solves in a step */
+  double prox;     /* weight of the proximal term [1] */
+  int newton_iter; /* solves after which all slip is treated by the secant */
+  double push, push_speed, rest, joint_push;
+} reg_options;
+
+typedef struct reg_part {
+  int contact;  /* active contact */
+  int kind;     /* 0 friction, 1 torsion, 2 rolling */
+  int row, dim; /* rows row .. row+dim-1 of the assembly, dim 1 or 2 */
+  double mu_static, mu_kinetic;
+  double k, c, G, m; /* m: effective mass m_t [kg] */
+  double pull;       /* h k: impulse per deflection [N s/m]; LuGre: kappa */
+  double axis2;      /* ellipse: t2 is measured in units of it, where the law is a circle [1] */
+  double eta, next_eta, v[2]; /* LuGre */
+  double s[2];                /* at the start of the step [m] */
+  double d[2], r;             /* slip direction, secant factor of the current mode */
+  double tau[2], size;        /* h tau of the last iterate and its length [N s] */
+  double next_r;              /* min(1, mu lambda_n / |h tau|) there */
+  double log_step;            /* ln(next_r / r) of the last secant iteration */
+  double load;                /* mu lambda_n there, an impulse [N s] */
+  unsigned char mode;         /* reg_mode */
+  unsigned char sliding;      /* mu is the kinetic one */
+  unsigned char flips;        /* changes of `sliding` in this step */
+} reg_part;
+
+/* One compliant row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
+typedef struct reg_row {
+  int group, row, n;
+  double c[2];
+  double compliance, stiffness; /* 1/(r G) [1/kg], r G [kg] */
+  double offset;                /* [m/s] */
+} reg_row;
+
+/* The direction's part of x, of which q->row is the first entry. */
+static inline double reg_along(const reg_row *q, const double *x) {
+  return q->c[0] * x[0] + ((q->n == 2) ? q->c[1] * x[1] : 0);
+}
+
+/* regularized_mass.c: M_hat and its factor, in an envelope or with CHOLMOD. */
+typedef struct reg_sparse reg_sparse;
+typedef struct reg_joint {
+  int n, rank;   /* joint rows, independent ones */
+  double *S, *W; /* n x n, factored; n x width */
+  double *x, *y; /* S^-1 r_b; scratch */
+  int *pivot;    /* 1-based */
+  int cap_n, cap_width;
+  void *mem; /* owned */
+} reg_joint;
+typedef struct reg_mass {
+  bool by_sparse;
+  reg_sparse *sparse; /* owned */
+  reg_joint joint;
+  long analyses;          /* symbolic ones since open */
+  int *place, *order;     /* n_body: first dof in the order of elimination; bodies in that order */
+  int *first;             /* n_dof: first column of each row of L */
+  size_t *at;             /* n_dof+1: where the row starts */
+  int *link_start, *link; /* bodies sharing a friction contact */
+  double *L, *Y, *delta;
+  double *c;      /* n_dof: first column of Y while it is summed */
+  double *e;      /* directions of one contact */
+  int *from, *to; /* n_body: columns of Y that begin at a body lie in from .. to-1 */
+  int cap_body, cap_dof, cap_contact;
+  size_t cap_L, cap_Y;
+  void *mem, *val_mem; /* owned */
+} reg_mass;
+
+/* regularized_modes.c: which kind of iteration is next. */
+typedef struct reg_schedule {
+  double relaxation; /* of the secant factors [1] */
+  int n_secant;      /* parts it was computed from */
+  int calm;          /* iterations since a part began or ceased to stick */
+  int patience;      /* of those before a trial of Newton's */
+  bool trial;        /* one is running */
+  double residual;   /* where its last iteration began */
+} reg_schedule;
+
+typedef struct regularized {
+  form_assembly a;
+  contact_memory memory;
+  reg_options opt;
+  formulation_start start;
+
+  reg_part *part, *best_part, *base_part; /* n_part; base: where a trial of Newton's began */
+  int n_part;
+  int *part_start; /* n_contact+1: parts of each active contact */
+  int *row_of;     /* n_group+1: compliant rows of each group */
+  reg_row *rows;   /* n_rows */
+  int n_rows;
+  bool any_slip; /* some part has a slip column */
+
+  double *anchor;     /* p: lambda_n of the last iterate, centre of the proximal term [N s] */
+  double *A, *b, *z0; /* p*p, p, p */
+  double *sigma;      /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
+  double *xyc;        /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
+  double *lambda, *u, *best, *base; /* assembly rows */
+  double *t;                        /* n_rows */
+  lcp_block *block;
+
+  bool by_mass; /* which of the two forms this step takes */
+  reg_mass mass;
+
+  int iteration;
+  bool done;
+  bool proximal; /* the term is in A and b of this solve */
+  double best_residual;
+  reg_schedule schedule;
+  double largest; /* impulse of the last iterate [N s] */
+  formulation_answer answer;
+
+  int cap_contact, cap_group, cap_row;
+  size_t cap_sigma, cap_xyc, cap_A;
+  void *mem, *dense_mem; /* owned */
+} regularized;
+
+/* regularized_law.c: parts of the step with their stiffness and transported state; the law at an
+ * iterate; the memory of the next step. */
+void reg_parts_build(regularized *s);
+/* Evaluates the law at (lambda, u), both over the assembly's rows: fills tau, r; returns the
+ * largest deviation of lambda from the law over the largest impulse. */
+double reg_law_residual(regularized *s, const double *lambda, const double *u);
+/* Puts the law's friction impulses into lambda and stores states and modes. */
+void reg_commit(regularized *s, double *lambda);
+bool reg_is_lugre(const regularized *s, const reg_part *p);
+/* Carries and asks for nothing that the tolerance can see. */
+bool reg_is_idle(const regularized *s, const reg_part *p);
+
+/* regularized_modes.c: the modes of the next solve, from the last iterate with that residual, or
+ * after modes whose problem has no solution. */
+void reg_modes_begin(regularized *s);
+void reg_modes_next(regularized *s, double residual);
+void reg_modes_without_solution(regularized *s);
+
+/* regularized_lugre.c */
+void reg_lugre_begin(const reg_options *o, double h, reg_part *p);
+void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_n, const double *u);
+void reg_lugre_next(const reg_options *o, double h, int iteration, reg_part *p);
+double reg_lugre_state(const reg_part *p, double h, int m);
+
+int reg_stride(void); /* doubles remembered per contact */
+
+/* regularized_contact.c: compliant directions and slip columns of the current modes. */
+void reg_rows_collect(regularized *s);
+void reg_slip_column(const regularized *s, int j, double *f);
+
+/* regularized_mass.c: MATH 2.3.2. Ordering and memory for the contacts of this step; then as below,
+ * expand giving u as well. */
+base_status reg_mass_begin(regularized *s, base_error *err);
+bool reg_mass_reduce(regularized *s);
+void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
+void reg_mass_close(reg_mass *m);
+
+/* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
+ * matrix is not positive definite (rigid and redundant friction). */
+bool reg_contact_reduce(regularized *s);
+/* lambda over the assembly's rows from the normal impulses. */
+void reg_contact_expand(regularized *s, const double *lambda_n, double *lambda);

@@ -1,0 +1,121 @@
+/* lcpbench compare: is B faster than A, or is it noise? */
+#include "harness/campaign/compare.h"
+#include "harness/campaign/runner.h"
+#include "harness/cli/cli.h"
+#include "harness/util/args.h"
+#include "harness/util/json_out.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct compare_options {
+  const char *solver_a, *solver_b, *column;
+  double noise;
+} compare_options;
+
+static const char *const words[] = {"no difference", "faster", "slower"};
+
+/* One floor for every size. */
+static doctor_floor flat(double floor) {
+  return (doctor_floor){1, {HUGE_VAL}, {floor}};
+}
+
+static int print_pairs(const compare_pair *pair, int n, const doctor_floor *noise,
+                       const char *origin) {
+  int count[3] = {0, 0, 0};
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) {
+    const compare_pair *p = &pair[i];
+    (void)printf("%s %s %s -> %s: %.4g s -> %.4g s, ratio %.4f [%.4f, %.4f] %s\n", p->a->problem,
+                 p->a->formulation[0] != '\0' ? p->a->formulation : "-", p->a->solver, p->b->solver,
+                 p->median_a, p->median_b, p->ratio, p->lo, p->hi, words[p->word]);
+    count[p->word]++;
+    sum += log(p->ratio);
+  }
+  if (n > 0) {
+    (void)printf("geometric mean of the ratios %.4f over %d pairs\n", exp(sum / n), n);
+  }
+  (void)printf("noise floor");
+  for (int i = 0; i < noise->n; i++) {
+    (void)printf("%s %.2f %%", i > 0 ? "," : "", 100.0 * noise->floor[i]);
+  }
+  (void)printf(" (%s): %d no difference, %d faster, %d slower\n", origin, count[COMPARE_SAME],
+               count[COMPARE_FASTER], count[COMPARE_SLOWER]);
+  return CLI_OK;
+}
+
+static base_status compare(const char *const dir[2], const compare_options *o, int *code,
+                           base_error *err) {
+  record_table t[2] = {{0}, {0}};
+  doctor_floor noise = flat(o->noise);
+  const char *origin = "as given";
+  if (isnan(o->noise)) { /* not given */
+    noise = DOCTOR_UNKNOWN;
+    BASE_TRY(doctor_read(dir[0], &noise, err));
+    BASE_TRY(doctor_read(dir[1], &noise, err));
+    origin = "doctor.json, by size";
+  }
+  if (doctor_floor_of(&noise, (double)NAN) < 0.0) {
+    noise = flat(0.03);
+    origin = "assumed; run lcpbench doctor --out DIR to measure it";
+  }
+  base_status done = runner_read_rows(dir[0], &t[0], err);
+  if (done == BASE_OK) {
+    done = runner_read_rows(dir[1], &t[1], err);
+  }
+  compare_pair *pair = NULL;
+  int n = 0;
+  if (done == BASE_OK) {
+    const compare_side a = {&t[0], o->solver_a};
+    const compare_side b = {&t[1], o->solver_b};
+    done = compare_sides(&a, &b, o->column, &noise, &pair, &n, err);
+  }
+  if (done == BASE_OK && n == 0) {
+    done = BASE_FAIL(err, BASE_EINVAL,
+                     "compare: no cell of %s has a partner in %s, both with two samples of %s",
+                     dir[0], dir[1], o->column);
+  }
+  if (done == BASE_OK) {
+    *code = print_pairs(pair, n, &noise, origin);
+  }
+  free(pair);
+  record_table_free(&t[0]);
+  record_table_free(&t[1]);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  compare_options o = {.column = "t_total_s", .noise = (double)NAN};
+  const arg_option options[] = {{"--solver-a", ARG_TEXT, &o.solver_a},
+                                {"--solver-b", ARG_TEXT, &o.solver_b},
+                                {"--column", ARG_TEXT, &o.column},
+                                {"--noise", ARG_REAL, &o.noise}};
+  const arg_table table = {options, BASE_COUNT(options), 2, 2, "A and B"};
+  const char *dir[2];
+  int n;
+  int code = CLI_INTERNAL;
+  base_error err = {0};
+  base_status done = args_parse(&table, argc, argv, dir, &n, &err);
+  if (done == BASE_OK && (o.solver_a == NULL) != (o.solver_b == NULL)) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--solver-a and --solver-b belong together");
+  }
+  if (done == BASE_OK && o.noise < 0.0) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--noise %g: need a number of at least 0", o.noise);
+  }
+  if (done == BASE_OK && (strncmp(o.column, "t_", 2) != 0 || !record_has_real(o.column))) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--column %s: need a time column of results.csv", o.column);
+  }
+  if (done == BASE_OK) {
+    done = compare(dir, &o, &code, &err);
+  }
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_compare;
+const cli_verb verb_compare = {
+    .name = "compare",
+    .usage = "compare A B [--column t_total_s] [--noise X]"
+             " [--solver-a S --solver-b S]",
+    .help = "paired ratios B/A with intervals; inside the noise floor there is no difference",
+    .run = run,
+};

@@ -1,0 +1,284 @@
+/* lcpbench list: what this build has. Plain format is bare names, one per line, for scripts. */
+#include "harness/cli/cli.h"
+#include "harness/cli/list_json.h"
+#include "harness/measure/registry.h"
+#include "harness/plan/campaign.h"
+#include "harness/util/args.h"
+#include "harness/util/json_out.h"
+#include "problems/families/family.h"
+#include "problems/scenes/scene.h"
+
+#include <errno.h>
+#include <glob.h>
+#include <string.h>
+#include <unistd.h>
+
+/* One component as rows of a table: the first column is its name. */
+enum { LIST_COLUMNS = 6 };
+typedef struct list_row {
+  const char *cell[LIST_COLUMNS];
+} list_row;
+
+typedef struct list_kind {
+  const char *name;
+  const char *column[LIST_COLUMNS]; /* NULL-terminated when shorter */
+  bool (*row)(int i, list_row *out, char *scratch, size_t cap);
+} list_kind;
+
+/* "name [unit] = default (min..max)" of every option. */
+static const char *describe(const base_field *f, int nf, char *buf, size_t cap) {
+  size_t used = 0;
+  buf[0] = '\0';
+  for (int i = 0; i < nf && used < cap; i++) {
+    int wrote = 0;
+    if (f[i].kind == BASE_CHOICE) {
+      wrote = snprintf(buf + used, cap - used, "%s%s=%s", i > 0 ? " " : "", f[i].name, f[i].words);
+    } else {
+      wrote = snprintf(buf + used, cap - used, "%s%s=%g[%s]", i > 0 ? " " : "", f[i].name,
+                       f[i].dflt, f[i].unit);
+    }
+    used += (size_t)wrote;
+  }
+  return buf;
+}
+
+static bool solver_row(int i, list_row *out, char *scratch, size_t cap) {
+  const lcp_solver *s = registry_solver(i);
+  if (s == NULL) {
+    return false;
+  }
+  *out = (list_row){{s->name, s->title, s->exact ? "exact" : "iterative",
+                     describe(s->fields, s->n_fields, scratch, cap), s->cite}};
+  return true;
+}
+
+static bool formulation_row(int i, list_row *out, char *scratch, size_t cap) {
+  int count;
+  const formulation *const *all = formulations(&count);
+  if (i >= count) {
+    return false;
+  }
+  const formulation *f = all[i];
+  *out = (list_row){{f->name, f->title, (f->model & FORM_NO_LCP) ? "no_lcp" : "lcp",
+                     describe(f->fields, f->n_fields, scratch, cap), f->cite}};
+  return true;
+}
+
+static bool scene_row(int i, list_row *out, char *scratch, size_t cap) {
+  int count;
+  const scene *const *all = scenes(&count);
+  if (i >= count) {
+    return false;
+  }
+  const scene *s = all[i];
+  *out = (list_row){
+      {s->name, s->title, "scene", describe(s->fields, s->n_fields, scratch, cap), s->cite}};
+  return true;
+}
+
+// NOLINTNEXTLINE(readability-non-const-parameter): the signature of list_kind.row
+static bool effect_row(int i, list_row *out, char *scratch, size_t cap) {
+  (void)scratch;
+  (void)cap;
+  if (i >= EFFECT_COUNT) {
+    return false;
+  }
+  *out = (list_row){{effect_name(i)}};
+  return true;
+}
+
+static bool problem_row(int i, list_row *out, char *scratch, size_t cap) {
+  int count;
+  const lcp_family *const *all = lcp_families(&count);
+  if (i >= count) {
+    return false;
+  }
+  const lcp_family *f = all[i];
+  *out = (list_row){
+      {f->name, f->title, "family", describe(f->fields, f->n_fields, scratch, cap), f->cite}};
+  return true;
+}
+
+/* Shipped campaigns: the .yaml files of the campaign directory, sorted. */
+static bool campaign_row(int i, list_row *out, char *scratch, size_t cap) {
+  char pattern[600];
+  glob_t found;
+  (void)snprintf(pattern, sizeof pattern, "%s/*.yaml", campaign_directory());
+  if (glob(pattern, 0, NULL, &found) != 0) {
+    return false;
+  }
+  const bool any = (size_t)i < found.gl_pathc;
+  if (any) {
+    const char *path = found.gl_pathv[i];
+    const char *name = strrchr(path, '/') + 1;
+    const size_t len = strlen(name) - strlen(".yaml");
+    (void)snprintf(scratch, cap, "%.*s", (int)len, name);
+    campaign c;
+    char *title = scratch + len + 1;
+    title[0] = '\0';
+    if (campaign_read(scratch, false, &c, NULL) == BASE_OK) {
+      (void)snprintf(title, cap - len - 1, "%s", c.title);
+      campaign_free(&c);
+    }
+    *out = (list_row){{scratch, title}};
+  }
+  globfree(&found);
+  return any;
+}
+
+/* What of the formulation's blocks the solver does not take; by declaration, without a problem. */
+static const char *compat_verdict(const formulation *f, const lcp_solver *s) {
+  const unsigned missing = f->sets & ~s->sets;
+  if (f->sets == 0) {
+    return "no: the formulation poses no problem";
+  }
+  if ((missing & 1u << LCP_CONE) != 0) {
+    return "no: needs the second-order cone";
+  }
+  if ((missing & 1u << LCP_BOX) != 0) {
+    return "no: needs boxes";
+  }
+  if (missing != 0) {
+    return "no: needs the orthant";
+  }
+  return (s->needs != 0) ? "where the problem has the traits the solver needs" : "yes";
+}
+
+/* i runs over formulation x solver. */
+static bool compat_row(int i, list_row *out, char *scratch, size_t cap) {
+  int n_form;
+  const formulation *const *all = formulations(&n_form);
+  int n_solver = 0;
+  while (registry_solver(n_solver) != NULL) {
+    n_solver++;
+  }
+  if (n_solver == 0 || i >= n_form * n_solver) {
+    return false;
+  }
+  const formulation *f = all[i / n_solver];
+  const lcp_solver *s = registry_solver(i % n_solver);
+  (void)snprintf(scratch, cap, "%s x %s", f->name, s->name);
+  *out = (list_row){{scratch, f->name, s->name, compat_verdict(f, s)}};
+  return true;
+}
+
+static base_status campaigns_exist(base_error *err) {
+  const char *dir = campaign_directory();
+  return (access(dir, R_OK) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: %s; LCPBENCH_CAMPAIGNS names another folder", dir,
+                         strerror(errno));
+}
+
+static const list_kind kinds[] = {
+    {"problems", {"name", "title", "kind", "options", "cite"}, problem_row},
+    {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row},
+    {"formulations", {"name", "title", "kind", "options", "cite"}, formulation_row},
+    {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row},
+    {"campaigns", {"name", "title"}, campaign_row},
+    {"effects", {"name"}, effect_row},
+    {"compat", {"name", "formulation", "solver", "admits"}, compat_row},
+};
+
+static void print_csv_cell(const char *text, bool first) {
+  (void)printf("%s\"", first ? "" : ",");
+  for (const char *c = (text != NULL) ? text : ""; *c != '\0'; c++) {
+    (void)printf(*c == '"' ? "\"\"" : "%c", *c);
+  }
+  (void)putchar('"');
+}
+
+static void print_csv_row(const char *const *cell, const list_kind *k) {
+  for (int c = 0; c < LIST_COLUMNS && k->column[c] != NULL; c++) {
+    print_csv_cell(cell[c], c == 0);
+  }
+  (void)putchar('\n');
+}
+
+static json_t *row_json(const list_row *r, const list_kind *k) {
+  json_t *o = json_object();
+  for (int c = 0; c < LIST_COLUMNS && k->column[c] != NULL; c++) {
+    json_out_text(o, k->column[c], r->cell[c]);
+  }
+  return o;
+}
+
+/* Scenes are whole objects in JSON: parameters, effects, predictions. */
+static int print_scenes_json(void) {
+  int n;
+  const scene *const *all = scenes(&n);
+  json_t *list = json_array();
+  base_error err = {0};
+  for (int i = 0; i < n; i++) {
+    json_t *o;
+    if (list_scene_json(all[i], &o, &err) != BASE_OK) {
+      json_decref(list);
+      return cli_report(&err);
+    }
+    (void)json_array_append_new(list, o);
+  }
+  return json_out_print(list, stdout) ? CLI_OK : CLI_INTERNAL;
+}
+
+static int print_kind(const list_kind *k, const char *format) {
+  char scratch[4096];
+  list_row row;
+  json_t *all = json_array();
+  if (strcmp(format, "csv") == 0) {
+    print_csv_row(k->column, k);
+  }
+  for (int i = 0; k->row(i, &row, scratch, sizeof scratch); i++) {
+    if (strcmp(format, "plain") == 0) {
+      (void)printf("%s\n", row.cell[0]);
+    } else if (strcmp(format, "csv") == 0) {
+      print_csv_row(row.cell, k);
+    } else {
+      (void)json_array_append_new(all, row_json(&row, k));
+    }
+  }
+  if (strcmp(format, "json") == 0) {
+    return json_out_print(all, stdout) ? CLI_OK : CLI_INTERNAL;
+  }
+  json_decref(all);
+  return CLI_OK;
+}
+
+static int run(int argc, char **argv) {
+  const char *format = "plain";
+  const arg_option options[] = {{"--format", ARG_TEXT, &format}};
+  const arg_table table = {
+      options, 1, 1, 1,
+      "KIND (problems, scenes, formulations, solvers, campaigns, effects, compat)"};
+  const char *what;
+  int n_positional;
+  base_error err = {0};
+  if (args_parse(&table, argc, argv, &what, &n_positional, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
+  if (strcmp(format, "plain") != 0 && strcmp(format, "csv") != 0 && strcmp(format, "json") != 0) {
+    (void)BASE_FAIL(&err, BASE_EINVAL, "--format %s: need plain, csv or json", format);
+    return cli_report(&err);
+  }
+  for (int i = 0; i < BASE_COUNT(kinds); i++) {
+    if (strcmp(kinds[i].name, what) == 0) {
+      if (strcmp(what, "scenes") == 0 && strcmp(format, "json") == 0) {
+        return print_scenes_json();
+      }
+      if (strcmp(what, "campaigns") == 0 && campaigns_exist(&err) != BASE_OK) {
+        return cli_report(&err);
+      }
+      return print_kind(&kinds[i], format);
+    }
+  }
+  (void)BASE_FAIL(&err, BASE_EINVAL, "list '%s': need %s", what, table.positional_name);
+  return cli_report(&err);
+}
+
+extern const cli_verb verb_list;
+const cli_verb verb_list = {
+    .name = "list",
+    .usage = "list problems|scenes|formulations|solvers|campaigns|effects|compat"
+             " [--format plain|csv|json]",
+    .help = "what this build has; plain prints bare names",
+    .run = run,
+};

@@ -1,0 +1,223 @@
+/* lcpbench run: measures a campaign, or goes on with one. */
+#include "harness/campaign/dry_run.h"
+#include "harness/campaign/runner.h"
+#include "harness/cli/cli.h"
+#include "harness/measure/isolate.h"
+#include "harness/measure/registry.h"
+#include "harness/measure/verdict.h"
+#include "lcp/base/fields.h"
+
+#include <limits.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { NOT_GIVEN = INT_MIN };
+
+typedef struct run_options {
+  const char *out, *shard, *rerun, *cache, *solutions;
+  plan_filter filter;
+  int reps;
+  int seed;
+  double time_limit, memory_limit;
+  bool dry_run, quick, quiet, strict, no_pin, trace;
+} run_options;
+
+static base_status parse_shard(const char *text, plan_filter *f, base_error *err) {
+  if (text == NULL) {
+    return BASE_OK;
+  }
+  char first[16];
+  const size_t len = strcspn(text, "/");
+  (void)snprintf(first, sizeof first, "%.*s", (int)len, text);
+  if (text[len] != '/' || !base_parse_int(first, &f->shard) ||
+      !base_parse_int(text + len + 1, &f->n_shard) || f->shard < 1 || f->shard > f->n_shard) {
+    return BASE_FAIL(err, BASE_EINVAL, "--shard %s: need k/n with 1 <= k <= n", text);
+  }
+  return BASE_OK;
+}
+
+static base_status parse_rerun(const char *text, runner_options *o, base_error *err) {
+  static const char *const words[] = {"", "failed", "timeouts", "all"};
+  if (text == NULL) {
+    return BASE_OK;
+  }
+  for (int i = 1; i < BASE_COUNT(words); i++) {
+    if (strcmp(words[i], text) == 0) {
+      o->rerun = (rerun_what)i;
+      return BASE_OK;
+    }
+  }
+  o->rerun = RERUN_SOLVER;
+  o->rerun_solver = text;
+  return (registry_solver_find(text) != NULL)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "--rerun %s: need failed, timeouts, all or a solver",
+                         text);
+}
+
+/* One of two words, where the option is given. */
+static base_status choice(const char *name, const char *text, const char *no, const char *yes,
+                          bool *out, base_error *err) {
+  if (text != NULL && strcmp(text, no) != 0 && strcmp(text, yes) != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s %s: need %s or %s", name, text, no, yes);
+  }
+  *out = (text != NULL) ? strcmp(text, yes) == 0 : *out;
+  return BASE_OK;
+}
+
+/* Numbers that are out of range are refused, not left out. */
+static base_status check_numbers(const run_options *o, base_error *err) {
+  if (o->reps != NOT_GIVEN && o->reps < 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
+  }
+  if (o->seed != NOT_GIVEN && o->seed < 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--seed %d: need at least 0", o->seed);
+  }
+  if (o->time_limit == 0.0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--time-limit: need a time above 0");
+  }
+  if (o->out != NULL && o->out[0] == '\0') {
+    return BASE_FAIL(err, BASE_EINVAL, "--out: need a folder");
+  }
+  return BASE_OK;
+}
+
+static base_status override(const run_options *o, campaign *c, base_error *err) {
+  if (o->reps != NOT_GIVEN) {
+    c->sampling.samples = o->reps;
+    c->sampling.max_samples = o->reps;
+  }
+  BASE_TRY(choice("--cache", o->cache, "warm", "cold", &c->sampling.cold, err));
+  BASE_TRY(choice("--solutions", o->solutions, "off", "on", &c->solutions, err));
+  c->trace = c->trace || o->trace;
+  c->seed = (o->seed != NOT_GIVEN) ? (uint64_t)o->seed : c->seed;
+  c->limits.time = (o->time_limit != NOT_GIVEN) ? o->time_limit : c->limits.time;
+  c->limits.memory = (o->memory_limit != NOT_GIVEN) ? o->memory_limit : c->limits.memory;
+  return BASE_OK;
+}
+
+/* ---- run --------------------------------------------------------------------------------------*/
+
+static void print_summary(const runner_summary *s, const char *out) {
+  (void)printf("%s/results.csv: %d processes, %d measured now, %d done before, %d rows added", out,
+               s->units, s->measured, s->resumed, s->rows);
+  if (s->stale > 0) {
+    (void)printf(", %d stale rows moved to stale.csv", s->stale);
+  }
+  (void)printf("; harness %.1f %% of %.3g s\n",
+               s->wall > 0 ? 100.0 * (1.0 - s->inside / s->wall) : 0.0, s->wall);
+  for (int i = 0; i < RUN_STATUS_COUNT; i++) {
+    if (s->by_status[i] > 0) {
+      (void)printf("  %-11s %d cells\n", run_status_name((run_status)i), s->by_status[i]);
+    }
+  }
+}
+
+static int stopped_by(void) {
+  return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+}
+
+static int exit_code(const runner_summary *s, bool strict) {
+  if (s->interrupted) {
+    return stopped_by();
+  }
+  int bad = 0;
+  for (int i = 0; i < RUN_STATUS_COUNT; i++) {
+    bad += (i != RUN_OK && i != RUN_UNSUPPORTED && i != RUN_SKIPPED) ? s->by_status[i] : 0;
+  }
+  return (strict && bad > 0) ? CLI_HONEST : CLI_OK;
+}
+
+static base_status measure(const plan *p, const run_options *o, const runner_options *ro, int *code,
+                           base_error *err) {
+  runner_summary sum;
+  BASE_TRY(runner_run(p, ro, &sum, err));
+  print_summary(&sum, ro->out);
+  *code = exit_code(&sum, o->strict);
+  return BASE_OK;
+}
+
+static base_status run_campaign(const char *text, const run_options *o, int *code,
+                                base_error *err) {
+  char out[600];
+  runner_options ro = {
+      .filter = &o->filter, .pin = !o->no_pin, .quiet = o->quiet, .canary_every = 120.0};
+  BASE_TRY(parse_rerun(o->rerun, &ro, err));
+  campaign c;
+  BASE_TRY(campaign_read(text, o->quick, &c, err));
+  (void)snprintf(out, sizeof out, "results/%.48s%s", c.name, o->quick ? "-quick" : "");
+  ro.out = (o->out != NULL) ? o->out : out;
+  plan p;
+  base_status done = override(o, &c, err);
+  ro.solutions = c.solutions;
+  ro.trace = c.trace;
+  if (done == BASE_OK) {
+    done = plan_make(&c, &o->filter, &p, err);
+    if (done == BASE_OK) {
+      *code = CLI_OK;
+      done = o->dry_run ? dry_run(&p, &ro, err) : measure(&p, o, &ro, code, err);
+      plan_free(&p);
+    }
+  }
+  campaign_free(&c);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  run_options o = {
+      .reps = NOT_GIVEN, .seed = NOT_GIVEN, .time_limit = NOT_GIVEN, .memory_limit = NOT_GIVEN};
+  const arg_option options[] = {{"--out", ARG_TEXT, &o.out},
+                                {"--filter", ARG_LIST, &o.filter.filter},
+                                {"--reps", ARG_INT, &o.reps},
+                                {"--time-limit", ARG_SECONDS, &o.time_limit},
+                                {"--memory-limit", ARG_BYTES, &o.memory_limit},
+                                {"--seed", ARG_INT, &o.seed},
+                                {"--shard", ARG_TEXT, &o.shard},
+                                {"--dry-run", ARG_FLAG, &o.dry_run},
+                                {"--rerun", ARG_TEXT, &o.rerun},
+                                {"--resume", ARG_FLAG, &(bool){false}}, /* the default */
+                                {"--quick", ARG_FLAG, &o.quick},
+                                {"--quiet", ARG_FLAG, &o.quiet},
+                                {"--strict", ARG_FLAG, &o.strict},
+                                {"--no-pin", ARG_FLAG, &o.no_pin},
+                                {"--cache", ARG_TEXT, &o.cache},
+                                {"--solutions", ARG_TEXT, &o.solutions},
+                                {"--trace", ARG_FLAG, &o.trace}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
+  const char *text;
+  int n_positional;
+  base_error err = {0};
+  int code = CLI_INTERNAL;
+  base_status done = args_parse(&table, argc, argv, &text, &n_positional, &err);
+  if (done == BASE_OK) {
+    done = check_numbers(&o, &err);
+  }
+  if (done == BASE_OK) {
+    done = parse_shard(o.shard, &o.filter, &err);
+  }
+  if (done == BASE_OK) {
+    isolate_catch_signals();
+    (void)setenv("OPENBLAS_NUM_THREADS", "1", 1);
+    (void)setenv("OMP_NUM_THREADS", "1", 1);
+    done = run_campaign(text, &o, &code, &err);
+  }
+  if (done != BASE_OK && isolate_stop_requested() != 0) {
+    (void)cli_report(&err); /* stopped while it waited for another run */
+    return stopped_by();
+  }
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_run;
+const cli_verb verb_run = {
+    .name = "run",
+    .usage = "run CAMPAIGN [--out DIR] [--filter axis=glob]... [--reps N] [--time-limit T]"
+             " [--memory-limit B] [--seed N] [--shard k/n] [--dry-run] [--quick]"
+             " [--rerun failed|timeouts|all|SOLVER] [--strict] [--no-pin] [--quiet]"
+             " [--trace] [--solutions on|off] [--cache warm|cold]",
+    .help = "measures a campaign (a shipped name or a .yaml file), or goes on with it",
+    .run = run,
+};

@@ -1,0 +1,322 @@
+/* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
+#include "harness/cli/cli.h"
+#include "harness/measure/predictions.h"
+#include "harness/measure/simulation.h"
+#include "harness/measure/trace.h"
+#include "harness/util/args.h"
+#include "harness/util/json_out.h"
+
+#include <string.h>
+
+/* ---- JSON ------------------------------------------------------------------------------------ */
+
+static json_t *observables(const series *record) {
+  json_t *all = json_object();
+  for (int i = 0; i < record->n_var; i++) {
+    const series_var *v = &record->var[i];
+    spec_check c = {.has_dir = v->has_dir};
+    memcpy(c.dir, v->dir, sizeof c.dir);
+    char name[128];
+    (void)snprintf(name, sizeof name, "%s", v->var);
+    if (v->has_dir) {
+      (void)snprintf(name, sizeof name, "%s[%.4g,%.4g,%.4g]", v->var, v->dir[0], v->dir[1],
+                     v->dir[2]);
+    }
+    json_t *one = json_object();
+    json_out_real(one, "value", record->column[v->column][record->n_row - 1]);
+    json_out_text(one, "unit", world_observe_unit(v->var));
+    (void)json_object_set_new(all, name, one);
+  }
+  json_t *energy = json_object();
+  json_out_real(energy, "value", record->column[SERIES_ENERGY][record->n_row - 1]);
+  json_out_text(energy, "unit", "J");
+  (void)json_object_set_new(all, "energy", energy);
+  return all;
+}
+
+static json_t *prediction(const spec_check *c, const check_context *ctx, bool *ok) {
+  check_result r;
+  check_evaluate(c, ctx, &r);
+  *ok = r.ok;
+  char label[200];
+  check_label(c, label, sizeof label);
+  json_t *o = json_object();
+  json_out_text(o, "quantity", label);
+  json_out_real(o, "time_s", r.time);
+  json_out_real(o, "value", r.known ? r.got : HUGE_VAL);
+  json_out_real(o, "predicted", r.expected);
+  json_out_real(o, "error", r.known ? r.error : HUGE_VAL);
+  json_out_real(o, "tolerance", r.tolerance);
+  json_out_bool(o, "ok", r.ok);
+  json_out_text(o, "source", c->source);
+  if (r.reason[0] != '\0') {
+    json_out_text(o, "reason", r.reason);
+  }
+  return o;
+}
+
+/* Checks belong to the scene as declared; with less than that they are not predictions. */
+static json_t *predictions(const simulation *s, const series *record, const sim_result *r,
+                           bool *all_ok) {
+  const check_context ctx = prediction_context(&s->request, record, r);
+  json_t *all = json_array();
+  *all_ok = true;
+  for (int i = 0; i < s->spec.n_check; i++) {
+    bool ok;
+    if (prediction_applies(&s->request, i)) {
+      (void)json_array_append_new(all, prediction(&s->spec.check[i], &ctx, &ok));
+      *all_ok = *all_ok && ok;
+    }
+  }
+  return all;
+}
+
+/* The trajectory yardstick, the same quantity for every formulation, and what the run ends with. */
+static json_t *yardstick(const simulation *s, const series *record, const sim_result *r) {
+  prediction_summary p;
+  predictions_summarise(&s->request, record, r, &p);
+  json_t *o = json_object();
+  if (p.has_ref) {
+    json_out_text(o, "quantity", p.quantity);
+    json_out_real(o, "error", p.error);
+    json_out_real(o, "predicted", p.predicted);
+    json_out_text(o, "source", p.source);
+  }
+  if (p.has_end) {
+    json_out_text(o, "end_quantity", s->spec.observe[0]);
+    json_out_real(o, "end_value", p.end);
+  }
+  return o;
+}
+
+static void put_effects(json_t *o, const char *key, unsigned mask) {
+  char text[256];
+  effects_print(mask, text, sizeof text);
+  json_out_text(o, key, text);
+}
+
+/* What --effects auto:E decided, and what the decision cost. */
+static void put_auto(json_t *o, const effects_choice *e) {
+  if (!e->automatic) {
+    return;
+  }
+  json_t *a = json_object();
+  json_out_real(a, "level", e->level);
+  put_effects(a, "dropped", e->dropped);
+  json_out_real(a, "change", e->change);
+  json_out_int(a, "pilot_steps", e->pilot_steps);
+  json_out_real(a, "t_pilot_s", e->pilot_seconds);
+  json_out_text(a, "why", e->text);
+  (void)json_object_set_new(o, "effects_auto", a);
+}
+
+static void put_counts(json_t *o, const sim_result *r) {
+  json_out_int(o, "lcp_dim_max", r->lcp_dim_max);
+  json_out_int(o, "n_contact_max", r->n_contact_max);
+  json_out_int(o, "n_active_max", r->n_active_max);
+  json_out_int(o, "n_body", r->n_body);
+  json_out_int(o, "n_dof", r->n_dof);
+  json_out_int(o, "n_solves", r->n_solves);
+  json_out_int(o, "n_unsolved", r->n_unsolved);
+  json_out_int(o, "n_pivot", r->work.pivots);
+  json_out_int(o, "n_iter", r->work.iterations);
+  json_out_int(o, "n_factor", r->work.factorizations);
+  json_out_int(o, "n_matvec", r->work.matvecs);
+  json_out_int(o, "n_evaluations", r->n_evaluations);
+  json_out_int(o, "n_mode_changes", r->n_modes);
+  json_out_int(o, "n_fallback", r->n_fallbacks + r->work.fallbacks);
+}
+
+static void put_errors(json_t *o, const sim_result *r) {
+  json_out_bool(o, "verified", r->verified);
+  json_out_real(o, "rho_max", r->rho_max);
+  json_out_real(o, "res_natural_max", r->natural_max);
+  json_out_real(o, "res_ncp_max", r->ncp_max);
+  json_out_real(o, "res_ncp_rel_max", r->ncp_rel_max);
+  json_out_real(o, "res_cone_rel_max", r->cone_rel_max);
+  json_out_real(o, "dissipation_gap_max_J", r->dissipation_max);
+  json_out_real(o, "stiffness_ratio_min", r->stiffness_ratio); /* null: nothing regularised */
+  json_out_real(o, "v_slip_max", r->v_slip);
+  json_out_real(o, "deflection_max_m", r->deflection);
+  json_out_real(o, "penetration_max_m", r->penetration_max);
+  json_out_real(o, "energy_defect_J", r->energy_defect);
+  json_out_real(o, "energy_drift_rel", r->energy_drift_rel);
+}
+
+static void put_times(json_t *o, const sim_result *r) {
+  json_out_real(o, "t_contacts_s", r->time.contacts);
+  json_out_real(o, "t_assemble_s", r->time.assemble);
+  json_out_real(o, "t_setup_s", r->time.setup);
+  json_out_real(o, "t_factor_s", r->time.factor);
+  json_out_real(o, "t_solve_s", r->time.solve);
+  json_out_real(o, "t_advance_s", r->time.advance);
+  json_out_real(o, "t_total_s", sim_total_seconds(r));
+}
+
+static json_t *to_json(const simulation *s, const char *scene, const series *record,
+                       const sim_result *r, bool *all_ok) {
+  json_t *o = json_object();
+  char hash[24];
+  (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
+  const char *colon = strchr(scene, ':');
+  json_out_text(o, "scene", s->spec.id);
+  json_out_text(o, "parameters", colon != NULL ? colon + 1 : "");
+  json_out_text(o, "formulation", s->form.form->name);
+  json_out_text(o, "formulation_options", s->form.config);
+  json_out_text(o, "solver", s->solver.solver->name);
+  json_out_text(o, "solver_options", s->solver.config);
+  json_out_text(o, "variant", r->variant);
+  json_out_int(o, "contact_order", (long long)s->request.contact_order); /* 0: given */
+  json_out_real(o, "step_s", s->request.h);
+  json_out_int(o, "steps", r->steps);
+  json_out_text(o, "status", run_status_name(r->status));
+  json_out_text(o, "claimed", run_status_name(r->claimed));
+  json_out_text(o, "note", r->note);
+  (void)json_object_set_new(o, "observables", observables(record));
+  (void)json_object_set_new(o, "predictions", predictions(s, record, r, all_ok));
+  (void)json_object_set_new(o, "trajectory_error", yardstick(s, record, r));
+  put_counts(o, r);
+  put_errors(o, r);
+  put_effects(o, "effects_declared", s->spec.effects);
+  put_effects(o, "effects_simulated", s->request.effects);
+  put_effects(o, "effects_seen", r->effects_seen);
+  put_auto(o, &s->effects);
+  json_out_text(o, "solution_hash", hash);
+  put_times(o, r);
+  return o;
+}
+
+/* ---- verb ------------------------------------------------------------------------------------ */
+
+static base_status open_trajectory(const char *path, FILE **out, base_error *err) {
+  *out = (path != NULL) ? fopen(path, "w") : NULL;
+  if (path != NULL && *out == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be opened for writing", path);
+  }
+  return BASE_OK;
+}
+
+static base_status simulate_and_print(const simulation *s, const char *scene, int *code,
+                                      base_error *err) {
+  series record;
+  sim_result r;
+  const base_status done = simulate(&s->request, &record, &r, err);
+  if (done == BASE_OK) {
+    bool all_ok;
+    json_t *o = to_json(s, scene, &record, &r, &all_ok);
+    const bool printed = json_out_print(o, stdout);
+    *code = !printed                                       ? CLI_INTERNAL
+            : (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK
+                                                           : CLI_HONEST;
+  }
+  series_close(&record);
+  return done;
+}
+
+typedef struct simulate_files {
+  const char *trajectory, *trace, *dump_step, *dump_steps, *out;
+} simulate_files;
+
+/* With the problems of chosen steps, where asked for. */
+static base_status with_dump(simulation *s, const char *scene, const simulate_files *f, int *code,
+                             base_error *err) {
+  const char *range = (f->dump_steps != NULL) ? f->dump_steps : f->dump_step;
+  if (range == NULL || f->out == NULL) {
+    if (range != NULL || f->out != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "--dump-step N and --out DIR go together");
+    }
+    return simulate_and_print(s, scene, code, err);
+  }
+  if (f->dump_step != NULL && (f->dump_steps != NULL || strchr(f->dump_step, ':') != NULL)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--dump-step %s: need one step, or --dump-steps A:B alone",
+                     f->dump_step);
+  }
+  dump d;
+  long first;
+  long last;
+  BASE_TRY(dump_range(range, &first, &last, err));
+  BASE_TRY(dump_open(&d, f->out, first, last, err));
+  s->request.dump = &d;
+  const base_status done = simulate_and_print(s, scene, code, err);
+  s->request.dump = NULL;
+  base_error why = {0};
+  const base_status closed = dump_close(&d, done == BASE_OK, &why);
+  if (done == BASE_OK && closed != BASE_OK) {
+    *err = why;
+    return closed;
+  }
+  return done;
+}
+
+/* With the files that the run is to leave behind. */
+static base_status with_files(simulation *s, const char *scene, const simulate_files *f, int *code,
+                              base_error *err) {
+  const char *trajectory = f->trajectory;
+  const char *trace = f->trace;
+  trace_file history;
+  BASE_TRY(open_trajectory(trajectory, &s->request.trajectory, err));
+  base_status done = BASE_OK;
+  if (trace != NULL) {
+    done = trace_open(&history, trace, err);
+    s->request.trace = (done == BASE_OK) ? &history : NULL;
+  }
+  if (done == BASE_OK) {
+    done = with_dump(s, scene, f, code, err);
+  }
+  if (s->request.trajectory != NULL) {
+    const bool whole = ferror(s->request.trajectory) == 0;
+    if ((fclose(s->request.trajectory) != 0 || !whole) && (done == BASE_OK || done == BASE_EIO)) {
+      done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
+    }
+  }
+  if (s->request.trace != NULL) {
+    const base_status closed = trace_close(&history, done == BASE_OK, err);
+    done = (done != BASE_OK) ? done : closed;
+    s->request.trace = NULL;
+  }
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  simulation_texts t = {0};
+  simulate_files f = {0};
+  const arg_option options[] = {{"--formulation", ARG_TEXT, &t.formulation},
+                                {"--solver", ARG_TEXT, &t.solver},
+                                {"--step", ARG_TEXT, &t.step},
+                                {"--duration", ARG_TEXT, &t.duration},
+                                {"--tol", ARG_TEXT, &t.tol},
+                                {"--effects", ARG_TEXT, &t.effects},
+                                {"--start", ARG_TEXT, &t.start},
+                                {"--contact-order", ARG_TEXT, &t.contact_order},
+                                {"--trajectory", ARG_TEXT, &f.trajectory},
+                                {"--trace", ARG_TEXT, &f.trace},
+                                {"--dump-step", ARG_TEXT, &f.dump_step},
+                                {"--dump-steps", ARG_TEXT, &f.dump_steps},
+                                {"--out", ARG_TEXT, &f.out}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
+  int n_positional;
+  base_error err = {0};
+  if (args_parse(&table, argc, argv, &t.scene, &n_positional, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
+  simulation s;
+  int code = CLI_INTERNAL;
+  base_status done = simulation_open(&t, &s, &err);
+  if (done == BASE_OK) {
+    done = with_files(&s, t.scene, &f, &code, &err);
+  }
+  simulation_close(&s);
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_simulate;
+const cli_verb verb_simulate = {
+    .name = "simulate",
+    .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
+             " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
+             " [--contact-order given|random:N]"
+             " [--trajectory FILE.csv] [--trace FILE.csv]"
+             " [--dump-step N | --dump-steps A:B, with --out DIR]",
+    .help = "runs one scene and prints one JSON object with its predictions judged",
+    .run = run,
+};

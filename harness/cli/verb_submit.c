@@ -1,0 +1,241 @@
+/* lcpbench submit: a campaign as shards for GNU parallel or a Slurm job array. The engine only starts
+ * `lcpbench run --shard k/n`; which one it was cannot change a row. */
+#include "harness/campaign/runner.h"
+#include "harness/cli/cli.h"
+#include "harness/plan/campaign.h"
+#include "harness/util/args.h"
+#include "harness/util/folder.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { NOT_GIVEN = INT_MIN };
+
+typedef struct submit_options {
+  const char *engine, *out;
+  int shards, jobs;
+  bool dry_run, quick, wait;
+  const char *slurm_time;
+  bool slurm; /* the engine */
+} submit_options;
+
+typedef struct submission {
+  char exe[1024], dir[1024], script[1100];
+  const char *campaign;
+  const submit_options *o;
+} submission;
+
+static base_status absolute(const char *path, char *out, size_t cap, base_error *err) {
+  char *real = realpath(path, NULL);
+  if (real == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  }
+  (void)snprintf(out, cap, "%s", real);
+  free(real);
+  return BASE_OK;
+}
+
+/* One task = one shard = some problems with all their solvers, so that solvers are compared on one
+ * host. TERM comes 60 s before the limit: the run flushes and exits with 4, and is requeued. */
+static void write_slurm(FILE *to, const submission *s) {
+  (void)fprintf(to,
+                "#!/bin/sh\n"
+                "#SBATCH --job-name=lcpbench\n"
+                "#SBATCH --array=1-%d\n"
+                "#SBATCH --nodes=1 --ntasks=1 --exclusive\n"
+                "#SBATCH --requeue --open-mode=append --signal=B:TERM@60\n"
+                "#SBATCH --time=%s\n"
+                "#SBATCH --output=%s/slurm.%%a.log\n"
+                "'%s' run '%s'%s --shard \"$SLURM_ARRAY_TASK_ID/%d\" \\\n"
+                "  --out '%s/shard.'\"$SLURM_ARRAY_TASK_ID\" </dev/null &\n"
+                "pid=$!\n"
+                "trap 'kill -TERM $pid' TERM\n"
+                "wait $pid; code=$?\n"
+                "if kill -0 $pid 2>/dev/null; then wait $pid; code=$?; fi\n"
+                "if [ $code -eq 4 ]; then\n"
+                "  scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
+                "fi\n"
+                "exit $code\n",
+                s->o->shards, s->o->slurm_time, s->dir, s->exe, s->campaign,
+                s->o->quick ? " --quick" : "", s->o->shards, s->dir);
+}
+
+/* -j1: two shards at a time on one machine would disturb each other's timings. */
+static void write_parallel(FILE *to, const submission *s) {
+  (void)fprintf(to,
+                "#!/bin/sh\n"
+                "# --resume-failed: started again, it runs what is not done\n"
+                "seq %d | parallel -j%d --joblog '%s/joblog' --resume-failed --halt now,fail=0 \\\n"
+                "  \"'%s' run '%s'%s --shard {}/%d --out '%s/shard.{}' --quiet </dev/null\"\n",
+                s->o->shards, s->o->jobs, s->dir, s->exe, s->campaign,
+                s->o->quick ? " --quick" : "", s->o->shards, s->dir);
+}
+
+static base_status write_script(submission *s, bool slurm, base_error *err) {
+  (void)snprintf(s->script, sizeof s->script, "%s/%s.sh", s->dir, slurm ? "slurm" : "parallel");
+  FILE *to = fopen(s->script, "w");
+  if (to == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", s->script, strerror(errno));
+  }
+  (slurm ? write_slurm : write_parallel)(to, s);
+  if (fclose(to) != 0 || chmod(s->script, 0755) != 0) {
+    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", s->script);
+  }
+  return BASE_OK;
+}
+
+static base_status launch(char *const *argv, int *code, base_error *err) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    (void)execvp(argv[0], argv);
+    _exit(127);
+  }
+  int status = 0;
+  if (pid < 0 || waitpid(pid, &status, 0) != pid) {
+    return BASE_FAIL(err, BASE_EEXTERNAL, "%s: %s", argv[0], strerror(errno));
+  }
+  const int exited = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+  if (exited == 127) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: not found; install it or choose another engine",
+                     argv[0]);
+  }
+  *code = (exited == 0) ? CLI_OK : CLI_INTERRUPTED;
+  return BASE_OK;
+}
+
+/* What the script quotes must have no quote in it, and what it does not quote only what belongs
+ * there. */
+static base_status check_texts(const submission *s, base_error *err) {
+  const char *const quoted[] = {s->exe, s->dir, s->campaign};
+  for (int i = 0; i < BASE_COUNT(quoted); i++) {
+    if (strchr(quoted[i], '\'') != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "submit: \"%s\": a script cannot quote a '", quoted[i]);
+    }
+  }
+  const char *time = s->o->slurm_time;
+  return (time[0] != '\0' && time[strspn(time, "0123456789:-")] == '\0')
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "--slurm-time %s: need minutes, HH:MM:SS or D-HH:MM",
+                         time);
+}
+
+/* Refuses what the engine has no use for; what is not given gets its default. */
+static base_status settle_options(submit_options *o, base_error *err) {
+  o->slurm = o->engine != NULL && strcmp(o->engine, "slurm") == 0;
+  if (!o->slurm && (o->engine == NULL || strcmp(o->engine, "parallel") != 0)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--engine %s: need parallel or slurm",
+                     o->engine != NULL ? o->engine : "is missing");
+  }
+  if (o->slurm ? o->jobs != NOT_GIVEN : o->slurm_time != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: has no meaning with --engine %s",
+                     o->slurm ? "--jobs" : "--slurm-time", o->engine);
+  }
+  o->jobs = (o->jobs != NOT_GIVEN) ? o->jobs : 1;
+  o->slurm_time = (o->slurm_time != NULL) ? o->slurm_time : "04:00:00";
+  if (o->shards < 1 || o->jobs < 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "--shards and --jobs: need at least 1");
+  }
+  return BASE_OK;
+}
+
+/* The engine's own exit code does not tell: `sbatch --wait` returns 0 for a cancelled array. What
+ * counts is which rows are there. */
+static base_status look_after(const submission *s, const campaign *c, int *code, base_error *err) {
+  int units = 0;
+  int missing = 0;
+  for (int k = 1; k <= s->o->shards; k++) {
+    const plan_filter shard = {.shard = k, .n_shard = s->o->shards};
+    char dir[1100];
+    plan p;
+    int left;
+    BASE_TRY(plan_make(c, &shard, &p, err));
+    (void)snprintf(dir, sizeof dir, "%s/shard.%d", s->dir, k);
+    const base_status done = runner_left(&p, dir, &left, err);
+    units += p.n_unit;
+    plan_free(&p);
+    BASE_TRY(done);
+    missing += left;
+  }
+  (void)printf("%d of %d processes measured%s\n", units - missing, units,
+               missing > 0 ? "; the same command goes on with the rest" : "");
+  *code = (missing == 0) ? CLI_OK : CLI_INTERRUPTED;
+  return BASE_OK;
+}
+
+static base_status submit(submission *s, const campaign *c, int *code, base_error *err) {
+  const submit_options *o = s->o;
+  char dflt[128];
+  (void)snprintf(dflt, sizeof dflt, "results/%.48s-shards", c->name);
+  const char *dir = (o->out != NULL) ? o->out : dflt;
+  BASE_TRY(folder_make(dir, err));
+  BASE_TRY(absolute(dir, s->dir, sizeof s->dir, err));
+  BASE_TRY(absolute("/proc/self/exe", s->exe, sizeof s->exe, err));
+  BASE_TRY(check_texts(s, err));
+  BASE_TRY(write_script(s, o->slurm, err));
+  (void)printf("%s\nafterwards: lcpbench merge %s/shard.* --out %s\n", s->script, s->dir, s->dir);
+  (void)fflush(stdout);
+  *code = CLI_OK;
+  if (o->dry_run) {
+    return BASE_OK;
+  }
+  char sbatch[] = "sbatch";
+  char wait[] = "--wait";
+  char shell[] = "sh";
+  char *slurm_argv[] = {sbatch, o->wait ? wait : s->script, o->wait ? s->script : NULL, NULL};
+  char *parallel_argv[] = {shell, s->script, NULL};
+  BASE_TRY(launch(o->slurm ? slurm_argv : parallel_argv, code, err));
+  if (!o->slurm || o->wait) {
+    return look_after(s, c, code, err);
+  }
+  return (*code == CLI_OK) ? BASE_OK
+                           : BASE_FAIL(err, BASE_EEXTERNAL,
+                                       "sbatch refused %s; nothing was submitted", s->script);
+}
+
+static base_status read_and_submit(submission *s, int *code, base_error *err) {
+  campaign c;
+  BASE_TRY(campaign_read(s->campaign, s->o->quick, &c, err)); /* fails here, not in N logs */
+  const base_status done = submit(s, &c, code, err);
+  campaign_free(&c);
+  return done;
+}
+
+static int run(int argc, char **argv) {
+  submit_options o = {.shards = 1, .jobs = NOT_GIVEN};
+  const arg_option options[] = {{"--engine", ARG_TEXT, &o.engine},
+                                {"--shards", ARG_INT, &o.shards},
+                                {"--jobs", ARG_INT, &o.jobs},
+                                {"--out", ARG_TEXT, &o.out},
+                                {"--slurm-time", ARG_TEXT, &o.slurm_time},
+                                {"--quick", ARG_FLAG, &o.quick},
+                                {"--wait", ARG_FLAG, &o.wait},
+                                {"--dry-run", ARG_FLAG, &o.dry_run}};
+  const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
+  submission s = {.o = &o};
+  int n;
+  int code = CLI_INTERNAL;
+  base_error err = {0};
+  base_status done = args_parse(&table, argc, argv, &s.campaign, &n, &err);
+  if (done == BASE_OK) {
+    done = settle_options(&o, &err);
+  }
+  if (done == BASE_OK) {
+    done = read_and_submit(&s, &code, &err);
+  }
+  return (done == BASE_OK) ? code : cli_report(&err);
+}
+
+extern const cli_verb verb_submit;
+const cli_verb verb_submit = {
+    .name = "submit",
+    .usage = "submit CAMPAIGN --engine parallel|slurm --shards N [--jobs N] [--out DIR] [--quick]"
+             " [--wait] [--slurm-time T] [--dry-run]",
+    .help = "writes and starts a campaign as shards for GNU parallel or a Slurm job array",
+    .run = run,
+};

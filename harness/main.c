@@ -1,6 +1,0 @@
-/* main.c - the lcpbench executable. */
-#include "harness/cli.h"
-
-int main(int argc, char **argv) {
-  return cli_main(argc, argv);
-}

@@ -1,0 +1,87 @@
+#include "harness/measure/dump.h"
+
+#include "harness/measure/export_lcp.h"
+#include "harness/measure/solve_once.h"
+#include "lcp/base/fields.h"
+#include "lcp/io/lcp_read.h"
+
+#include <errno.h>
+#include <string.h>
+#include <sys/stat.h>
+
+base_status dump_range(const char *text, long *first, long *last, base_error *err) {
+  char from[16];
+  const char *colon = strchr(text, ':');
+  const size_t n = (colon != NULL) ? (size_t)(colon - text) : strlen(text);
+  int a = 0;
+  int b = 0;
+  bool good = n < sizeof from;
+  if (good) {
+    memcpy(from, text, n);
+    from[n] = '\0';
+    good = base_parse_int(from, &a) && a >= 1;
+    b = a;
+  }
+  if (good && colon != NULL) {
+    good = base_parse_int(colon + 1, &b) && b >= a;
+  }
+  *first = a;
+  *last = b;
+  return good ? BASE_OK
+              : BASE_FAIL(err, BASE_EINVAL, "step %s: need N or A:B with 1 <= A <= B", text);
+}
+
+base_status dump_open(dump *d, const char *folder, long first, long last, base_error *err) {
+  char path[1100];
+  *d = (dump){.folder = folder, .first = first, .last = last};
+  if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", folder, strerror(errno));
+  }
+  (void)snprintf(path, sizeof path, "%.1000s/index.csv", folder);
+  d->index = fopen(path, "w");
+  if (d->index == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  }
+  (void)fputs("step,solve,n,nnz,status,problem,answer\n", d->index);
+  return BASE_OK;
+}
+
+base_status dump_problem(dump *d, long step, const lcp_problem *p, const double *z,
+                         const char *status, base_error *err) {
+  if (step < d->first || step > d->last) {
+    return BASE_OK;
+  }
+  char path[1100];
+  char name[64];
+  d->solve = (step == d->step) ? d->solve + 1 : 1;
+  d->step = step;
+  (void)snprintf(name, sizeof name, "step_%06ld_%02d", step, d->solve);
+  const bool plain = lcp_problem_sets(p) == 1u << LCP_ORTHANT;
+  (void)snprintf(path, sizeof path, "%.1000s/%s%s", d->folder, name, plain ? "" : ".dat");
+  const base_status done = plain ? export_lcp_mtx(p, path, err) : export_lcp_friction(p, path, err);
+  if (done == BASE_EUNSUPPORTED && err != NULL) { /* the caller asked for what no file can hold */
+    const base_error why = *err;
+    return BASE_FAIL(err, BASE_EINVAL, "step %ld: %.400s", step, why.text);
+  }
+  BASE_TRY(done);
+  (void)snprintf(path, sizeof path, "%.1000s/%s.z.mtx", d->folder, name);
+  BASE_TRY(lcp_write_mtx_vector(path, p->M.n, z, err));
+  (void)fprintf(d->index, "%ld,%d,%d,%ld,%s,%s%s,%s.z.mtx\n", step, d->solve, p->M.n,
+                lcp_matrix_entries(&p->M), status, name, plain ? ".M.mtx" : ".dat", name);
+  d->n_dumped++;
+  return BASE_OK;
+}
+
+base_status dump_close(dump *d, bool complete, base_error *err) {
+  const bool failed = ferror(d->index) != 0;
+  const bool closed = fclose(d->index) == 0;
+  d->index = NULL;
+  if (failed || !closed) {
+    return BASE_FAIL(err, BASE_EIO, "%s/index.csv: could not be written", d->folder);
+  }
+  if (complete && d->n_dumped == 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--dump-step %ld:%ld: no problem was posed in these steps",
+                     d->first, d->last);
+  }
+  return BASE_OK;
+}

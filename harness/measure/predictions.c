@@ -1,0 +1,140 @@
+#include "harness/measure/predictions.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char *stands_for(const sim_request *q) {
+  const char *as = q->form->form->stands_for;
+  return (as != NULL) ? as : "";
+}
+
+static bool in_time(const sim_request *q, const spec_check *c) {
+  const double end = q->duration * (1.0 + 1e-9);
+  const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
+  return last <= end && (c->kind != CHECK_EVENT_TIME || c->value <= end);
+}
+
+static bool declared(const sim_request *q) {
+  return (q->spec->effects & ~q->effects) == 0 || q->judged;
+}
+
+bool prediction_applies(const sim_request *q, int i) {
+  const spec_check *c = &q->spec->check[i];
+  return declared(q) && in_time(q, c) &&
+         spec_check_applies(c, stands_for(q), formulation_choice_facets(q->form));
+}
+
+check_context prediction_context(const sim_request *q, const series *record, const sim_result *r) {
+  return (check_context){.record = record,
+                         .h = q->h,
+                         .regularised = strcmp(stands_for(q), "regularized") == 0,
+                         .v_slip = r->v_slip,
+                         .deflection = r->deflection,
+                         .finite = r->finite};
+}
+
+static bool kinematic(spec_check_kind k) {
+  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_WINDOW_MAX ||
+         k == CHECK_WINDOW_MIN || k == CHECK_MAX_DRIFT;
+}
+
+/* The check of each kind that misses by most. */
+typedef struct missed_kind {
+  const spec_check *worst;
+  double times; /* error over tolerance; HUGE_VAL where it cannot be evaluated */
+  bool rest;    /* it ought to be 0 */
+} missed_kind;
+
+static void note_missed(const spec_check *c, const check_result *one, missed_kind *kind) {
+  const double times =
+      (one->known && one->tolerance > 0.0) ? one->error / one->tolerance : HUGE_VAL;
+  if (kind->worst == NULL || times > kind->times) {
+    *kind = (missed_kind){c, times, one->expected == 0.0};
+  }
+}
+
+static void print_missed(const missed_kind kind[CHECK_COUNT], char *buf, size_t cap) {
+  size_t used = 0;
+  for (int k = 0; k < CHECK_COUNT && used < cap; k++) {
+    if (kind[k].worst != NULL) {
+      char label[80];
+      check_label(kind[k].worst, label, sizeof label);
+      used += (size_t)snprintf(buf + used, cap - used, "%s%s%s %.2gx", used > 0 ? ", " : "", label,
+                               kind[k].rest ? " = 0" : "", kind[k].times);
+    }
+  }
+}
+
+/* The check that all formulations are measured by: the first kinematic one that is the truth for the
+ * exact cone, else the first made for no number of facets, else the first that applies. */
+static const spec_check *reference_of(const sim_request *q) {
+  for (int pass = 0; declared(q) && pass < 3; pass++) {
+    for (int i = 0; i < q->spec->n_check; i++) {
+      const spec_check *c = &q->spec->check[i];
+      const bool fits = (pass == 0)   ? c->nd == 0 && spec_check_applies(c, "coulomb", 0)
+                        : (pass == 1) ? c->nd == 0
+                                      : prediction_applies(q, i);
+      if (fits && kinematic(c->kind) && in_time(q, c)) {
+        return c;
+      }
+    }
+  }
+  return NULL;
+}
+
+static void measure(const sim_request *q, const check_context *ctx, prediction_summary *out) {
+  const spec_check *c = reference_of(q);
+  check_result one;
+  if (c == NULL) {
+    return;
+  }
+  check_evaluate(c, ctx, &one);
+  if (one.known) {
+    out->has_ref = true;
+    out->error = one.error;
+    out->predicted = one.expected;
+    out->tolerance = one.tolerance;
+    out->source = c->source;
+    check_label(c, out->quantity, sizeof out->quantity);
+  }
+}
+
+/* Where no prediction holds, runs are compared with each other by what they end with. */
+static void note_end(const sim_request *q, const series *record, prediction_summary *out) {
+  spec_check c = {0};
+  if (q->spec->n_observe == 0) {
+    return;
+  }
+  memcpy(c.var, q->spec->observe[0], sizeof c.var);
+  const series_var *v = series_find_var(record, &c);
+  out->has_end = v != NULL && series_at(record, v->column, q->duration, &out->end);
+}
+
+void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,
+                           prediction_summary *out) {
+  *out = (prediction_summary){0};
+  const check_context ctx = prediction_context(q, record, r);
+  missed_kind missed[CHECK_COUNT] = {{0}};
+  bool unknown = false; /* a check that could not be evaluated: the worst is not known either */
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    check_result one;
+    if (!prediction_applies(q, i)) {
+      continue;
+    }
+    check_evaluate(c, &ctx, &one);
+    out->n++;
+    if (!one.ok) {
+      out->n_missed++;
+      note_missed(c, &one, &missed[c->kind]);
+    }
+    unknown = unknown || !one.known;
+    if (one.known && one.tolerance > 0.0) {
+      out->worst = fmax(out->worst, one.error / one.tolerance);
+    }
+  }
+  out->worst = unknown ? (double)NAN : out->worst;
+  print_missed(missed, out->missed, sizeof out->missed);
+  measure(q, &ctx, out);
+  note_end(q, record, out);
+}

@@ -1,0 +1,231 @@
+#include "harness/measure/sim_watch.h"
+#include "harness/measure/simulate_state.h"
+#include "harness/measure/solve_once.h"
+#include "harness/measure/trajectory.h"
+#include "lcp/base/clock.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+double sim_total_seconds(const sim_result *r) {
+  const sim_times *t = &r->time;
+  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->advance;
+}
+
+/* ---- one step ---------------------------------------------------------------------------------*/
+
+/* Ends a phase and begins the next with one reading of the clock. */
+static void lap(double *phase, double *from) {
+  const double now = base_seconds();
+  *phase += now - *from;
+  *from = now;
+}
+
+/* assemble -> solve -> recover until the formulation has enough; *from: when assembly began, on return
+ * when the part of it began that is still to be counted. */
+static base_status solve_step(sim *s, double *from, base_error *err) {
+  for (;;) {
+    lcp_problem p;
+    const double *z0 = NULL;
+    bool pending = false;
+    lcp_outcome claimed;
+    BASE_TRY(formulation_assemble(s->form, &p, &z0, &pending, err));
+    if (!pending) {
+      return BASE_OK;
+    }
+    lap(&s->out->time.assemble, from);
+    BASE_TRY(sim_start_point(s, &p, z0, err));
+    BASE_TRY(sim_solve(s, &p, &claimed, err));
+    *from = base_seconds();
+    BASE_TRY(formulation_recover(s->form, s->z, claimed, err));
+  }
+}
+
+static void note_answer(sim *s, const contact_set *set, const formulation_answer *a) {
+  sim_result *r = s->out;
+  r->n_modes += a->work.mode_changes;
+  r->n_fallbacks += a->work.fallbacks;
+  r->n_evaluations += a->work.evaluations;
+  r->stiffness_ratio = fmin(r->stiffness_ratio, a->stiffness_ratio);
+  r->v_slip = fmax(r->v_slip, a->v_slip);
+  r->deflection = fmax(r->deflection, a->deflection);
+  r->own_residual_max = fmax(r->own_residual_max, a->residual);
+  r->n_active_max = (a->n_active > r->n_active_max) ? a->n_active : r->n_active_max;
+  r->lcp_dim_max = (a->lcp_dim > r->lcp_dim_max) ? a->lcp_dim : r->lcp_dim_max;
+  if (set != NULL && set->n_contact > r->n_contact_max) {
+    r->n_contact_max = set->n_contact;
+  }
+  if (!a->solved) {
+    char text[96];
+    (void)snprintf(text, sizeof text, "the formulation's own loop ended at residual %.3g",
+                   a->residual);
+    sim_trouble(s, RUN_STALLED, text);
+  }
+}
+
+static base_status merit_of(sim *s, const contact_set *set, const formulation_answer *a,
+                            base_error *err) {
+  contact_merit m;
+  BASE_TRY(contact_merit_at(set, a->impulse, a->v_next, a->bias, &m, err));
+  sim_result *r = s->out;
+  r->ncp_max = fmax(r->ncp_max, m.ncp);
+  r->ncp_rel_max = fmax(r->ncp_rel_max, m.ncp_rel);
+  r->cone_rel_max = fmax(r->cone_rel_max, m.cone_rel);
+  r->dissipation_max = fmax(r->dissipation_max, m.dissipation);
+  return BASE_OK;
+}
+
+/* Steps that a formulation with complementarity problems takes. */
+static base_status step_lcp(sim *s, series *record, base_error *err) {
+  contact_set set;
+  const contact_set *posed;
+  formulation_answer a = {0};
+  sim_times *t = &s->out->time;
+  double from = base_seconds();
+  const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
+  BASE_TRY(curved ? world_contacts_curved(s->w, s->q->h, -1.0, &set, err)
+                  : world_contacts(s->w, s->q->h, -1.0, &set, err));
+  lap(&t->contacts, &from);
+  BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
+  from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */
+  BASE_TRY(formulation_begin(s->form, posed, s->q->start, err));
+  BASE_TRY(solve_step(s, &from, err));
+  formulation_answer_of(s->form, &a);
+  lap(&t->assemble, &from);
+  contact_order_restore(&s->order, &set, &a);
+  sim_settle_held(s);
+  series_penetration(record, &set);
+  note_answer(s, &set, &a);
+  BASE_TRY(merit_of(s, &set, &a, err));
+  s->out->effects_seen |= sim_effects_seen(s->q->spec, &set, &a);
+  s->out->hash = sim_hash(s->out->hash, a.v_next, set.n_dof);
+
+  from = base_seconds();
+  BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));
+  t->advance += base_seconds() - from;
+  BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
+  return series_record(record, s->w, &set, a.impulse, a.spring_energy, err);
+}
+
+/* Steps of penalty and event-driven formulations, which advance the world themselves. */
+static base_status step_own(sim *s, series *record, base_error *err) {
+  formulation_answer a = {0};
+  const formulation_solver solver = {sim_solve_for_formulation, s};
+  if (s->order.seed != 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "%s finds its contacts itself: in no order but the given",
+                     s->q->form->form->name);
+  }
+  const double from = base_seconds();
+  s->called = 0;
+  BASE_TRY(formulation_step(s->form, s->w, s->q->h, &solver, &a, err));
+  s->out->time.assemble += base_seconds() - from - s->called;
+  note_answer(s, a.set, &a);
+  if (a.set != NULL) {
+    s->out->effects_seen |= sim_effects_seen(s->q->spec, a.set, &a);
+  }
+  if (a.v_next != NULL) {
+    s->out->hash = sim_hash(s->out->hash, a.v_next, world_n_dof(s->w));
+  }
+  BASE_TRY(series_record(record, s->w, a.set, a.impulse, a.spring_energy, err));
+  if (a.set != NULL) {
+    series_penetration(record, a.set);
+  }
+  return BASE_OK;
+}
+
+/* After these nothing further is physics. */
+static bool hopeless(run_status s) {
+  return sim_without_solution(s) || s == RUN_UNSUPPORTED;
+}
+
+static base_status run_steps(sim *s, series *record, base_error *err) {
+  const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
+  sim_result *r = s->out;
+  s->iterates = !own;
+  while (r->steps < r->steps_planned && !hopeless(r->status)) {
+    const double from = sim_total_seconds(r);
+    base_error why = {0};
+    const base_status done = own ? step_own(s, record, &why) : step_lcp(s, record, &why);
+    if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
+      sim_trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
+      return BASE_OK;
+    }
+    if (done != BASE_OK) {
+      *err = why;
+      return done;
+    }
+    r->steps++;
+    const double spent = sim_total_seconds(r) - from;
+    r->step_longest = fmax(r->step_longest, spent);
+    record->column[SERIES_STEP][record->n_row - 1] = spent;
+    if (!world_finite(s->w)) {
+      r->finite = false;
+      sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
+    }
+    BASE_TRY(trajectory_row(s->q->trajectory, s->w, err));
+  }
+  return BASE_OK;
+}
+
+/* ---- the whole --------------------------------------------------------------------------------*/
+
+static void summarise(sim *s, const series *record) {
+  sim_result *r = s->out;
+  const double *energy = record->column[SERIES_ENERGY];
+  const int last = record->n_row - 1;
+  for (int k = 1; k < record->n_row; k++) {
+    r->energy_defect = fmax(r->energy_defect, energy[k] - energy[k - 1]);
+  }
+  for (int k = 0; k < record->n_row; k++) {
+    r->penetration_max = fmax(r->penetration_max, record->column[SERIES_PENETRATION][k]);
+  }
+  r->energy_drift_rel = (energy[0] != 0.0) ? (energy[last] - energy[0]) / fabs(energy[0]) : 0.0;
+}
+
+static base_status run_opened(sim *s, series *record, base_error *err) {
+  const sim_request *q = s->q;
+  sim_result *r = s->out;
+  BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
+  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
+  r->steps_planned = lround(ceil(q->duration / q->h - 1e-9));
+  BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
+  BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
+  BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
+  BASE_TRY(trajectory_row(q->trajectory, s->w, err));
+  r->n_dof = world_n_dof(s->w);
+  r->n_body = world_n_body(s->w);
+  const base_status done = run_steps(s, record, err);
+  if (done == BASE_OK) {
+    const double gap = world_min_gap(s->w);
+    double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];
+    *deepest = fmax(*deepest, -gap);
+    summarise(s, record);
+  }
+  return done;
+}
+
+base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {
+  *record = (series){0};
+  *out = (sim_result){.status = RUN_OK,
+                      .claimed = RUN_OK,
+                      .verified = true,
+                      .finite = true,
+                      .stiffness_ratio = HUGE_VAL};
+  out->hash = SIM_HASH_START;
+  if (!(q->h > 0.0) || !(q->duration > 0.0) || q->duration / q->h > 2e9) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "step %g s over %g s: need step and duration above 0, and at most 2e9 steps",
+                     q->h, q->duration);
+  }
+  sim s = {.q = q, .out = out, .order.seed = q->contact_order};
+  const base_status done = run_opened(&s, record, err);
+  lcp_instance_close(s.instance);
+  formulation_close(s.form);
+  contact_order_close(&s.order);
+  if (s.w != NULL) {
+    world_close(s.w);
+  }
+  free(s.z);
+  return done;
+}

@@ -1,0 +1,79 @@
+/* harness/measure/simulate.h - the step loop: contacts -> formulation -> solver -> state, with every solve
+ * judged from its data and every phase timed.
+ *
+ * Timed (CLOCK_MONOTONIC): contacts (detection and contact set), assemble (begin, assemble,
+ * recover), setup, factor, solve (inside lcp_instance) and advance. Judging, recording and hashing
+ * are outside every bracket. */
+#pragma once
+
+#include "harness/measure/answers.h"
+#include "harness/measure/dump.h"
+#include "harness/measure/registry.h"
+#include "harness/measure/series.h"
+#include "harness/measure/trace.h"
+#include "harness/measure/verdict.h"
+#include "lcp/lcp_instance.h"
+
+#include <stdint.h>
+#include <stdio.h>
+
+typedef struct sim_request {
+  const scene_spec *spec;
+  unsigned effects; /* what is simulated, EFFECT_ bits */
+  bool judged; /* though effects are left out, the scene's predictions apply (effects_auto.h) */
+  const formulation_choice *form;
+  const solver_choice *solver;
+  double h;        /* [s] */
+  double duration; /* [s] */
+  formulation_start start;
+  uint64_t contact_order; /* seed of the order of contacts; 0: as the scene lists them */
+  FILE *trajectory;       /* NULL: none; otherwise CSV, one row per body and step */
+  trace_file *trace;      /* NULL: none; a traced run is not to be timed */
+  dump *dump;             /* NULL: none; the problems of chosen steps are written as files */
+  answers *store;         /* NULL: none; every answer is written here */
+  answers *replay;        /* NULL: the solver solves; otherwise its answers are taken from here */
+} sim_request;
+
+typedef struct sim_times {
+  double contacts, assemble, setup, factor, solve, advance; /* [s], summed over the steps */
+} sim_times;
+
+typedef struct sim_result {
+  run_status status;  /* worst over the steps */
+  run_status claimed; /* worst of what the solver claimed */
+  char note[240];     /* first trouble, with its step */
+  long steps, steps_planned;
+  long n_unsolved; /* solves whose status is not ok */
+  bool verified;   /* every solve rho <= tolerance */
+  bool finite;
+  int n_body, n_dof;
+  int lcp_dim_max, n_contact_max, n_active_max;
+  long nnz_max;
+  lcp_storage storage;
+  long n_solves, n_modes, n_fallbacks;
+  long n_evaluations; /* of the right-hand side, by formulations that integrate */
+  lcp_work work;
+  const char *variant;
+  double rho_max;                          /* [1] */
+  double natural_max, natural_rel_max;     /* [m/s], [1] */
+  double feas_z_max, feas_w_max, comp_max; /* [N s], [m/s], [J] */
+  double ncp_max, ncp_rel_max;             /* [m/s], [1] */
+  double cone_rel_max, dissipation_max;    /* [1], [J] */
+  double penetration_max;                  /* [m] */
+  double energy_defect, energy_drift_rel;  /* largest increase in one step [J]; [1] */
+  double stiffness_ratio;                  /* least G/m_t [1], HUGE_VAL: nothing regularised */
+  double v_slip, deflection;               /* regularisation: [m/s], [m] */
+  double own_residual_max;                 /* the formulation's own [1] */
+  unsigned effects_seen;
+  size_t workspace; /* [B] */
+  sim_times time;
+  double step_longest; /* longest single step [s] */
+  uint64_t hash;       /* FNV-1a of every answer z and every velocity: same bits, same hash */
+} sim_result;
+
+double sim_total_seconds(const sim_result *r);
+
+/* Runs and records. `record` is opened here and owned by the caller (series_close) whatever is
+ * returned. Failure of a solver is a status of the result, an error return is misuse, an
+ * unsupported combination included as RUN_UNSUPPORTED with a note. */
+base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err);

@@ -1,0 +1,178 @@
+/* The solves of a simulation: started, made or replayed, judged and counted. */
+#include "harness/measure/sim_watch.h"
+#include "harness/measure/simulate_state.h"
+#include "harness/measure/solve_once.h"
+#include "lcp/base/clock.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Records the first trouble in words. */
+void sim_trouble(sim *s, run_status word, const char *text) {
+  if (s->out->note[0] == '\0') {
+    (void)snprintf(s->out->note, sizeof s->out->note, "step %ld: %.200s", s->out->steps + 1, text);
+  }
+  s->out->status = run_status_worse(s->out->status, word);
+}
+
+static void add_work(lcp_work *sum, const lcp_work *w) {
+  sum->iterations += w->iterations;
+  sum->pivots += w->pivots;
+  sum->sweeps += w->sweeps;
+  sum->matvecs += w->matvecs;
+  sum->factorizations += w->factorizations;
+  sum->backsolves += w->backsolves;
+  sum->refinements += w->refinements;
+  sum->linesearches += w->linesearches;
+  sum->fallbacks += w->fallbacks;
+}
+
+static void add_verdict(sim_result *r, const lcp_verdict *v) {
+  r->rho_max = fmax(r->rho_max, v->rho);
+  r->natural_max = fmax(r->natural_max, v->natural);
+  r->natural_rel_max = fmax(r->natural_rel_max, v->natural_rel);
+  r->feas_z_max = fmax(r->feas_z_max, v->infeasible_z);
+  r->feas_w_max = fmax(r->feas_w_max, v->infeasible_w);
+  r->comp_max = fmax(r->comp_max, v->comp);
+}
+
+/* ---- one complementarity problem --------------------------------------------------------------*/
+
+base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err) {
+  const int n = p->M.n;
+  if (n > s->z_cap || s->z == NULL) { /* a problem without unknowns has a start point too */
+    free(s->z);
+    s->z_cap = 2 * n + 1;
+    s->z = malloc((size_t)s->z_cap * sizeof *s->z);
+    if (s->z == NULL) {
+      s->z_cap = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d unknowns", n);
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    s->z[i] = (z0 != NULL) ? z0[i] : 0.0;
+  }
+  return BASE_OK;
+}
+
+static base_status open_instance(sim *s, const lcp_problem *p, base_error *err) {
+  BASE_TRY(lcp_solver_admits(s->q->solver->solver, p, err));
+  if (s->instance == NULL) {
+    const lcp_capacity cap = lcp_problem_capacity(p);
+    BASE_TRY(lcp_instance_open(&s->instance, s->q->solver->solver, &cap, s->q->solver->opt, err));
+  }
+  return lcp_instance_prepare(s->instance, p, err);
+}
+
+bool sim_without_solution(run_status s) {
+  return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE;
+}
+
+/* Enters a solve into the record. */
+static void count_solve(sim *s, const solved *k) {
+  sim_result *r = s->out;
+  r->verified = r->verified && k->verified;
+  r->claimed = run_status_worse(r->claimed, k->claimed);
+  add_verdict(r, &k->v);
+  if (k->word != RUN_OK) {
+    r->n_unsolved++;
+    sim_trouble(s, k->word, k->text);
+  }
+}
+
+/* A problem without a solution means wrong modes where the formulation goes on to one that has
+ * one (MATH 2.3.7): its own method, which counts it as a fallback. Else it stands. */
+void sim_settle_held(sim *s) {
+  if (s->held.word != RUN_OK) {
+    count_solve(s, &s->held);
+    s->held.word = RUN_OK;
+  }
+}
+
+static void add_costs(sim *s, const lcp_problem *p, const lcp_result *claim) {
+  sim_result *r = s->out;
+  r->n_solves++;
+  r->lcp_dim_max = (p->M.n > r->lcp_dim_max) ? p->M.n : r->lcp_dim_max;
+  const long nnz = lcp_matrix_entries(&p->M);
+  r->nnz_max = (nnz > r->nnz_max) ? nnz : r->nnz_max;
+  r->storage = p->M.storage;
+  r->variant = claim->variant;
+  r->hash = sim_hash(r->hash, s->z, p->M.n);
+  add_work(&r->work, &claim->work);
+}
+
+/* Verdict of the answer in s->z; nothing here is timed. */
+static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, base_error *err) {
+  solved k = {0};
+  BASE_TRY(lcp_judge(p, s->z, &k.v, err));
+  k.word = verdict_of(s->q->solver->solver, s->q->solver->opt, p, claim, &k.v, &k.verified);
+  add_costs(s, p, claim);
+  k.claimed = RUN_OK;
+  if (claim->outcome != LCP_SOLVED) {
+    k.claimed = RUN_NUMERICAL;
+    (void)run_status_find(lcp_outcome_name(claim->outcome), &k.claimed);
+  }
+  if (k.word != RUN_OK) {
+    (void)snprintf(k.text, sizeof k.text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g",
+                   s->out->n_solves, p->M.n, run_status_name(k.word),
+                   lcp_outcome_name(claim->outcome), k.v.rho);
+  }
+  if (s->iterates && sim_without_solution(k.word)) {
+    s->held = k;
+  } else {
+    s->held.word = (k.word == RUN_OK) ? RUN_OK : s->held.word;
+    count_solve(s, &k);
+  }
+  return (s->q->dump == NULL)
+             ? BASE_OK
+             : dump_problem(s->q->dump, s->out->steps + 1, p, s->z, run_status_name(k.word), err);
+}
+
+static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
+  trace_file *t = s->q->trace;
+  BASE_TRY(open_instance(s, p, err));
+  BASE_TRY(lcp_instance_solve(s->instance, t != NULL ? trace_begin(t) : NULL, s->z, claim, err));
+  const lcp_times spent = lcp_instance_times(s->instance);
+  s->out->time.setup += spent.setup;
+  s->out->time.factor += spent.factor;
+  s->out->time.solve += spent.solve;
+  s->out->workspace = lcp_instance_bytes(s->instance);
+  return (t != NULL) ? trace_end(t, err) : BASE_OK;
+}
+
+/* The solver's answer in s->z, from the solver or from the file of an earlier run. */
+static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
+  if (s->q->replay != NULL) {
+    return answers_take(s->q->replay, p->M.n, s->z, claim, err);
+  }
+  const base_status done = solve_now(s, p, claim, err);
+  answers *store = s->q->store;
+  if (store == NULL) {
+    return done;
+  }
+  if (done == BASE_OK) {
+    return answers_put(store, p->M.n, s->z, claim, err);
+  }
+  BASE_TRY(answers_put_failure(store, p->M.n, done, err));
+  return done;
+}
+
+base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_error *err) {
+  lcp_result claim = {.outcome = LCP_NUMERICAL};
+  BASE_TRY(answer(s, p, &claim, err));
+  BASE_TRY(judge(s, p, &claim, err));
+  *claimed = claim.outcome;
+  return BASE_OK;
+}
+
+/* The same behind formulation_solver, for formulations that step by themselves. */
+base_status sim_solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
+                                      lcp_outcome *claimed, base_error *err) {
+  sim *s = ctx;
+  const double from = base_seconds();
+  BASE_TRY(sim_start_point(s, p, z, err));
+  BASE_TRY(sim_solve(s, p, claimed, err));
+  memcpy(z, s->z, (size_t)p->M.n * sizeof *z);
+  s->called += base_seconds() - from;
+  return BASE_OK;
+}

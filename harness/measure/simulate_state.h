@@ -1,0 +1,48 @@
+/* harness/measure/simulate_state.h - what the step loop and its solves share. Private to simulate*.c. */
+#pragma once
+
+#include "harness/measure/contact_order.h"
+#include "harness/measure/simulate.h"
+
+/* What a solve came to. */
+typedef struct solved {
+  run_status word, claimed;
+  bool verified;
+  lcp_verdict v;
+  char text[160];
+} solved;
+
+/* Everything one run owns. */
+typedef struct sim {
+  const sim_request *q;
+  sim_result *out;
+  world *w;
+  formulation_run *form;
+  lcp_instance *instance;
+  contact_order order;
+  double *z;
+  int z_cap;
+  double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
+  bool iterates; /* the formulation may try again where a problem has no solution */
+  solved held;   /* such a try, until the step is over; word RUN_OK: none */
+} sim;
+
+/* Records the first trouble in words. */
+void sim_trouble(sim *s, run_status word, const char *text);
+
+/* z0 (NULL: zeros) as the start point s->z of p. */
+base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err);
+
+/* One complementarity problem from the start point s->z to the judged answer s->z: by the solver, or
+ * from stored answers. */
+base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_error *err);
+
+/* The same behind formulation_solver, for formulations that step by themselves. */
+base_status sim_solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
+                                      lcp_outcome *claimed, base_error *err);
+
+/* Did a problem end with the word that it has no solution, or none to be found? */
+bool sim_without_solution(run_status s);
+
+/* No further try in this step: the one that was held back counts. */
+void sim_settle_held(sim *s);

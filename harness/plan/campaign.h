@@ -1,0 +1,87 @@
+/* harness/plan/campaign.h - a campaign as written in its YAML file.
+ *
+ *   name: paper
+ *   title: ...
+ *   seed: 1
+ *   limits: {time: 60s, memory: 4G, grace: 2s}
+ *   sampling: {processes: 3, samples: 5, max_samples: 31, half_width: 0.02, budget: 20s,
+ *              order: random|abba, cache: warm|cold, doctor: 6s}
+ *   solutions: on                                # optional: on; answers kept for verify
+ *   trace: off                                   # optional: off; a twin run writes its history
+ *   parts:
+ *     - name: dimension
+ *       problems: ["box_stack:n={1,2,4,8}"]      # braces: one problem for each value
+ *       formulations: ["velocity:facets={4,8}", position, regularized]
+ *       solvers: [lemke, pgs]
+ *       steps: [0.01]                            # optional: the scene's own
+ *       durations: [0.1]                         # optional: the scene's own
+ *       tolerances: [1e-8]                       # optional: the solver's own
+ *       starts: [cold, previous]                 # optional: cold
+ *       effects: [declared]                      # optional: declared
+ *       contact_orders: [given, "random:{1,2}"]  # optional: given
+ *       quick: {problems: [...]}                 # any of the axes, replaced under --quick
+ *   quick: {limits: ..., sampling: ...}          # replaced under --quick
+ *
+ * A part without formulations holds complementarity problems (files or families); its problems may
+ * be file patterns, and $NAME in them is taken from the environment. */
+#pragma once
+
+#include "lcp/base/status.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef struct text_list {
+  int n, cap;
+  char **item; /* owned */
+} text_list;
+
+base_status text_list_add(text_list *l, const char *text, base_error *err);
+void text_list_free(text_list *l);
+
+typedef struct campaign_limits {
+  double time, grace; /* [s] */
+  double memory;      /* [B]; 0: none */
+} campaign_limits;
+
+typedef struct campaign_sampling {
+  int processes, samples, max_samples;
+  double half_width; /* of the 95 % interval of the median, relative; stop when reached [1] */
+  double budget;     /* [s] of measuring in one process */
+  double inner;      /* [s] shortest bracket; shorter solves are looped */
+  double doctor;     /* [s] noise floor measured before the first row; 0: not */
+  bool abba;         /* solvers of a problem forth and back in turn, not at random */
+  bool cold;         /* the caches are emptied before every sample */
+} campaign_sampling;
+
+#define CAMPAIGN_AXES(X)                                                                           \
+  X(problems)                                                                                      \
+  X(formulations)                                                                                  \
+  X(solvers) X(steps) X(durations) X(tolerances) X(starts) X(effects) X(contact_orders)
+#define CAMPAIGN_AXIS_ENUM_(name) AXIS_##name,
+enum campaign_axis { CAMPAIGN_AXES(CAMPAIGN_AXIS_ENUM_) AXIS_COUNT };
+const char *campaign_axis_name(int axis);
+
+typedef struct campaign_part {
+  char name[48];
+  text_list axis[AXIS_COUNT]; /* as written, braces and patterns not expanded */
+} campaign_part;
+
+typedef struct campaign {
+  char name[48];
+  char title[200];
+  char path[512];
+  bool quick, solutions, trace;
+  uint64_t seed;
+  campaign_limits limits;
+  campaign_sampling sampling;
+  int n_part;
+  campaign_part *part; /* owned */
+} campaign;
+
+/* NAME of a shipped campaign or path to a .yaml file. quick: the file's quick form. */
+base_status campaign_read(const char *text, bool quick, campaign *out, base_error *err);
+void campaign_free(campaign *c);
+
+/* Directory of the shipped campaigns: $LCPBENCH_CAMPAIGNS, or the one installed with the build. */
+const char *campaign_directory(void);

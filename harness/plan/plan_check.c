@@ -1,0 +1,93 @@
+/* plan_check.c - the values of a campaign's axes, before a row is measured. Formulations, solvers
+ * and files are read with the key of their cells (plan_key.c). */
+#include "harness/plan/plan_check.h"
+
+#include "harness/measure/contact_order.h"
+#include "harness/measure/effects_auto.h"
+#include "problems/families/family.h"
+#include "problems/scenes/scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static base_status positive(const char *axis, const char *text, base_error *err) {
+  double v = 0;
+  if (text[0] != '\0' && (!base_parse_real(text, &v) || !(v > 0.0))) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: %.60s: need a number above 0", axis, text);
+  }
+  return BASE_OK;
+}
+
+/* NAME:par=val,... against the parameters of NAME. */
+static base_status parameters(const char *name, const char *given, const base_field *fields,
+                              int n_fields, size_t size, base_error *err) {
+  base_error why = {0};
+  void *param = calloc(1, size + 1);
+  if (param == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "problems: %s: no memory for parameters", name);
+  }
+  base_fields_default(fields, n_fields, param);
+  const base_status done = base_fields_parse(fields, n_fields, param, given, &why);
+  free(param);
+  return (done == BASE_OK) ? BASE_OK : BASE_FAIL(err, done, "problems: %s: %.250s", name, why.text);
+}
+
+static base_status problem(bool is_scene, const char *text, base_error *err) {
+  char name[256];
+  const size_t len = strcspn(text, ":");
+  if (len >= sizeof name) {
+    return BASE_FAIL(err, BASE_EINVAL, "problems: %.40s...: name too long", text);
+  }
+  (void)snprintf(name, sizeof name, "%.*s", (int)len, text);
+  if (strpbrk(name, "./") != NULL) {
+    return BASE_OK; /* a file */
+  }
+  const char *given = (text[len] == ':') ? text + len + 1 : NULL;
+  const scene *s = is_scene ? scene_find(name) : NULL;
+  const lcp_family *f = is_scene ? NULL : lcp_family_find(name);
+  if (s != NULL) {
+    return parameters(name, given, s->fields, s->n_fields, s->param_size, err);
+  }
+  if (f != NULL) {
+    return parameters(name, given, f->fields, f->n_fields, f->param_size, err);
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "problems: unknown %s '%.60s'; see lcpbench list %s",
+                   is_scene ? "scene" : "family", name, is_scene ? "scenes" : "problems");
+}
+
+static base_status start(const char *text, base_error *err) {
+  return (strcmp(text, "cold") == 0 || strcmp(text, "previous") == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "starts: %.60s: need cold or previous", text);
+}
+
+base_status plan_check_axis(int axis, bool is_scene, base_error *err) {
+  const bool of_scenes = axis == AXIS_steps || axis == AXIS_durations || axis == AXIS_starts ||
+                         axis == AXIS_effects || axis == AXIS_contact_orders;
+  return (is_scene || !of_scenes)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL,
+                         "%s: only scenes have them, and scenes need formulations",
+                         campaign_axis_name(axis));
+}
+
+base_status plan_check_value(int axis, bool is_scene, const char *text, base_error *err) {
+  uint64_t seed;
+  switch (axis) {
+  case AXIS_problems:
+    return problem(is_scene, text, err);
+  case AXIS_steps:
+    return positive("steps", text, err);
+  case AXIS_durations:
+    return positive("durations", text, err);
+  case AXIS_starts:
+    return start(text, err);
+  case AXIS_effects:
+    return effects_check(text, err);
+  case AXIS_contact_orders:
+    return contact_order_parse(text, &seed, err);
+  default:
+    return BASE_OK;
+  }
+}

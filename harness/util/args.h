@@ -1,0 +1,44 @@
+/* harness/util/args.h - command-line options by table. An option given neither on the command line
+ * nor in the table's default may come from the environment: --time-limit is LCPBENCH_TIME_LIMIT; a flag
+ * is 1 or 0 there, lists are not taken. */
+#pragma once
+
+#include "lcp/base/status.h"
+
+#include <stdbool.h>
+
+typedef enum arg_kind {
+  ARG_TEXT,    /* const char * */
+  ARG_FLAG,    /* bool */
+  ARG_REAL,    /* double */
+  ARG_INT,     /* int */
+  ARG_SECONDS, /* double; 30, 30s, 10m, 2h */
+  ARG_BYTES,   /* double; 500M, 2G */
+  ARG_LIST,    /* arg_list, may be repeated */
+} arg_kind;
+
+enum { ARG_LIST_MAX = 32 };
+typedef struct arg_list {
+  int count;
+  const char *item[ARG_LIST_MAX];
+} arg_list;
+
+typedef struct arg_option {
+  const char *name; /* "--solver" */
+  arg_kind kind;
+  void *to;
+} arg_option;
+
+typedef struct arg_table {
+  const arg_option *option;
+  int n_option;
+  int min_positional, max_positional;
+  const char *positional_name; /* for messages: "PROBLEM" */
+} arg_table;
+
+/* Fills the options and up to max_positional positional arguments (views into argv). */
+base_status args_parse(const arg_table *t, int argc, char **argv, const char **positional,
+                       int *n_positional, base_error *err);
+
+bool args_seconds(const char *text, double *seconds);
+bool args_bytes(const char *text, double *bytes);

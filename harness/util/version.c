@@ -1,0 +1,5 @@
+#include "harness/util/version.h"
+
+const char *harness_version(void) {
+  return "0.1.0";
+}

@@ -1,5 +1,0 @@
-#include "harness/version.h"
-
-const char *harness_version(void) {
-  return "0.1.0";
-}

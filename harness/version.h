@@ -1,4 +1,0 @@
-/* harness/version.h - the release this binary belongs to. */
-#pragma once
-
-const char *harness_version(void);

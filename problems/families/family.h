@@ -1,0 +1,24 @@
+/* problems/families/family.h - complementarity problems by name and parameters, with known answers.
+ *
+ * A family is one constant in one file under problems/families. */
+#pragma once
+
+#include "lcp/base/fields.h"
+#include "problems/families/known_lcp.h"
+
+typedef struct lcp_family {
+  const char *name, *title, *cite;
+  const char *about; /* one paragraph: what is known, what it is hard for, source */
+  const base_field *fields;
+  int n_fields;
+  size_t param_size;
+  /* Fills a zeroed *out; the caller frees it on success and failure. */
+  base_status (*build)(const void *param, known_lcp *out, base_error *err);
+} lcp_family;
+
+const lcp_family *const *lcp_families(int *count);
+const lcp_family *lcp_family_find(const char *name);
+
+/* "NAME" or "NAME:par=val,..." into a problem that passes lcp_problem_check; free with
+ * known_lcp_free (nothing to free on failure). */
+base_status lcp_family_load(const char *text, known_lcp *out, base_error *err);

@@ -1,0 +1,115 @@
+/* Scene files and the scenes of case files. */
+#include "problems/read/read_list.h"
+#include "problems/read/read_scene.h"
+#include "problems/scenes/scene.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static base_status read_checked(json_t *v, scene_spec *s, base_error *err) {
+  base_status status = read_scene(v, s, err);
+  if (status == BASE_OK) {
+    status = spec_check_all(s, err);
+  }
+  return status;
+}
+
+static void note_failure(scene_file *out, const scene_spec *s, int index, const base_error *err) {
+  struct scene_file_failure *f = &out->failed[out->n_failed++];
+  (void)snprintf(f->id, sizeof f->id, "%s", s->id);
+  if (s->id[0] == '\0') {
+    (void)snprintf(f->id, sizeof f->id, "#%d", index + 1);
+  }
+  f->err = *err;
+}
+
+/* Appends the scenes of a list; room for all of them is there. */
+static void read_list(json_t *list, scene_file *out) {
+  size_t index;
+  json_t *v;
+  json_array_foreach(list, index, v) {
+    base_error err = {0};
+    scene_spec *s = &out->scene[out->n_scene];
+    if (read_checked(v, s, &err) == BASE_OK) {
+      out->n_scene++;
+    } else {
+      note_failure(out, s, (int)index, &err);
+      spec_free(s);
+    }
+  }
+}
+
+/* The lists of scenes in a file: its groups, or the file itself; none in one scene, which has an id. */
+static int find_lists(json_t *root, json_t *list[2]) {
+  int n = 0;
+  if (json_object_get(root, "id") != NULL) {
+    return 0;
+  }
+  if (json_is_array(root)) {
+    list[n++] = root;
+    return n;
+  }
+  static const char *const groups[] = {"scenes", "stress"};
+  for (int i = 0; i < BASE_COUNT(groups); i++) {
+    json_t *v = json_object_get(root, groups[i]);
+    if (json_is_array(v)) {
+      list[n++] = v;
+    }
+  }
+  return n;
+}
+
+base_status scene_list_read(json_t *root, scene_file *out, base_error *err) {
+  json_t *list[2], *single = NULL;
+  memset(out, 0, sizeof *out);
+  int n = find_lists(root, list);
+  if (n == 0 && json_object_get(root, "id") != NULL) {
+    single = json_array();
+    if (single == NULL || json_array_append(single, root) != 0) {
+      json_decref(single);
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for a scene");
+    }
+    list[n++] = single;
+  }
+  size_t count = 0;
+  for (int i = 0; i < n; i++) {
+    count += json_array_size(list[i]);
+  }
+  out->scene = calloc(count + 1, sizeof *out->scene);
+  out->failed = calloc(count + 1, sizeof *out->failed);
+  if (out->scene == NULL || out->failed == NULL) {
+    json_decref(single);
+    scene_file_free(out);
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %zu scenes", count);
+  }
+  for (int i = 0; i < n; i++) {
+    read_list(list[i], out);
+  }
+  json_decref(single);
+  return BASE_OK;
+}
+
+base_status scene_file_read(const char *path, scene_file *out, base_error *err) {
+  json_t *root;
+  memset(out, 0, sizeof *out);
+  BASE_TRY(node_read_file(path, &root, err));
+  base_status status = scene_list_read(root, out, err);
+  json_decref(root);
+  if (status == BASE_OK && out->n_scene + out->n_failed == 0) {
+    scene_file_free(out);
+    status = BASE_FAIL(err, BASE_EINVAL,
+                       "%s: no scene in it: need one scene (with an id), a list "
+                       "of scenes, or groups 'scenes' or 'stress'",
+                       path);
+  }
+  return status;
+}
+
+void scene_file_free(scene_file *f) {
+  for (int i = 0; i < f->n_scene; i++) {
+    spec_free(&f->scene[i]);
+  }
+  free(f->scene);
+  free(f->failed);
+  memset(f, 0, sizeof *f);
+}

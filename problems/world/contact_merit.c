@@ -1,0 +1,224 @@
+#include "problems/world/contact_merit.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PARTS = 3, MOST_ROWS = 8 };
+
+/* The cone of one contact: parts at rows 1.., each |l_part| <= mu l_n. Torsion and rolling are
+ * measured at the arm of their coefficient, which turns them into impulses and speeds with mu = 1. */
+typedef struct cone {
+  int n_row, n_part;
+  int row[PARTS], dim[PARTS];
+  double mu[PARTS], arm[PARTS];
+} cone;
+
+static cone cone_of(const contact_set *c, int i, double mu) {
+  const contact_rows rows = c->rows[i];
+  const int dims[PARTS] = {rows.tangent, rows.torsion, rows.rolling};
+  cone k = {.n_row = 1};
+  for (int p = 0; p < PARTS; p++) {
+    if (dims[p] == 0) {
+      continue;
+    }
+    k.row[k.n_part] = k.n_row;
+    k.dim[k.n_part] = dims[p];
+    k.mu[k.n_part] = (p == 0) ? mu : 1;
+    k.arm[k.n_part] = (p == 0) ? 1 : ((p == 1) ? c->mu_torsion[i] : c->mu_rolling[i]);
+    k.n_row += dims[p];
+    k.n_part++;
+  }
+  return k;
+}
+
+static double norm(const double *x, int n) {
+  double sum = 0;
+  for (int k = 0; k < n; k++) {
+    sum += x[k] * x[k];
+  }
+  return sqrt(sum);
+}
+
+/* Projection onto K: for a given normal component s each part is pulled back to its disc, and
+ * s minimises (s - x_n)^2 + sum max(0, |x_p| - mu_p s)^2, which is piecewise quadratic. The
+ * stationary point is found by adding the parts that are outside in the order in which they
+ * leave. */
+static void project(const cone *k, double *x) {
+  double reach[PARTS];
+  for (int p = 0; p < k->n_part; p++) {
+    reach[p] = norm(x + k->row[p], k->dim[p]);
+  }
+  double s = x[0];
+  for (int round = 0; round <= k->n_part; round++) { /* active parts only ever change once each */
+    double up = x[0];
+    double down = 1;
+    for (int p = 0; p < k->n_part; p++) {
+      if (reach[p] > k->mu[p] * s) {
+        up += k->mu[p] * reach[p];
+        down += k->mu[p] * k->mu[p];
+      }
+    }
+    s = up / down;
+  }
+  s = fmax(s, 0.0);
+  x[0] = s;
+  for (int p = 0; p < k->n_part; p++) {
+    if (reach[p] > k->mu[p] * s) {
+      for (int m = 0; m < k->dim[p]; m++) {
+        x[k->row[p] + m] *= k->mu[p] * s / reach[p];
+      }
+    }
+  }
+}
+
+/* (J_n W J_n')_ii. */
+static double normal_mobility(const contact_set *c, int i) {
+  const double *jac = c->jac + c->jac_start[i];
+  const int rows = c->row_start[i + 1] - c->row_start[i];
+  double a = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * i + side];
+    if (b < 0) {
+      continue;
+    }
+    const int n = c->dof_start[b + 1] - c->dof_start[b];
+    const double *w = c->inv_mass + c->mass_start[b];
+    for (int k = 0; k < n; k++) {
+      for (int m = 0; m < n; m++) {
+        a += jac[k] * w[k * n + m] * jac[m];
+      }
+    }
+    jac += (ptrdiff_t)rows * n;
+  }
+  return a;
+}
+
+/* Natural map of one contact at friction mu. */
+static double natural_map(const contact_set *c, int i, double mu, double a, double bias,
+                          const double *l, const double *u) {
+  const cone k = cone_of(c, i, mu);
+  double x[MOST_ROWS];
+  double al[MOST_ROWS];
+  al[0] = a * l[0];
+  x[0] = al[0] - u[0] - bias;
+  for (int p = 0; p < k.n_part; p++) {
+    const double *up = u + k.row[p];
+    x[0] -= k.mu[p] * k.arm[p] * norm(up, k.dim[p]);
+    for (int m = 0; m < k.dim[p]; m++) {
+      al[k.row[p] + m] = a * l[k.row[p] + m] / k.arm[p];
+      x[k.row[p] + m] = al[k.row[p] + m] - k.arm[p] * up[m];
+    }
+  }
+  project(&k, x);
+  for (int m = 0; m < k.n_row; m++) {
+    x[m] -= al[m];
+  }
+  return norm(x, k.n_row);
+}
+
+static void judge_contact(const contact_set *c, int i, double bias, const double *l,
+                          const double *u, contact_merit *out) {
+  const double a = normal_mobility(c, i);
+  const double mu = c->mu_static[i];
+  /* between mu_k and mu_s the law has two branches: sticking up to mu_s, sliding at mu_k */
+  const double stick = natural_map(c, i, mu, a, bias, l, u);
+  const double slide = natural_map(c, i, c->mu_kinetic[i], a, bias, l, u);
+  out->ncp = fmax(out->ncp, fmin(stick, slide));
+  out->normal = fmax(out->normal, fabs(fmin(a * l[0], u[0] + bias)));
+  const cone k = cone_of(c, i, (slide < stick) ? c->mu_kinetic[i] : mu);
+  for (int p = 0; p < k.n_part; p++) {
+    const double *lp = l + k.row[p];
+    const double *up = u + k.row[p];
+    const double limit = k.mu[p] * k.arm[p] * fmax(l[0], 0.0);
+    out->cone = fmax(out->cone, (norm(lp, k.dim[p]) - limit) / k.arm[p]);
+    double power = limit * norm(up, k.dim[p]);
+    for (int m = 0; m < k.dim[p]; m++) {
+      power += lp[m] * up[m];
+    }
+    out->dissipation += power;
+  }
+}
+
+/* force += J_g' l of one group. */
+static void push(const contact_set *c, int g, const double *l, double *force) {
+  const double *jac = c->jac + c->jac_start[g];
+  const int rows = c->row_start[g + 1] - c->row_start[g];
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * g + side];
+    const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
+    for (int r = 0; r < rows; r++) {
+      for (int k = 0; k < n; k++) {
+        force[c->dof_start[b] + k] += jac[r * n + k] * l[r];
+      }
+    }
+    jac += (ptrdiff_t)rows * n;
+  }
+}
+
+/* || M (v+ - v_free) - J' l || over the largest of || M v_free ||, || J' l ||. */
+static double momentum_residual(const contact_set *c, const double *impulse, const double *v_next,
+                                double *force) {
+  memset(force, 0, (size_t)c->n_dof * sizeof *force);
+  for (int g = 0; g < c->n_group; g++) {
+    push(c, g, impulse + c->row_start[g], force);
+  }
+  double off = 0;
+  double pushed = norm(force, c->n_dof);
+  double carried = 0;
+  for (int b = 0; b < c->n_body; b++) {
+    const int start = c->dof_start[b];
+    const int n = c->dof_start[b + 1] - start;
+    const double *mass = c->mass + c->mass_start[b];
+    for (int k = 0; k < n; k++) {
+      double change = 0;
+      double free = 0;
+      for (int m = 0; m < n; m++) {
+        change += mass[m * n + k] * (v_next[start + m] - c->v_free[start + m]);
+        free += mass[m * n + k] * c->v_free[start + m];
+      }
+      off += (change - force[start + k]) * (change - force[start + k]);
+      carried += free * free;
+    }
+  }
+  const double scale = fmax(sqrt(carried), pushed);
+  return (scale > 0) ? sqrt(off) / scale : 0;
+}
+
+base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
+                             const double *bias, contact_merit *out, base_error *err) {
+  *out = (contact_merit){0};
+  const size_t rows = (size_t)c->n_row;
+  double *u = malloc((2 * rows + (size_t)c->n_dof + 1) * sizeof *u);
+  if (u == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "physical residual: no memory for %zu rows", rows);
+  }
+  double *u_free = u + rows;
+  contact_relative_velocity(c, v_next, c->u_drift, u);
+  contact_relative_velocity(c, c->v_free, c->u_drift, u_free);
+  double speed = 0;
+  double strongest = 0; /* largest mu l_n, or l_n where there is torsion or rolling only */
+  for (int i = 0; i < c->n_contact; i++) {
+    const int row = c->row_start[i];
+    const int n = c->row_start[i + 1] - row;
+    bool pushed = false;
+    for (int k = 0; k < n; k++) {
+      pushed = pushed || impulse[row + k] != 0;
+      const bool tangent = k <= c->rows[i].tangent;
+      speed = fmax(speed, tangent ? fmax(fabs(u[row + k]), fabs(u_free[row + k])) : 0);
+    }
+    if (bias[i] < HUGE_VAL || pushed) {
+      const double b = (bias[i] < HUGE_VAL) ? bias[i] : 0;
+      judge_contact(c, i, b, impulse + row, u + row, out);
+      strongest = fmax(strongest, c->mu_static[i] * impulse[row]);
+    }
+  }
+  out->ncp_rel = (speed > 0) ? out->ncp / speed : 0;
+  out->cone_rel = (strongest > 0) ? out->cone / strongest : 0;
+  for (int row = c->row_start[c->n_contact]; row < c->n_row; row++) {
+    out->joint = fmax(out->joint, fabs(u[row]));
+  }
+  out->momentum = momentum_residual(c, impulse, v_next, u_free + rows);
+  free(u);
+  return BASE_OK;
+}

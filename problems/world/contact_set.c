@@ -1,0 +1,161 @@
+#include "problems/world/contact_set.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool all_finite(const double *x, int n) {
+  for (int i = 0; i < n; i++) {
+    if (!isfinite(x[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+static base_status check_blocks(const contact_set *c, base_error *err) {
+  if (c->dof_start[0] != 0 || c->mass_start[0] != 0 || c->dof_start[c->n_body] != c->n_dof) {
+    return BASE_FAIL(err, BASE_EINVAL, "dof_start: must run from 0 to n_dof = %d", c->n_dof);
+  }
+  for (int i = 0; i < c->n_body; i++) {
+    const int n = c->dof_start[i + 1] - c->dof_start[i];
+    if (n < 1 || c->mass_start[i + 1] - c->mass_start[i] != n * n) {
+      return BASE_FAIL(err, BASE_EINVAL, "body %d: %d dofs need a %d x %d mass block", i, n, n, n);
+    }
+  }
+  const int m = c->mass_start[c->n_body];
+  if (!all_finite(c->mass, m) || !all_finite(c->inv_mass, m) || !all_finite(c->v, c->n_dof) ||
+      !all_finite(c->v_free, c->n_dof)) {
+    return BASE_FAIL(err, BASE_EINVAL, "mass, v or v_free: not finite");
+  }
+  return BASE_OK;
+}
+
+static base_status check_groups(const contact_set *c, base_error *err) {
+  if (c->n_group < c->n_contact || c->row_start[0] != 0 || c->jac_start[0] != 0 ||
+      c->row_start[c->n_group] != c->n_row) {
+    return BASE_FAIL(err, BASE_EINVAL, "row_start: must run from 0 to n_row = %d", c->n_row);
+  }
+  for (int g = 0; g < c->n_group; g++) {
+    const int *b = c->body + (ptrdiff_t)(2 * g);
+    const int rows = c->row_start[g + 1] - c->row_start[g];
+    for (int s = 0; s < 2; s++) {
+      if (b[s] < -1 || b[s] >= c->n_body) {
+        return BASE_FAIL(err, BASE_EINVAL, "group %d: body %d outside 0..%d", g, b[s],
+                         c->n_body - 1);
+      }
+    }
+    const int want = rows * (contact_dofs(c, b[0]) + contact_dofs(c, b[1]));
+    if (rows < 1 || c->jac_start[g + 1] - c->jac_start[g] != want) {
+      return BASE_FAIL(err, BASE_EINVAL, "group %d: %d rows need %d Jacobian entries", g, rows,
+                       want);
+    }
+  }
+  if (!all_finite(c->jac, c->jac_start[c->n_group]) || !all_finite(c->u_drift, c->n_row) ||
+      !all_finite(c->u_before, c->n_row)) {
+    return BASE_FAIL(err, BASE_EINVAL, "jac, u_drift or u_before: not finite");
+  }
+  return BASE_OK;
+}
+
+static base_status check_contact(const contact_set *c, int i, base_error *err) {
+  const contact_rows r = c->rows[i];
+  const int rows = 1 + r.tangent + r.torsion + r.rolling;
+  if (rows != c->row_start[i + 1] - c->row_start[i] || r.tangent > c->dim - 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "contact %d: %d rows declared, %d present", i, rows,
+                     c->row_start[i + 1] - c->row_start[i]);
+  }
+  if (i > 0 && c->id[i - 1] >= c->id[i]) {
+    return BASE_FAIL(err, BASE_EINVAL, "contact %d: ids must increase", i);
+  }
+  if (!isfinite(c->gap[i]) || !(c->mu_static[i] >= 0.0) || !(c->mu_kinetic[i] >= 0.0) ||
+      (r.tangent == 0 && (c->mu_static[i] > 0.0 || c->mu_kinetic[i] > 0.0))) {
+    return BASE_FAIL(err, BASE_EINVAL, "contact %d: gap finite, mu >= 0, tangent rows iff mu > 0",
+                     i);
+  }
+  const double *n = c->frame + (ptrdiff_t)(9 * i);
+  if (!(fabs(n[0] * n[0] + n[1] * n[1] + n[2] * n[2] - 1.0) < 1e-9)) {
+    return BASE_FAIL(err, BASE_EINVAL, "contact %d: normal must be a unit vector", i);
+  }
+  return BASE_OK;
+}
+
+base_status contact_set_check(const contact_set *c, base_error *err) {
+  if (!(c->h > 0.0) || !(c->tol >= 0.0) || (c->dim != 2 && c->dim != 3)) {
+    return BASE_FAIL(err, BASE_EINVAL, "contact set: need h > 0, tol >= 0, dim 2 or 3");
+  }
+  BASE_TRY(check_blocks(c, err));
+  BASE_TRY(check_groups(c, err));
+  for (int i = 0; i < c->n_contact; i++) {
+    BASE_TRY(check_contact(c, i, err));
+  }
+  return BASE_OK;
+}
+
+/* u += A v for the rows x n row-major matrix A; returns the end of A. */
+static const double *add_product(const double *A, int rows, int n, const double *v, double *u) {
+  for (int r = 0; r < rows; r++, A += n) {
+    double sum = 0.0;
+    for (int k = 0; k < n; k++) {
+      sum += A[k] * v[k];
+    }
+    u[r] += sum;
+  }
+  return A;
+}
+
+void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
+                               double *u) {
+  for (int g = 0; g < c->n_group; g++) {
+    const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
+    const double *jac = c->jac + c->jac_start[g];
+    for (int r = first; r < first + rows; r++) {
+      u[r] = (u_drift != NULL) ? u_drift[r] : 0.0;
+    }
+    for (int s = 0; s < 2; s++) {
+      const int b = c->body[2 * g + s];
+      if (b >= 0) {
+        const int d = c->dof_start[b];
+        jac = add_product(jac, rows, c->dof_start[b + 1] - d, v + d, u + first);
+      }
+    }
+  }
+}
+
+/* p += J' impulse of group g. */
+static void add_impulse(const contact_set *c, int g, const double *impulse, double *p) {
+  const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
+  const double *jac = c->jac + c->jac_start[g];
+  for (int s = 0; s < 2; s++) {
+    const int b = c->body[2 * g + s];
+    if (b < 0) {
+      continue;
+    }
+    const int n = c->dof_start[b + 1] - c->dof_start[b];
+    double *pb = p + c->dof_start[b];
+    for (int r = 0; r < rows; r++) {
+      for (int k = 0; k < n; k++) {
+        pb[k] += jac[k] * impulse[first + r];
+      }
+      jac += n;
+    }
+  }
+}
+
+void contact_velocity(const contact_set *c, const double *impulse, double *v_next,
+                      double *scratch) {
+  memset(scratch, 0, (size_t)c->n_dof * sizeof *scratch);
+  for (int g = 0; g < c->n_group; g++) {
+    add_impulse(c, g, impulse, scratch);
+  }
+  for (int b = 0; b < c->n_body; b++) {
+    const int d = c->dof_start[b], n = c->dof_start[b + 1] - d;
+    const double *W = c->inv_mass + c->mass_start[b];
+    for (int i = 0; i < n; i++) {
+      double sum = 0.0;
+      for (int j = 0; j < n; j++) {
+        sum += W[j * n + i] * scratch[d + j];
+      }
+      v_next[d + i] = c->v_free[d + i] + sum;
+    }
+  }
+}

@@ -1,0 +1,76 @@
+/* problems/world/world.h - a scene in motion: bodies, exact gap functions, contact sets, energies.
+ *
+ * One step of the caller:
+ *   world_contacts(w, h, &set) -> formulation, solver -> world_advance(w, v_next, impulse)
+ * Semi-implicit Euler: everything is evaluated at the start of the step, q+ = q + h N v+, with the
+ * orientation turned exactly by h omega+. Loads are explicit (a spring is symplectic Euler, refused
+ * where h^2 k/m >= 4); gyroscopic torques follow the implicit midpoint rule (body.h), which keeps
+ * energy and |angular momentum| of free bodies for every h. Driven velocities count at the end of
+ * the step. Bodies joined by a joint still collide unless the spec says no_collision. */
+#pragma once
+
+#include "problems/spec/spec.h"
+#include "problems/world/contact_set.h"
+
+typedef struct world world; /* opaque: owns every array */
+
+/* Builds the world of a checked spec with the effects in `effects` (EFFECT_ bits; what is missing
+ * gets no dof, row or force). The spec is copied. */
+base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err);
+void world_close(world *w);
+base_status world_reset(world *w, base_error *err); /* back to t = 0 */
+
+/* Detects contacts with gap below margin at the current configuration and fills *out with views
+ * valid until the next call. margin < 0: chosen from h and the speeds. Grows its arrays when the
+ * number of contacts does (outside the hot loop after the first steps). */
+base_status world_contacts(world *w, double h, double margin, contact_set *out, base_error *err);
+
+/* The same with u_curve, for formulations at acceleration level: central differences of u over two
+ * displaced configurations, so three detections instead of one. A contact that is not found at
+ * both displacements has u_curve from the one side that has it, zero if neither. */
+base_status world_contacts_curved(world *w, double h, double margin, contact_set *out,
+                                  base_error *err);
+
+/* v <- v_next, q <- q + h N v_next, t <- t + h. `impulse` (n_row of the last set) is kept for
+ * world_contact_force; NULL: none. */
+base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err);
+
+double world_time(const world *w);
+unsigned world_effects(const world *w);
+int world_n_dof(const world *w);
+
+/* Configuration access for formulations that integrate themselves (penalty, event): the free
+ * dofs' configuration as one vector; N v by finite step. Sizes from world_n_config. */
+int world_n_config(const world *w);
+void world_get_state(const world *w, double *config, double *v);
+void world_set_state(world *w, double t, const double *config, const double *v);
+void world_config_rate(const world *w, const double *config, const double *v, double *rate);
+/* a = W f: acceleration of the free dofs at the current state without contacts and joints. */
+base_status world_acceleration(world *w, double *a, base_error *err);
+
+/* "body.x", "body.pos", "body.vel", "body.omega.z", "body.angle", ...: false if there is no such
+ * quantity. dir (or NULL) picks a component of a vector; without dir a vector gives its norm. */
+bool world_observe(const world *w, const char *var, const double *dir, double *value);
+const char *world_observe_unit(const char *var);
+
+double world_energy(const world *w);  /* kinetic + gravity + springs [J] */
+double world_kinetic(const world *w); /* [J] */
+void world_momentum(const world *w, double p[3]);
+void world_angular_momentum(const world *w, double L[3]); /* about the origin */
+double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
+double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
+bool world_finite(const world *w);
+
+/* Names of the two sides of contact id (for pairs in checks); static storage of the world. */
+void world_contact_pair(const world *w, uint64_t id, const char **a, const char **b);
+
+/* Body poses for trajectories and pictures. */
+int world_n_body(const world *w);
+void world_body_pose(const world *w, int i, double pos[3], double quat[4]);
+void world_body_velocity(const world *w, int i, double vel[3], double omega[3]);
+const char *world_body_name(const world *w, int i);
+
+/* World point of a contact of the last set, and the mean force on its side 0 over the step after
+ * world_advance [N]: for arrows. */
+void world_contact_point(const world *w, int contact, double point[3]);
+void world_contact_force(const world *w, int contact, double force[3]);

@@ -1,0 +1,97 @@
+/* world_curve.c - h (dJ/dt) v of every contact row, by displacing the configuration along the motion
+ * by +-d and -d seconds at fixed velocities: (u(+d) - u(-d)) / (2 d). */
+#include "problems/world/world_data.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Displacement in steps. The truncation is of second order in it, the rounding 1e-16 over it. */
+static const double reach_in_steps = 1e-3;
+
+static base_status grow(curve_store *k, const contact_set *c, base_error *err) {
+  const size_t contacts = (size_t)c->n_contact, rows = (size_t)c->n_row;
+  if (contacts + 1 > k->cap_contact) {
+    BASE_TRY(store_grow((void **)&k->id, contacts + 1, sizeof *k->id, err));
+    BASE_TRY(store_grow((void **)&k->row_start, contacts + 1, sizeof *k->row_start, err));
+    k->cap_contact = contacts + 1;
+  }
+  if (rows + 1 > k->cap_row) {
+    BASE_TRY(store_grow((void **)&k->u, rows + 1, sizeof *k->u, err));
+    k->cap_row = rows + 1;
+  }
+  return BASE_OK;
+}
+
+static base_status look(world *w, double h, double margin, const double *config, const double *v,
+                        curve_store *k, base_error *err) {
+  contact_set c;
+  world_set_state(w, w->t, config, v);
+  BASE_TRY(world_contacts(w, h, margin, &c, err));
+  BASE_TRY(grow(k, &c, err));
+  k->n_contact = c.n_contact;
+  if (c.n_contact == 0) {
+    return BASE_OK;
+  }
+  memcpy(k->id, c.id, (size_t)c.n_contact * sizeof *k->id);
+  memcpy(k->row_start, c.row_start, ((size_t)c.n_contact + 1) * sizeof *k->row_start);
+  memcpy(k->u, c.u_before, (size_t)c.row_start[c.n_contact] * sizeof *k->u);
+  return BASE_OK;
+}
+
+/* Rows of contact id, or NULL; ids ascend, so the cursor only moves forward. */
+static const double *rows_of(const curve_store *k, uint64_t id, int *cursor) {
+  while (*cursor < k->n_contact && k->id[*cursor] < id) {
+    ++*cursor;
+  }
+  const bool found = *cursor < k->n_contact && k->id[*cursor] == id;
+  return found ? k->u + k->row_start[*cursor] : NULL;
+}
+
+static void difference(world *w, double d, contact_set *c) {
+  int a = 0, b = 0;
+  memset(w->curve, 0, (size_t)c->n_row * sizeof *w->curve);
+  for (int i = 0; i < c->n_contact; i++) {
+    const int first = c->row_start[i];
+    const double *ahead = rows_of(&w->ahead, c->id[i], &a);
+    const double *behind = rows_of(&w->behind, c->id[i], &b);
+    const double over = (ahead != NULL && behind != NULL) ? 2.0 * d : d;
+    if (ahead == NULL && behind == NULL) {
+      continue;
+    }
+    for (int r = 0; r < c->row_start[i + 1] - first; r++) {
+      const double here = c->u_before[first + r];
+      const double from = (behind != NULL) ? behind[r] : here;
+      const double to = (ahead != NULL) ? ahead[r] : here;
+      w->curve[first + r] = c->h * (to - from) / over;
+    }
+  }
+  c->u_curve = w->curve;
+}
+
+base_status world_contacts_curved(world *w, double h, double margin, contact_set *out,
+                                  base_error *err) {
+  const size_t nc = (size_t)world_n_config(w), nv = (size_t)world_n_dof(w);
+  const double d = reach_in_steps * h;
+  BASE_TRY(store_grow((void **)&w->displaced, 3 * nc + nv + 1, sizeof *w->displaced, err));
+  double *config = w->displaced, *rate = config + nc, *moved = rate + nc, *v = moved + nc;
+  world_get_state(w, config, v);
+  world_config_rate(w, config, v, rate);
+  for (int side = -1; side <= 1; side += 2) {
+    for (size_t i = 0; i < nc; i++) {
+      moved[i] = config[i] + side * d * rate[i];
+    }
+    const base_status s = look(w, h, margin, moved, v, (side > 0) ? &w->ahead : &w->behind, err);
+    if (s != BASE_OK) {
+      world_set_state(w, w->t, config, v);
+      return s;
+    }
+  }
+  world_set_state(w, w->t, config, v);
+  BASE_TRY(world_contacts(w, h, margin, out, err));
+  if ((size_t)out->n_row + 1 > w->cap_curve) {
+    BASE_TRY(store_grow((void **)&w->curve, (size_t)out->n_row + 1, sizeof *w->curve, err));
+    w->cap_curve = (size_t)out->n_row + 1;
+  }
+  difference(w, d, out);
+  return BASE_OK;
+}

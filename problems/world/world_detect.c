@@ -1,0 +1,246 @@
+/* world_detect.c - which pairs are near, and their contact points. */
+#include "problems/vec.h"
+#include "problems/world/world_data.h"
+
+#include <stdlib.h>
+
+/* Distance a body can cover in one step, from its speeds at the start and after the free motion,
+ * half as much again for what contacts add. */
+static double reach_of(const world *w, const body *b, double h) {
+  double lin = v3_norm(b->v), ang = v3_norm(b->v + 3);
+  const double *v_free = w->store.v_free + 6 * (ptrdiff_t)w->n_body + b->dof;
+  double lin2 = 0.0, ang2 = 0.0;
+  for (int k = 0; k < b->n_dof; k++) {
+    *((b->axis[k] < 3) ? &lin2 : &ang2) += v_free[k] * v_free[k];
+  }
+  lin = fmax(lin, sqrt(lin2));
+  ang = fmax(ang, sqrt(ang2));
+  return 1.5 * h * (lin + ang * b->bound);
+}
+
+static base_status push_item(world *w, const contact_item *item, base_error *err) {
+  set_store *s = &w->store;
+  const size_t need = (size_t)s->n_item + 1;
+  if (need > s->cap_item) {
+    const size_t cap = (s->cap_item > 0) ? 2 * s->cap_item : 32;
+    BASE_TRY(store_grow((void **)&s->item, cap, sizeof *s->item, err));
+    BASE_TRY(store_grow((void **)&s->key, cap, sizeof *s->key, err));
+    BASE_TRY(store_grow((void **)&s->swap, cap, sizeof *s->swap, err));
+    s->cap_item = cap;
+  }
+  s->item[s->n_item++] = *item;
+  return BASE_OK;
+}
+
+static base_status push_points(world *w, int a, int b, int pieces, const gap_point *g, int n,
+                               base_error *err) {
+  const int copies = w->spec.contact_multiplicity;
+  for (int i = 0; i < n; i++) {
+    contact_item item = {.a = a, .b = b, .gap = g[i].gap};
+    v3_copy(g[i].x, item.x);
+    v3_copy(g[i].n, item.n);
+    const uint64_t base = ((uint64_t)a << ID_SIDE_A_SHIFT) | ((uint64_t)b << ID_SIDE_B_SHIFT) |
+                          ((uint64_t)pieces << (ID_FEATURE_BITS + ID_COPY_BITS)) |
+                          ((uint64_t)g[i].feature << ID_COPY_BITS);
+    base_status status = BASE_OK;
+    for (int c = 0; c < copies && status == BASE_OK; c++) {
+      item.id = base | (uint64_t)c;
+      status = push_item(w, &item, err);
+    }
+    if (status != BASE_OK) {
+      return status;
+    }
+  }
+  return BASE_OK;
+}
+
+/* Points of one pair of sides below margin, piece by piece; n_piece pairs are visited. */
+static int pair_points(const world *w, int a, int ka, int b, int kb, double margin,
+                       gap_point *out) {
+  const body *A = &w->body[a];
+  const piece *p = &w->piece[A->first_piece + ka];
+  if (b >= w->n_body) {
+    const spec_static *plane = &w->spec.fixed[b - w->n_body];
+    return gap_halfspace(p, &A->at, plane->normal, plane->offset, margin, out);
+  }
+  const body *B = &w->body[b];
+  const piece *q = &w->piece[B->first_piece + kb];
+  return (w->dim == 2) ? gap_planar(p, &A->at, q, &B->at, margin, out)
+                       : gap_spatial(p, &A->at, q, &B->at, margin, out);
+}
+
+static int n_pieces(const world *w, int side) {
+  return (side < w->n_body) ? w->body[side].n_piece : 1;
+}
+
+static base_status narrow(world *w, int a, int b, double margin, base_error *err) {
+  gap_point point[GAP_MAX];
+  const int n_b = n_pieces(w, b), pairs = n_pieces(w, a) * n_b;
+  for (int p = 0; p < pairs; p++) {
+    const int i = p / n_b, k = p % n_b;
+    const int n = pair_points(w, a, i, b, k, margin, point);
+    BASE_TRY(push_points(w, a, b, (i << ID_PIECE_BITS) | k, point, n, err));
+  }
+  return BASE_OK;
+}
+
+static bool may_collide(const world *w, int a, int b) {
+  const bool still = w->body[a].n_dof == 0 && (b >= w->n_body || w->body[b].n_dof == 0);
+  return !still && pair_value(&w->apart, a, b) == 0.0;
+}
+
+static double plane_distance(const body *b, const spec_static *plane) {
+  return v3_dot(plane->normal, b->at.x) - plane->offset - b->bound;
+}
+
+enum { INSERT_MOST = 64 }; /* keys; so few are sooner moved than counted */
+
+/* Stable; nearly linear, as most points are found in order. */
+static void insert_keys(item_key *key, int n) {
+  for (int i = 1; i < n; i++) {
+    const item_key moved = key[i];
+    int at = i;
+    for (; at > 0 && key[at - 1].id > moved.id; at--) {
+      key[at] = key[at - 1];
+    }
+    key[at] = moved;
+  }
+}
+
+/* LSD radix sort by id: stable, linear, deterministic; bytes that are the same everywhere are
+ * skipped. */
+static void sort_keys(set_store *s) {
+  const int n = s->n_item;
+  uint64_t all = ~(uint64_t)0, any = 0;
+  for (int i = 0; i < n; i++) {
+    s->key[i] = (item_key){s->item[i].id, i};
+    all &= s->item[i].id;
+    any |= s->item[i].id;
+  }
+  if (n <= INSERT_MOST) {
+    insert_keys(s->key, n);
+    return;
+  }
+  for (int shift = 0; shift < 64; shift += 8) {
+    if ((((all ^ any) >> shift) & 0xFF) == 0) {
+      continue;
+    }
+    int count[257] = {0};
+    for (int i = 0; i < n; i++) {
+      count[((s->key[i].id >> shift) & 0xFF) + 1]++;
+    }
+    for (int k = 0; k < 256; k++) {
+      count[k + 1] += count[k];
+    }
+    for (int i = 0; i < n; i++) {
+      s->swap[count[(s->key[i].id >> shift) & 0xFF]++] = s->key[i];
+    }
+    item_key *t = s->key;
+    s->key = s->swap;
+    s->swap = t;
+  }
+}
+
+/* Balls around the bodies, widened by their reach (given margin: by half of it). */
+static base_status fill_balls(world *w, double h, double margin, base_error *err) {
+  BASE_TRY(broad_reserve(&w->broad, w->n_body, err));
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    broad_ball *ball = &w->broad.ball[i];
+    v3_copy(b->at.x, ball->x);
+    const double extra = (margin >= 0.0) ? 0.5 * margin : reach_of(w, b, h) + 0.01 * w->size;
+    ball->r = b->bound + extra;
+  }
+  return BASE_OK;
+}
+
+static base_status against_planes(world *w, int a, double margin, base_error *err) {
+  for (int i = 0; i < w->spec.n_static; i++) {
+    const int b = w->n_body + i;
+    if (plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin || !may_collide(w, a, b)) {
+      continue;
+    }
+    BASE_TRY(narrow(w, a, b, margin, err));
+  }
+  return BASE_OK;
+}
+
+/* What is added to the bounding radius of body a for this step. */
+static double widened(const world *w, int a) {
+  return w->broad.ball[a].r - w->body[a].bound;
+}
+
+base_status world_detect(world *w, double h, double margin, base_error *err) {
+  w->store.n_item = 0;
+  if (!world_has(w, EFFECT_CONTACT)) {
+    return BASE_OK;
+  }
+  BASE_TRY(fill_balls(w, h, margin, err));
+  BASE_TRY(broad_find(&w->broad, w->dim, err));
+  for (int k = 0; k < w->broad.n_pair; k++) {
+    const broad_pair p = w->broad.pair[k];
+    if (!may_collide(w, p.a, p.b)) {
+      continue;
+    }
+    BASE_TRY(narrow(w, p.a, p.b, widened(w, p.a) + widened(w, p.b), err));
+  }
+  for (int a = 0; a < w->n_body; a++) {
+    BASE_TRY(against_planes(w, a, (margin >= 0.0) ? margin : widened(w, a), err));
+  }
+  sort_keys(&w->store);
+  return BASE_OK;
+}
+
+static double least(const gap_point *g, int n, double so_far) {
+  for (int i = 0; i < n; i++) {
+    so_far = fmin(so_far, g[i].gap);
+  }
+  return so_far;
+}
+
+static double pair_gap(const world *w, int a, int b, double margin, double best) {
+  gap_point point[GAP_MAX];
+  for (int i = 0; i < n_pieces(w, a); i++) {
+    for (int k = 0; k < n_pieces(w, b); k++) {
+      best = least(point, pair_points(w, a, i, b, k, margin, point), best);
+    }
+  }
+  return best;
+}
+
+/* Pairs of bodies within `margin` of each other by their bounding balls. */
+static base_status near_gap(world *w, double margin, double *best, base_error *err) {
+  BASE_TRY(fill_balls(w, 0.0, margin, err));
+  BASE_TRY(broad_find(&w->broad, w->dim, err));
+  for (int k = 0; k < w->broad.n_pair; k++) {
+    const broad_pair p = w->broad.pair[k];
+    if (may_collide(w, p.a, p.b)) {
+      *best = pair_gap(w, p.a, p.b, HUGE_VAL, *best);
+    }
+  }
+  return BASE_OK;
+}
+
+base_status detect_min_gap(world *w, double *gap, base_error *err) {
+  double best = HUGE_VAL;
+  for (int a = 0; a < w->n_body; a++) {
+    for (int i = 0; i < w->spec.n_static; i++) {
+      if (plane_distance(&w->body[a], &w->spec.fixed[i]) < best &&
+          may_collide(w, a, w->n_body + i)) {
+        best = pair_gap(w, a, w->n_body + i, HUGE_VAL, best);
+      }
+    }
+  }
+  /* widen until the least gap found is inside the searched shell or every pair was seen */
+  double margin = 0.1 * w->size;
+  const long all = (long)w->n_body * (w->n_body - 1) / 2;
+  do {
+    BASE_TRY(near_gap(w, margin, &best, err));
+    if (best <= margin) {
+      break;
+    }
+    margin *= 4.0;
+  } while (w->broad.n_pair < all);
+  *gap = best;
+  return BASE_OK;
+}

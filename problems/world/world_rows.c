@@ -1,0 +1,343 @@
+/* world_rows.c - from detected points and joints to the groups, rows and Jacobians of a set. */
+#include "problems/vec.h"
+#include "problems/world/world_data.h"
+
+#include <stdlib.h>
+
+base_status store_grow(void **p, size_t need, size_t size, base_error *err) {
+  void *q = realloc(*p, need * size);
+  if (q == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "contact set: no memory for %zu items of %zu bytes", need,
+                     size);
+  }
+  *p = q;
+  return BASE_OK;
+}
+
+static size_t at_least(size_t need, size_t have) {
+  return (need <= have) ? have : need + need / 2 + 16;
+}
+
+static base_status grow_groups(set_store *s, size_t n_group, base_error *err) {
+  if (n_group <= s->cap_group && s->row_start != NULL) { /* no group still has offsets */
+    return BASE_OK;
+  }
+  const size_t n = at_least(n_group, s->cap_group), real = sizeof(double);
+  const struct {
+    void **array;
+    size_t count, size;
+  } all[] = {{(void **)&s->row_start, n + 1, sizeof *s->row_start},
+             {(void **)&s->jac_start, n + 1, sizeof *s->jac_start},
+             {(void **)&s->group_body, 2 * n, sizeof *s->group_body},
+             {(void **)&s->id, n, sizeof *s->id},
+             {(void **)&s->rows, n, sizeof *s->rows},
+             {(void **)&s->gap, n, real},
+             {(void **)&s->mu_static, n, real},
+             {(void **)&s->mu_kinetic, n, real},
+             {(void **)&s->mu_torsion, n, real},
+             {(void **)&s->mu_rolling, n, real},
+             {(void **)&s->restitution, n, real},
+             {(void **)&s->frame, 9 * n, real},
+             {(void **)&s->spin, 3 * n, real},
+             {(void **)&s->point, 3 * n, real}};
+  for (int i = 0; i < BASE_COUNT(all); i++) {
+    BASE_TRY(store_grow(all[i].array, all[i].count, all[i].size, err));
+  }
+  s->cap_group = n;
+  return BASE_OK;
+}
+
+base_status store_reserve(set_store *s, size_t n_group, size_t n_row, size_t n_jac,
+                          base_error *err) {
+  BASE_TRY(grow_groups(s, n_group, err));
+  if (n_row > s->cap_row) {
+    const size_t n = at_least(n_row, s->cap_row);
+    BASE_TRY(store_grow((void **)&s->u_drift, n, sizeof(double), err));
+    BASE_TRY(store_grow((void **)&s->u_before, n, sizeof(double), err));
+    BASE_TRY(store_grow((void **)&s->joint_error, n, sizeof(double), err));
+    BASE_TRY(store_grow((void **)&s->impulse, n, sizeof(double), err));
+    s->cap_row = n;
+  }
+  if (n_jac > s->cap_jac) {
+    const size_t n = at_least(n_jac, s->cap_jac);
+    BASE_TRY(store_grow((void **)&s->jac, n, sizeof(double), err));
+    s->cap_jac = n;
+  }
+  return BASE_OK;
+}
+
+static const body *side_body(const world *w, int side) {
+  return (side >= 0 && side < w->n_body) ? &w->body[side] : NULL;
+}
+
+static int side_dofs(const world *w, int side) {
+  const body *b = side_body(w, side);
+  return (b != NULL) ? b->n_dof : 0;
+}
+
+/* The rows of one group being written. */
+typedef struct row_at {
+  int row; /* the next one, of the set */
+  double h;
+  const body *body[2]; /* NULL: a side without a body */
+  double arm[2][3];    /* from its centre to where the side is felt */
+  double *jac[2];      /* the next row of either side */
+} row_at;
+
+static row_at rows_of_group(const world *w, int group, const int side[2], double h) {
+  const set_store *s = &w->store;
+  const int first = s->row_start[group];
+  row_at r = {.row = first, .h = h, .body = {side_body(w, side[0]), side_body(w, side[1])}};
+  const int n0 = (r.body[0] != NULL) ? r.body[0]->n_dof : 0;
+  r.jac[0] = s->jac + s->jac_start[group];
+  r.jac[1] = r.jac[0] + (ptrdiff_t)(s->row_start[group + 1] - first) * n0;
+  return r;
+}
+
+static void felt_at(row_at *r, const double *pa, const double *pb) {
+  const double *p[2] = {pa, pb};
+  for (int k = 0; k < 2; k++) {
+    if (r->body[k] != NULL) {
+      v3_sub(p[k], r->body[k]->at.x, r->arm[k]);
+    }
+  }
+}
+
+/* Writes  sign * d . (velocity of side k)  (angular: d . omega) into its next row and adds the parts
+ * that no dof carries to the drift and to the velocity before the step. */
+static void write_side(world *w, row_at *r, int k, double sign, const double *d, bool angular) {
+  const body *b = r->body[k];
+  if (b == NULL) {
+    return;
+  }
+  double full[6] = {0};
+  if (angular) {
+    v3_scale(sign, d, full + 3);
+  } else {
+    v3_scale(sign, d, full);
+    v3_cross(r->arm[k], full, full + 3);
+  }
+  double *jac = r->jac[k];
+  if (b->n_dof == 6) { /* every axis, in order */
+    memcpy(jac, full, sizeof full);
+  } else {
+    for (int i = 0; i < b->n_dof; i++) {
+      jac[i] = full[b->axis[i]];
+    }
+  }
+  r->jac[k] = jac + b->n_dof;
+  double before = 0.0;
+  for (int i = 0; i < 6; i++) {
+    before += full[i] * b->v[i];
+  }
+  w->store.u_before[r->row] += before;
+  if (b->driven) {
+    double v[6];
+    body_driven(b, w->t + r->h, v);
+    for (int i = 0; i < 6; i++) {
+      w->store.u_drift[r->row] += full[i] * v[i];
+    }
+  }
+}
+
+static void write_row(world *w, row_at *r, const double *d, bool angular) {
+  w->store.u_drift[r->row] = 0.0;
+  w->store.u_before[r->row] = 0.0;
+  write_side(w, r, 0, 1.0, d, angular);
+  write_side(w, r, 1, -1.0, d, angular);
+  r->row++;
+}
+
+/* Tangents: planar t = n turned by -90 degrees (n up: t along +x); spatial t1 = world x projected
+ * on the contact plane, world y where x is nearly normal, t2 = n x t1. */
+static void tangents(int dim, double *frame) {
+  const double *n = frame;
+  double *t1 = frame + 3, *t2 = frame + 6;
+  if (dim == 2) {
+    t1[0] = n[1], t1[1] = -n[0], t1[2] = 0.0;
+    t2[0] = t2[1] = t2[2] = 0.0;
+    return;
+  }
+  const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
+  const double *e = (fabs(n[0]) < 1.0 - 1e-6) ? x : y;
+  v3_add_scaled(e, -v3_dot(e, n), n, t1);
+  v3_scale(1.0 / v3_norm(t1), t1, t1);
+  v3_cross(n, t1, t2);
+}
+
+/* Without the spatial effect all motion is in a plane: one tangent, one rolling axis. */
+static bool in_plane(const world *w) {
+  return w->dim == 2 || !world_has(w, EFFECT_SPATIAL);
+}
+
+static contact_rows rows_of(const world *w, const contact_item *c) {
+  contact_rows r = {0};
+  if (world_has(w, EFFECT_FRICTION) &&
+      (pair_value(&w->mu, c->a, c->b) > 0.0 || pair_value(&w->mu_kinetic, c->a, c->b) > 0.0)) {
+    r.tangent = in_plane(w) ? 1 : 2;
+  }
+  if (!world_has(w, EFFECT_ROTATION)) {
+    return r;
+  }
+  if (world_has(w, EFFECT_TORSION) && !in_plane(w) && pair_value(&w->torsion, c->a, c->b) > 0.0) {
+    r.torsion = 1;
+  }
+  if (world_has(w, EFFECT_ROLLING) && pair_value(&w->rolling, c->a, c->b) > 0.0) {
+    r.rolling = in_plane(w) ? 1 : 2;
+  }
+  return r;
+}
+
+/* Index of a side among the bodies with dofs, -1. */
+static int group_side(const world *w, int side) {
+  const body *b = side_body(w, side);
+  return (b != NULL) ? b->index : -1;
+}
+
+static void fill_contact(world *w, const contact_item *c, int i, double h) {
+  set_store *s = &w->store;
+  const contact_rows r = s->rows[i];
+  const int side[2] = {c->a, c->b};
+  double *frame = s->frame + 9 * (ptrdiff_t)i;
+  static const double z[3] = {0, 0, 1};
+  v3_copy(c->n, frame);
+  tangents(w->dim, frame);
+  v3_copy(c->x, s->point + 3 * (ptrdiff_t)i);
+  s->id[i] = c->id;
+  s->gap[i] = c->gap;
+  s->mu_static[i] = (r.tangent > 0) ? pair_value(&w->mu, c->a, c->b) : 0.0;
+  s->mu_kinetic[i] = (r.tangent > 0) ? pair_value(&w->mu_kinetic, c->a, c->b) : 0.0;
+  s->mu_torsion[i] = (r.torsion > 0) ? pair_value(&w->torsion, c->a, c->b) : 0.0;
+  s->mu_rolling[i] = (r.rolling > 0) ? pair_value(&w->rolling, c->a, c->b) : 0.0;
+  s->restitution[i] = pair_value(&w->restitution, c->a, c->b);
+  double *spin = s->spin + 3 * (ptrdiff_t)i;
+  const body *other = side_body(w, c->b);
+  for (int k = 0; k < 3; k++) {
+    const double wb = (other != NULL) ? other->v[3 + k] : 0.0;
+    spin[k] = 0.5 * (w->body[c->a].v[3 + k] + wb);
+  }
+  const int first = s->row_start[i];
+  row_at at = rows_of_group(w, i, side, h);
+  felt_at(&at, c->x, c->x);
+  write_row(w, &at, frame, false);
+  for (int k = 0; k < r.tangent; k++) {
+    write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, false);
+  }
+  if (r.torsion > 0) {
+    write_row(w, &at, frame, true);
+  }
+  if (r.rolling == 1) { /* about the normal of the plane of motion */
+    write_row(w, &at, (w->dim == 2) ? z : frame + 6, true);
+  }
+  for (int k = 0; r.rolling == 2 && k < 2; k++) {
+    write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, true);
+  }
+  if (c->b >= w->n_body && world_has(w, EFFECT_MOTION)) { /* belts */
+    const double *belt = w->spec.fixed[c->b - w->n_body].surface_velocity;
+    for (int k = 0; k <= r.tangent; k++) {
+      const double u = v3_dot(frame + 3 * (ptrdiff_t)k, belt);
+      s->u_drift[first + k] -= u;
+      s->u_before[first + k] -= u;
+    }
+  }
+}
+
+/* Can any dof move this row? Rows that none can are not posed. */
+static bool row_moves(const world *w, const joint_data *j, const joint_row *r) {
+  const int side[2] = {j->a, j->b};
+  for (int s = 0; s < 2; s++) {
+    const body *b = side_body(w, side[s]);
+    for (int k = 0; b != NULL && k < b->n_dof; k++) {
+      const int axis = b->axis[k];
+      double arm[3], turn[3];
+      v3_sub((s == 0) ? r->p_a : r->p_b, b->at.x, arm);
+      v3_cross(arm, r->d, turn);
+      const double value = (axis < 3) ? (r->angular ? 0.0 : r->d[axis])
+                                      : (r->angular ? r->d[axis - 3] : turn[axis - 3]);
+      if (value != 0.0) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+static int moving_rows(const world *w, const joint_data *j, joint_row *row) {
+  const int n = joint_rows(w, j, row);
+  int kept = 0;
+  for (int k = 0; k < n; k++) {
+    if (row_moves(w, j, &row[k])) {
+      row[kept++] = row[k];
+    }
+  }
+  return kept;
+}
+
+static void fill_joint(world *w, const joint_data *j, int group, double h) {
+  set_store *s = &w->store;
+  joint_row row[JOINT_ROWS_MAX];
+  const int n = moving_rows(w, j, row), side[2] = {j->a, j->b};
+  row_at at = rows_of_group(w, group, side, h);
+  for (int k = 0; k < n; k++) {
+    s->joint_error[at.row - s->row_start[w->set.n_contact]] = row[k].error;
+    felt_at(&at, row[k].p_a, row[k].p_b);
+    write_row(w, &at, row[k].d, row[k].angular);
+  }
+}
+
+/* Appends a group of `rows` rows between two sides to the index arrays (capacity is there). */
+static void add_group(world *w, int *group, int a, int b, int rows) {
+  set_store *s = &w->store;
+  const int g = (*group)++;
+  int *side = s->group_body + (ptrdiff_t)2 * g;
+  side[0] = group_side(w, a);
+  side[1] = group_side(w, b);
+  s->row_start[g + 1] = s->row_start[g] + rows;
+  s->jac_start[g + 1] = s->jac_start[g] + rows * (side_dofs(w, a) + side_dofs(w, b));
+}
+
+static base_status index_groups(world *w, int *n_group, base_error *err) {
+  set_store *s = &w->store;
+  joint_row row[JOINT_ROWS_MAX];
+  BASE_TRY(store_reserve(s, (size_t)(s->n_item + w->n_joint), 0, 0, err));
+  s->row_start[0] = 0;
+  s->jac_start[0] = 0;
+  int g = 0;
+  for (int i = 0; i < s->n_item; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    const contact_rows r = rows_of(w, c);
+    s->rows[i] = r;
+    if (s->jac_start[g] > INT32_MAX - 6 * 12) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED, "contact set: %d contacts overflow the indices", i);
+    }
+    add_group(w, &g, c->a, c->b, 1 + r.tangent + r.torsion + r.rolling);
+  }
+  w->set.n_contact = s->n_item;
+  for (int i = 0; i < w->n_joint; i++) {
+    const int rows = moving_rows(w, &w->joint[i], row);
+    if (rows > 0) {
+      add_group(w, &g, w->joint[i].a, w->joint[i].b, rows);
+    }
+  }
+  *n_group = g;
+  return store_reserve(s, (size_t)g, (size_t)s->row_start[g], (size_t)s->jac_start[g], err);
+}
+
+base_status world_assemble(world *w, double h, base_error *err) {
+  set_store *s = &w->store;
+  joint_row row[JOINT_ROWS_MAX];
+  int g = 0;
+  BASE_TRY(index_groups(w, &g, err));
+  for (int i = 0; i < s->n_item; i++) {
+    fill_contact(w, &s->item[s->key[i].item], i, h);
+  }
+  int group = s->n_item;
+  for (int i = 0; i < w->n_joint; i++) {
+    if (moving_rows(w, &w->joint[i], row) > 0) {
+      fill_joint(w, &w->joint[i], group++, h);
+    }
+  }
+  w->set.n_group = g;
+  w->set.n_row = s->row_start[g];
+  return BASE_OK;
+}
