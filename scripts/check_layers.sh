@@ -1,6 +1,7 @@
 #!/bin/sh
-# scripts/check_layers.sh - fails when an #include points against the data flow
-# problems -> formulations -> lcp -> harness (tests may include anything).
+# scripts/check_layers.sh [BUILD] - fails when an #include points upwards. The floors, from the ground: lcp, problems,
+# formulations, harness (tests may include anything). Then scripts/check_circles.py looks for circles inside
+# folders and between rooms in the objects of BUILD (default: build).
 cd "$(dirname "$0")/.." || exit 2
 bad=0
 deny() { # folder, forbidden include prefixes
@@ -10,4 +11,5 @@ deny lcp          'problems/|formulations/|harness/|tests/'
 deny problems     'formulations/|harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)'
 deny formulations 'harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)|problems/scene\.h'
 deny harness      'tests/|lcp/solvers/'
+python3 scripts/check_circles.py "${1:-build}" || bad=1
 exit $bad

@@ -1,6 +1,6 @@
 #include "harness/campaign/compare.h"
 
-#include "harness/measure/stats.h"
+#include "harness/cell/stats.h"
 #include "lcp/base/rng.h"
 
 #include <math.h>

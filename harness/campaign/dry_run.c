@@ -1,6 +1,7 @@
 #include "harness/campaign/dry_run.h"
 
 #include "harness/campaign/doctor.h"
+#include "harness/util/folder.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,7 +11,7 @@
 /* Rows that are there and count: those to be measured again do not. */
 static base_status read_rows(const runner_options *o, record_table *rows, base_error *err) {
   char path[1100];
-  runner_path(o->out, "results.csv", path, sizeof path);
+  folder_file(o->out, "results.csv", path, sizeof path);
   if (access(path, F_OK) != 0) {
     return BASE_OK;
   }

@@ -3,6 +3,7 @@
 #include "harness/campaign/noise.h"
 #include "harness/campaign/runner.h"
 #include "harness/measure/machine.h"
+#include "harness/util/folder.h"
 #include "harness/util/json_file.h"
 #include "harness/util/sha256.h"
 #include "harness/util/version.h"
@@ -179,7 +180,7 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
   (void)json_object_set_new(o, "libraries", libraries_json());
   (void)json_object_set_new(o, "environment", environment_json());
   (void)json_object_set_new(o, "inputs_sha256", inputs_json(p));
-  runner_path(dir, "results.csv", path, sizeof path);
+  folder_file(dir, "results.csv", path, sizeof path);
   if (sha256_file(path, sum, NULL) == BASE_OK) {
     json_out_text(o, "results_sha256", sum);
   }

@@ -47,11 +47,11 @@ static base_status join(const char *const *dir, int n, const char *name, const c
   char path[1100];
   char header[8192] = "";
   whole_file w;
-  runner_path(out, name, path, sizeof path);
+  folder_file(out, name, path, sizeof path);
   BASE_TRY(whole_file_open(&w, path, err));
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < n; i++) {
-    runner_path(dir[i], name, path, sizeof path);
+    folder_file(dir[i], name, path, sizeof path);
     done = add_lines(path, w.to, header, sizeof header, err);
   }
   const base_status closed = whole_file_close(&w, done == BASE_OK && header[0] != '\0', err);
@@ -106,8 +106,8 @@ static base_status take_entries(DIR *d, const char *dir, const char *out, base_e
 static base_status take_folder(const char *dir, const char *sub, const char *out, base_error *err) {
   char from[1100];
   char to[1100];
-  runner_path(dir, sub, from, sizeof from);
-  runner_path(out, sub, to, sizeof to);
+  folder_file(dir, sub, from, sizeof from);
+  folder_file(out, sub, to, sizeof to);
   DIR *d = opendir(from);
   if (d == NULL) {
     return (errno == ENOENT) ? BASE_OK : failed(from, err);
@@ -139,7 +139,7 @@ static base_status take_doctor(const char *dir, const char *name, const char *ou
   BASE_TRY(floor_in(dir, name, &here, err));
   BASE_TRY(floor_in(out, "doctor.json", &there, err));
   (void)snprintf(from, sizeof from, "%s/%s", dir, name);
-  runner_path(out, "doctor.json", to, sizeof to);
+  folder_file(out, "doctor.json", to, sizeof to);
   return (here > there) ? copy_file(from, to, err) : BASE_OK;
 }
 
@@ -165,6 +165,6 @@ base_status merge_files(const char *const *dir, int n, const char *out, base_err
     BASE_TRY(take_folder(dir[i], "traces", out, err));
     BASE_TRY(take_doctors(dir[i], out, err));
   }
-  runner_path(out, "traces", traces, sizeof traces);
+  folder_file(out, "traces", traces, sizeof traces);
   return (access(traces, F_OK) == 0) ? join(dir, n, "traces/index.csv", out, err) : BASE_OK;
 }

@@ -1,6 +1,6 @@
 #include "harness/campaign/noise.h"
 
-#include "harness/measure/stats.h"
+#include "harness/cell/stats.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/rng.h"
 

@@ -3,7 +3,7 @@
 #include "harness/campaign/doctor.h"
 #include "harness/campaign/manifest.h"
 #include "harness/campaign/runner_state.h"
-#include "harness/measure/isolate.h"
+#include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
 #include "lcp/base/clock.h"
@@ -14,10 +14,6 @@
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
-
-void runner_path(const char *dir, const char *name, char *buf, size_t cap) {
-  (void)snprintf(buf, cap, "%s/%s", dir, name);
-}
 
 static const char canary_header[] = "utc,host,canary_s,load1,freq_MHz\n";
 
@@ -34,7 +30,7 @@ static void measure_canary(runner *r) {
   char path[1100];
   char when[24];
   char megahertz[32] = "";
-  runner_path(r->o->out, "canary.csv", path, sizeof path);
+  folder_file(r->o->out, "canary.csv", path, sizeof path);
   FILE *to = fopen(path, "a");
   if (to != NULL) { /* the canary also stands in every row; a lost line here loses nothing */
     machine_utc(when, sizeof when);
@@ -55,8 +51,8 @@ static base_status settle_canaries(const runner *r, base_error *err) {
   char path[1100];
   char old[1100];
   char line[sizeof canary_header] = "";
-  runner_path(r->o->out, "canary.csv", path, sizeof path);
-  runner_path(r->o->out, "canary.old.csv", old, sizeof old);
+  folder_file(r->o->out, "canary.csv", path, sizeof path);
+  folder_file(r->o->out, "canary.old.csv", old, sizeof old);
   FILE *from = fopen(path, "r");
   if (from == NULL) {
     return BASE_OK;
@@ -103,7 +99,7 @@ static base_status run_units(runner *r, base_error *err) {
  * left. The lock goes with the process, however it ends. */
 static base_status lock_directory(runner *r, base_error *err) {
   char path[1100];
-  runner_path(r->o->out, ".lock", path, sizeof path);
+  folder_file(r->o->out, ".lock", path, sizeof path);
   r->lock = open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
   struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
   if (r->lock < 0) {
@@ -127,11 +123,11 @@ static base_status lock_directory(runner *r, base_error *err) {
 static base_status make_folders(const runner *r, base_error *err) {
   char path[1100];
   if (r->o->solutions) {
-    runner_path(r->o->out, "solutions", path, sizeof path);
+    folder_file(r->o->out, "solutions", path, sizeof path);
     BASE_TRY(folder_make(path, err));
   }
   if (r->o->trace) {
-    runner_path(r->o->out, "traces", path, sizeof path);
+    folder_file(r->o->out, "traces", path, sizeof path);
     BASE_TRY(folder_make(path, err));
   }
   return BASE_OK;

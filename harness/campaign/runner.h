@@ -58,6 +58,3 @@ base_status runner_count_cells(const plan *p, const char *dir, int by_status[RUN
 /* DIR/results.csv, read and written whole (harness/plan/record.h). */
 base_status runner_read_rows(const char *dir, record_table *out, base_error *err);
 base_status runner_write_rows(const char *dir, const record_table *t, base_error *err);
-
-/* "DIR/name" */
-void runner_path(const char *dir, const char *name, char *buf, size_t cap);

@@ -2,6 +2,7 @@
 #include "harness/campaign/runner.h"
 #include "harness/measure/machine.h"
 #include "harness/measure/verdict.h"
+#include "harness/util/folder.h"
 #include "harness/util/versions.h"
 
 #include <stdlib.h>
@@ -131,23 +132,11 @@ base_status runner_done(const plan *p, const record_table *rows, bool *done, bas
   return done_on(p, rows, m.cpu_model, done, err); /* times of another machine are not these */
 }
 
-base_status runner_read_rows(const char *dir, record_table *out, base_error *err) {
-  char path[1100];
-  runner_path(dir, "results.csv", path, sizeof path);
-  return record_table_read(path, out, err);
-}
-
-base_status runner_write_rows(const char *dir, const record_table *t, base_error *err) {
-  char path[1100];
-  runner_path(dir, "results.csv", path, sizeof path);
-  return record_table_write(path, t, err);
-}
-
 base_status runner_left(const plan *p, const char *dir, int *left, base_error *err) {
   char path[1100];
   record_table rows = {0};
   *left = p->n_unit;
-  runner_path(dir, "results.csv", path, sizeof path);
+  folder_file(dir, "results.csv", path, sizeof path);
   if (access(path, F_OK) != 0) {
     return BASE_OK; /* not begun */
   }

@@ -2,6 +2,7 @@
 #include "harness/campaign/runner_state.h"
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
+#include "harness/util/folder.h"
 #include "harness/util/versions.h"
 
 #include <errno.h>
@@ -109,7 +110,7 @@ static base_status set_aside(const runner *r, const record_table *stale, base_er
   char path[1100];
   record_table all = {0};
   base_status done = BASE_OK;
-  runner_path(r->o->out, "stale.csv", path, sizeof path);
+  folder_file(r->o->out, "stale.csv", path, sizeof path);
   if (access(path, F_OK) == 0) {
     done = record_table_read(path, &all, err);
   }
@@ -176,7 +177,7 @@ static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
 base_status runner_open_rows(runner *r, record_table *rows, base_error *err) {
   char path[1100];
   char header[RECORD_ROW];
-  runner_path(r->o->out, "results.csv", path, sizeof path);
+  folder_file(r->o->out, "results.csv", path, sizeof path);
   if (access(path, F_OK) == 0) {
     BASE_TRY(record_table_read(path, rows, err));
     BASE_TRY(settle_rows(r, rows, err));

@@ -3,7 +3,7 @@
 
 #include "harness/campaign/runner.h"
 #include "harness/cell/cell_run.h"
-#include "harness/measure/isolate.h"
+#include "harness/cell/isolate.h"
 #include "harness/measure/machine.h"
 #include "harness/util/progress.h"
 
@@ -32,6 +32,14 @@ typedef struct runner {
   text_list forgotten; /* cells whose rows were set aside: their answers and histories went too */
 } runner;
 
+/* runner_folder.c: DIR/solutions/ID.ans and DIR/traces/ID.csv of a cell. */
+void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap);
+void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap);
+
+/* runner_process.c: leaves the rows of r->job in unit_rows. *whole false: the run was interrupted, and
+ * nothing is kept. */
+base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, base_error *err);
+
 /* runner_rows.c: opens results.csv for appending, after what is there was read and settled. */
 base_status runner_open_rows(runner *r, record_table *rows, base_error *err);
 base_status runner_append_rows(runner *r, base_error *err); /* unit_rows, in one piece */
@@ -43,10 +51,6 @@ base_status runner_close_rows(runner *r, base_error *err);
 /* runner_unit.c: one process of one cell, isolated, with its rows appended. */
 base_status runner_unit(runner *r, int u, base_error *err);
 
-/* Leaves the rows of r->job in unit_rows. *whole false: the run was interrupted, nothing is kept. */
-base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, base_error *err);
-void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap);
-
 /* runner_twin.c: what earlier sessions know of the twins; without those of forgotten cells. */
 base_status runner_twins_open(runner *r, base_error *err);
 
@@ -54,4 +58,3 @@ base_status runner_twins_open(runner *r, base_error *err);
 base_status runner_twin(runner *r, int index, base_error *err);
 /* Flags rows in unit_rows whose answers are not those of the cell's twin. */
 void runner_twin_check(runner *r, int index);
-void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap);

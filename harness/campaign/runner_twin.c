@@ -1,8 +1,9 @@
 /* Untimed twins, whose convergence histories go to traces/. traces/index.csv has a line for each: one
  * that died is not run again for every process of its cell, nor by the next session. */
 #include "harness/campaign/runner_state.h"
-#include "harness/measure/isolate.h"
+#include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
+#include "harness/util/folder.h"
 #include "harness/util/versions.h"
 #include "harness/util/whole_file.h"
 
@@ -13,10 +14,6 @@
 
 static const char header[] = "cell_id,solver,status,flags,solution_hash,base_hash\n";
 static const char index_name[] = "traces/index.csv";
-
-void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap) {
-  (void)snprintf(buf, cap, "%s/traces/%s.csv", r->o->out, id);
-}
 
 /* ---- the index --------------------------------------------------------------------------------*/
 
@@ -87,7 +84,7 @@ base_status runner_twins_open(runner *r, base_error *err) {
   char path[1100];
   char line[512];
   whole_file w;
-  runner_path(r->o->out, index_name, path, sizeof path);
+  folder_file(r->o->out, index_name, path, sizeof path);
   FILE *from = fopen(path, "r");
   if (from == NULL) {
     return (errno == ENOENT) ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
@@ -109,7 +106,7 @@ base_status runner_twins_open(runner *r, base_error *err) {
 /* What the twin ended with, beside the rows it is the twin of. */
 static base_status index_twin(const runner *r, const record *row, base_error *err) {
   char path[1100];
-  runner_path(r->o->out, index_name, path, sizeof path);
+  folder_file(r->o->out, index_name, path, sizeof path);
   FILE *to = fopen(path, "a");
   bool good = to != NULL && (ftell(to) > 0 || fputs(header, to) != EOF);
   good = good && fprintf(to, "%s,%s,%s,%s,%s,%s\n", row->cell_id, row->solver, row->status,

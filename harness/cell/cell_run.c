@@ -2,8 +2,8 @@
 
 #include "harness/cell/cell_measure.h"
 #include "harness/cell/outliers.h"
+#include "harness/cell/stats.h"
 #include "harness/measure/machine.h"
-#include "harness/measure/stats.h"
 #include "lcp/base/clock.h"
 
 #include <sched.h>
@@ -50,31 +50,6 @@ void cell_identity(const cell_job *job, record *r) {
     SET_TEXT(r->contact_order, c->contact_order);
   }
   cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
-}
-
-/* ---- what both kinds of cells share -----------------------------------------------------------*/
-
-void cell_fill_work(const lcp_work *w, const lcp_solver *s, long n_solves, record *r) {
-  r->n_iter = w->iterations;
-  r->n_pivot = w->pivots;
-  r->n_matvec = w->matvecs;
-  r->n_factor = w->factorizations;
-  r->n_linesearch = w->linesearches;
-  if (n_solves > 0 && w->iterations + w->pivots + w->sweeps == 0 && strcmp(r->status, "ok") == 0) {
-    record_flag(r, "zero_iterations");
-  }
-  if (r->n_fallback > 0) {
-    record_flag(r, "fallback");
-  }
-  if (n_solves > 0 && s->allocates) {
-    record_flag(r, "allocates");
-  }
-}
-
-void cell_cool(const measured *m) {
-  if (m->sweep != NULL) {
-    machine_sweep(m->sweep, m->n_sweep);
-  }
 }
 
 /* ---- repetitions ------------------------------------------------------------------------------*/

@@ -2,7 +2,7 @@
  * the median is known well enough. */
 #pragma once
 
-#include "harness/measure/isolate.h"
+#include "harness/cell/isolate.h"
 #include "harness/plan/plan.h"
 
 typedef struct cell_job {

@@ -1,8 +1,8 @@
 /* Cells that are scenes: whole simulations, repeated. */
 #include "harness/cell/cell_measure.h"
+#include "harness/cell/stats.h"
 #include "harness/measure/predictions.h"
 #include "harness/measure/solve_once.h"
-#include "harness/measure/stats.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 

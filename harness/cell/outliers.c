@@ -1,6 +1,6 @@
 #include "harness/cell/outliers.h"
 
-#include "harness/measure/stats.h"
+#include "harness/cell/stats.h"
 
 #include <math.h>
 

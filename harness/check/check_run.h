@@ -2,8 +2,8 @@
  * own process, and reports one outcome per check. */
 #pragma once
 
+#include "harness/cell/isolate.h"
 #include "harness/check/check_report.h"
-#include "harness/measure/isolate.h"
 #include "harness/measure/registry.h"
 #include "problems/read/case_file.h"
 

@@ -141,7 +141,7 @@ static void put_spec(json_t *o, const scene_spec *s) {
 
 base_status list_scene_json(const scene *s, json_t **out, base_error *err) {
   scene_spec spec;
-  BASE_TRY(scene_load(s->name, &spec, err));
+  BASE_TRY(scene_build(s->name, &spec, err));
   json_t *o = json_object();
   json_out_text(o, "name", s->name);
   json_out_text(o, "title", s->title);

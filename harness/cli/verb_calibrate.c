@@ -3,7 +3,7 @@
 #include "harness/cli/cli.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 #include <string.h>
 

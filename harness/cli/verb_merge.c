@@ -93,7 +93,7 @@ static base_status check_out(const char *const *dir, int n, const char *out, bas
       return BASE_FAIL(err, BASE_EINVAL, "merge: --out %s is one of the folders to be merged", out);
     }
   }
-  runner_path(out, "results.csv", path, sizeof path);
+  folder_file(out, "results.csv", path, sizeof path);
   return (access(path, F_OK) != 0)
              ? BASE_OK
              : BASE_FAIL(err, BASE_EINVAL,
@@ -113,7 +113,7 @@ static base_status write_manifest(json_t *o, const char *const *dir, int n, cons
   json_out_int(o, "shard", 0);
   json_out_int(o, "n_shards", 0);
   (void)json_object_set_new(o, "merged_from", shards);
-  runner_path(out, "results.csv", path, sizeof path);
+  folder_file(out, "results.csv", path, sizeof path);
   BASE_TRY(sha256_file(path, sum, err));
   json_out_text(o, "results_sha256", sum);
   return json_file_write(o, out, "manifest.json", err);
@@ -128,7 +128,7 @@ static base_status write_all(const char *const *dir, int n, const char *out, jso
   const base_status done = write_manifest(manifest, dir, n, out, err);
   if (done != BASE_OK) {
     char path[1100];
-    runner_path(out, "results.csv", path, sizeof path);
+    folder_file(out, "results.csv", path, sizeof path);
     (void)unlink(path);
   }
   return done;

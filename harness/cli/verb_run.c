@@ -1,8 +1,8 @@
 /* lcpbench run: measures a campaign, or goes on with one. */
 #include "harness/campaign/dry_run.h"
 #include "harness/campaign/runner.h"
+#include "harness/cell/isolate.h"
 #include "harness/cli/cli.h"
-#include "harness/measure/isolate.h"
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
 #include "lcp/base/fields.h"

@@ -1,7 +1,7 @@
 /* lcpbench status: what a campaign folder holds. */
 #include "harness/campaign/runner.h"
+#include "harness/cell/stats.h"
 #include "harness/cli/cli.h"
-#include "harness/measure/stats.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/args.h"
 

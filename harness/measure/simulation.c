@@ -2,7 +2,7 @@
 
 #include "harness/measure/contact_order.h"
 #include "lcp/base/fields.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 #include <string.h>
 

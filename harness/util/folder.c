@@ -6,7 +6,7 @@
 #include <sys/stat.h>
 
 base_status folder_make(const char *path, base_error *err) {
-  char part[1000]; /* leaves room for the names in it (runner_path) */
+  char part[1000]; /* leaves room for the names in it (folder_file) */
   if (path[0] == '\0' || strlen(path) >= sizeof part) {
     return BASE_FAIL(err, BASE_EINVAL, "folder '%.80s': need a name of 1 to %zu characters", path,
                      sizeof part - 1);
@@ -28,4 +28,8 @@ base_status folder_make(const char *path, base_error *err) {
   return (stat(part, &st) == 0 && S_ISDIR(st.st_mode))
              ? BASE_OK
              : BASE_FAIL(err, BASE_EIO, "%s: is not a folder", path);
+}
+
+void folder_file(const char *dir, const char *name, char *buf, size_t cap) {
+  (void)snprintf(buf, cap, "%s/%s", dir, name);
 }

@@ -1,6 +1,6 @@
 #include "harness/util/json_file.h"
 
-#include "harness/campaign/runner.h"
+#include "harness/util/folder.h"
 #include "harness/util/whole_file.h"
 
 #include <errno.h>
@@ -9,7 +9,7 @@
 base_status json_file_write(const json_t *o, const char *dir, const char *name, base_error *err) {
   char path[1100];
   whole_file w;
-  runner_path(dir, name, path, sizeof path);
+  folder_file(dir, name, path, sizeof path);
   BASE_TRY(whole_file_open(&w, path, err));
   errno = 0;
   const bool good = json_dumpf(o, w.to, JSON_INDENT(2) | JSON_REAL_PRECISION(17)) == 0;
@@ -24,7 +24,7 @@ base_status json_file_read(const char *dir, const char *name, json_t **out, base
   char path[1100];
   json_error_t why;
   *out = NULL;
-  runner_path(dir, name, path, sizeof path);
+  folder_file(dir, name, path, sizeof path);
   FILE *from = fopen(path, "r");
   if (from == NULL) {
     return (errno == ENOENT) ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));

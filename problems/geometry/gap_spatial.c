@@ -34,34 +34,6 @@ static int core_pair(const double *p, double ra, const double *q, double rb, con
   return 1;
 }
 
-void segment_closest(const double *p0, const double *p1, const double *q0, const double *q1,
-                     double *on_p, double *on_q) {
-  double d1[3], d2[3], r[3];
-  v3_sub(p1, p0, d1);
-  v3_sub(q1, q0, d2);
-  v3_sub(p0, q0, r);
-  const double a = v3_dot(d1, d1), e = v3_dot(d2, d2), f = v3_dot(d2, r), c = v3_dot(d1, r);
-  const double b = v3_dot(d1, d2), denom = a * e - b * b;
-  double s = 0.0, t = 0.0; /* parameters on p and q (Ericson 2005, 5.1.9) */
-  if (a > 0.0 && e > 0.0) {
-    s = (denom > 1e-14 * a * e) ? fmin(fmax((b * f - c * e) / denom, 0.0), 1.0) : 0.0;
-    t = (b * s + f) / e;
-    if (t < 0.0) {
-      t = 0.0;
-      s = fmin(fmax(-c / a, 0.0), 1.0);
-    } else if (t > 1.0) {
-      t = 1.0;
-      s = fmin(fmax((b - c) / a, 0.0), 1.0);
-    }
-  } else if (a > 0.0) {
-    s = fmin(fmax(-c / a, 0.0), 1.0);
-  } else if (e > 0.0) {
-    t = fmin(fmax(f / e, 0.0), 1.0);
-  }
-  v3_add_scaled(p0, s, d1, on_p);
-  v3_add_scaled(q0, t, d2, on_q);
-}
-
 /* Ends of the core: a point is a segment of no length. */
 static void ends_of(const piece *p, const pose *at, double *e0, double *e1) {
   world_point(at, p->vertex, e0);

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "problems/families/known_lcp.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 /* The status vocabulary of the case format, as bits. */
 #define CASE_STATUS_LIST(X)                                                                        \

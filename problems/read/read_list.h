@@ -1,7 +1,7 @@
 /* problems/read/read_list.h - the scenes of a file that is already in memory. */
 #pragma once
 
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 #include <jansson.h>
 

@@ -51,55 +51,12 @@ static base_status build_named(const scene *sc, const char *parameters, scene_sp
                              : BASE_FAIL(err, status, "scene %s: %s", sc->name, inner.text);
 }
 
-/* Moves scene `id` (or the only one, id NULL) of a file that was read into *out. */
-static base_status pick_scene(scene_file *f, const char *path, const char *id, scene_spec *out,
-                              base_error *err) {
-  for (int i = 0; i < f->n_failed; i++) {
-    if (id == NULL || strcmp(f->failed[i].id, id) == 0) {
-      return BASE_FAIL(err, f->failed[i].err.code, "%s: %s", path, f->failed[i].err.text);
-    }
-  }
-  if (id == NULL && f->n_scene > 1) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s: holds %d scenes; pick one with '%s#ID'", path,
-                     f->n_scene, path);
-  }
-  for (int i = 0; i < f->n_scene; i++) {
-    if (id == NULL || strcmp(f->scene[i].id, id) == 0) {
-      *out = f->scene[i];
-      f->scene[i] = f->scene[--f->n_scene];
-      return BASE_OK;
-    }
-  }
-  return BASE_FAIL(err, BASE_EINVAL, "%s: no scene '%s' in it", path, id);
-}
-
-static base_status load_file(const char *path, const char *id, scene_spec *out, base_error *err) {
-  scene_file f;
-  BASE_TRY(scene_file_read(path, &f, err));
-  const base_status status = pick_scene(&f, path, id, out, err);
-  scene_file_free(&f);
-  return status;
-}
-
-/* Texts with a slash or an ending of a scene file are paths. */
-static bool is_path(const char *text) {
-  return strchr(text, '/') != NULL || strstr(text, ".json") != NULL ||
-         strstr(text, ".yaml") != NULL || strstr(text, ".yml") != NULL;
-}
-
-base_status scene_load(const char *text, scene_spec *out, base_error *err) {
+base_status scene_build(const char *text, scene_spec *out, base_error *err) {
   char head[1024];
   if (strlen(text) >= sizeof head) {
     return BASE_FAIL(err, BASE_EINVAL, "scene '%.40s...': name or path too long", text);
   }
   memcpy(head, text, strlen(text) + 1);
-  if (is_path(text)) {
-    char *hash = strrchr(head, '#');
-    if (hash != NULL) {
-      *hash = '\0';
-    }
-    return load_file(head, hash != NULL ? hash + 1 : NULL, out, err);
-  }
   char *colon = strchr(head, ':');
   if (colon != NULL) {
     *colon = '\0';

@@ -3,7 +3,7 @@
 #include "tests/support/check.h"
 
 #include "harness/measure/predictions.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 #include <stdio.h>
 #include <string.h>

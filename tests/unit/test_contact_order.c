@@ -4,7 +4,7 @@
 
 #include "harness/measure/contact_order.h"
 #include "lcp/base/rng.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 #include "problems/world/world.h"
 
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #include "tests/support/check.h"
 
 #include "formulations/formulation.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 #include "tests/support/rig.h"
 
 #include <stdlib.h>

@@ -3,12 +3,13 @@
 #include "tests/support/check.h"
 
 #include "harness/campaign/runner_state.h"
+#include "harness/cell/stats.h"
 #include "harness/measure/answers.h"
 #include "harness/measure/registry.h"
-#include "harness/measure/stats.h"
 #include "harness/measure/verdict.h"
 #include "harness/plan/plan.h"
 #include "harness/util/args.h"
+#include "harness/util/folder.h"
 #include "harness/util/sha256.h"
 #include "harness/util/versions.h"
 
@@ -286,7 +287,7 @@ static void drifting_canaries_flag_rows(void **state) {
   }
   record_table_free(&back);
   char path[64];
-  runner_path(dir, "results.csv", path, sizeof path);
+  folder_file(dir, "results.csv", path, sizeof path);
   (void)unlink(path);
   (void)rmdir(dir);
 }

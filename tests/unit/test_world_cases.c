@@ -3,7 +3,7 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 #include "problems/vec.h"
 #include "problems/world/world.h"
 

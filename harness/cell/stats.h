@@ -1,4 +1,4 @@
-/* harness/measure/stats.h - order statistics of repeated measurements. */
+/* harness/cell/stats.h - order statistics of repeated measurements. */
 #pragma once
 
 /* Sorts x[n] in place, ascending. */

@@ -1,4 +1,4 @@
-#include "harness/measure/stats.h"
+#include "harness/cell/stats.h"
 
 #include <math.h>
 #include <stdlib.h>

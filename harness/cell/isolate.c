@@ -1,4 +1,4 @@
-#include "harness/measure/isolate.h"
+#include "harness/cell/isolate.h"
 
 #include "lcp/base/clock.h"
 

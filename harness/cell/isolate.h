@@ -1,4 +1,4 @@
-/* harness/measure/isolate.h - runs a piece of work in a child process with limits, so that a crash, a hang
+/* harness/cell/isolate.h - runs a piece of work in a child process with limits, so that a crash, a hang
  * or a flood ends that piece and nothing else.
  *
  * The child hands back fixed-size items over a pipe, each whole; its stdout and stderr are captured
