@@ -1,5 +1,7 @@
 #include "lcp/lcp_farkas.h"
 
+#include "lcp/lcp_column.h"
+
 enum { DENOMINATOR_MAX = 256 };
 
 static long double two_sum(long double a, long double b, long double *rest) { /* Knuth 1969 */
@@ -36,15 +38,9 @@ static int sign_of(const lcp_farkas_sum *s) {
 /* Of a factored M: of S alone. */
 static int column_sign(const lcp_matrix *M, int j, const double *y) {
   lcp_farkas_sum s = {0, 0, 0};
-  if (M->storage == LCP_DENSE) {
-    for (int i = 0; i < M->n; i++) {
-      add_product(&s, M->val[(ptrdiff_t)j * M->n + i], y[i]);
-    }
-  } else {
-    const lcp_csc *C = (M->storage == LCP_CSC) ? &M->csc : M->factored->shift;
-    for (int k = (C != NULL) ? C->colptr[j] : 0; C != NULL && k < C->colptr[j + 1]; k++) {
-      add_product(&s, C->val[k], y[C->rowind[k]]);
-    }
+  const lcp_column c = lcp_column_of(M, j);
+  for (int k = 0; k < c.count; k++) {
+    add_product(&s, c.val[k], y[lcp_column_row(&c, k)]);
   }
   return sign_of(&s);
 }

@@ -1,8 +1,8 @@
 /* lcp_judge.c - the independent residuals, accumulated in long double. */
 #include "lcp/lcp_judge.h"
 
-#include "lcp/lcp_column.h"
 #include "lcp/lcp_cone.h"
+#include "lcp/lcp_wide_column.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 typedef struct judge {
   const lcp_problem *p;
   const double *z;
-  lcp_columns columns;         /* of M, in long double; a factored M is never formed */
+  lcp_wide_columns columns;    /* of M, in long double; a factored M is never formed */
   long double *w, *tau0, *tau; /* n */
   double *zref, *d;            /* n */
 } judge;
@@ -27,7 +27,7 @@ static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
 }
 
 static void judge_close(judge *j) {
-  lcp_columns_close(&j->columns);
+  lcp_wide_columns_close(&j->columns);
   free(j->w);
   free(j->tau0);
   free(j->tau);
@@ -43,7 +43,7 @@ static void measure(judge *j) {
     j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
   }
   for (int c = 0; c < n; c++) {
-    const lcp_column col = lcp_columns_at(&j->columns, c);
+    const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
     for (int k = 0; k < col.count; k++) {
       const long double term = col.val[k] * j->z[c];
       j->w[col.row[k]] += term;
@@ -54,7 +54,7 @@ static void measure(judge *j) {
     }
   }
   for (int c = 0; c < n; c++) {
-    const lcp_column col = lcp_columns_at(&j->columns, c);
+    const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
     long double ref = (j->d[c] != 0.0) ? j->tau0[c] / fabsl((long double)j->d[c]) : 0.0L;
     bool empty = true;
     for (int k = 0; k < col.count; k++) {
@@ -179,7 +179,7 @@ base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, b
   if (!judge_open(&j, p, z)) {
     s = BASE_FAIL(err, BASE_ENOMEM, "judge: no memory for %d rows", p->M.n);
   } else {
-    s = lcp_columns_open(&j.columns, &p->M, err);
+    s = lcp_wide_columns_open(&j.columns, &p->M, err);
   }
   if (s == BASE_OK) {
     measure(&j);

@@ -1,28 +1,14 @@
 /* lcp_matrix.c - products and copies of the three storages. The factored form is handled through
  * body velocities: y = J (W (J' x)) + S x, linear in the number of groups. */
-#include "lcp/lcp_problem.h"
+#include "lcp/lcp_column.h"
 
 #include <string.h>
 
-static void csc_apply_add(const lcp_csc *m, const double *x, double *y) {
-  for (int j = 0; j < m->n_col; j++) {
-    const double xj = x[j];
-    for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
-      y[m->rowind[k]] += m->val[k] * xj;
-    }
-  }
-}
-
-static void dense_apply_add(const lcp_matrix *M, const double *x, double *y) {
-  const size_t n = (size_t)M->n;
-  for (size_t j = 0; j < n; j++) {
-    const double xj = x[j];
-    const double *col = M->val + j * n;
-    if (xj == 0.0) {
-      continue; /* impulses of open contacts; a finite column changes nothing */
-    }
-    for (size_t i = 0; i < n; i++) {
-      y[i] += col[i] * xj;
+/* y += what M stores times x. */
+static void stored_apply_add(const lcp_matrix *M, const double *x, double *y) {
+  for (int j = 0; j < M->n; j++) {
+    if (x[j] != 0.0) { /* else the impulse of an open contact: a finite column changes nothing */
+      lcp_column_add(lcp_column_of(M, j), x[j], y);
     }
   }
 }
@@ -66,6 +52,7 @@ static void weight_times(const lcp_factored *f, const double *force, double *v) 
   }
 }
 
+/* y += J W J' x. */
 static void factored_apply_add(const lcp_factored *f, const double *x, double *y, double *scratch) {
   const int m = f->dof_start[f->n_body];
   double *force = scratch, *v = scratch + m;
@@ -94,9 +81,6 @@ static void factored_apply_add(const lcp_factored *f, const double *x, double *y
       }
     }
   }
-  if (f->shift != NULL) {
-    csc_apply_add(f->shift, x, y);
-  }
 }
 
 size_t lcp_matrix_scratch(const lcp_matrix *M) {
@@ -110,15 +94,8 @@ void lcp_matrix_apply(const lcp_matrix *M, const double *x, const double *b, dou
   } else {
     memset(y, 0, (size_t)M->n * sizeof *y);
   }
-  switch (M->storage) {
-  case LCP_DENSE:
-    dense_apply_add(M, x, y);
-    break;
-  case LCP_CSC:
-    csc_apply_add(&M->csc, x, y);
-    break;
-  case LCP_FACTORED:
+  if (M->storage == LCP_FACTORED) {
     factored_apply_add(M->factored, x, y, scratch);
-    break;
   }
+  stored_apply_add(M, x, y);
 }

@@ -138,8 +138,7 @@ void lcp_matrix_diagonal(const lcp_matrix *M, double *d);
 /* Dense copy, column-major, into out[n*n]. Any storage. */
 void lcp_matrix_to_dense(const lcp_matrix *M, double *out);
 
-/* max_ij |M_ij - M_ji| <= 0, i.e. exact symmetry. Any storage but LCP_FACTORED (which is
- * symmetric iff S is). */
+/* M_ij = M_ji to the last bit; of LCP_FACTORED, which is symmetric iff S is, S is compared. */
 bool lcp_matrix_is_symmetric(const lcp_matrix *M);
 
 /* Owning CSC copy of any storage (entries that are exactly zero are dropped); free with

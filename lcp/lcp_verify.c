@@ -1,8 +1,8 @@
 /* lcp_verify.c - certificates checked in rational arithmetic. GMP's own allocator ends the process
  * when memory runs out; sizes are bounded (n <= 64 for the elimination, one sum at a time else). */
 #include "lcp/lcp_certificate.h"
-#include "lcp/lcp_column.h"
 #include "lcp/lcp_judge.h"
+#include "lcp/lcp_wide_column.h"
 #include "lcp/solvers/data_test.h"
 #include "lcp/solvers/loop_rho.h"
 #include "lcp/solvers/sets.h"
@@ -307,13 +307,13 @@ static base_status verify_farkas(const lcp_problem *p, const lcp_certificate_fil
 /* max over i of v_i (Mv)_i / (v_i (|M||v|)_i), or of |..| in free rows; HUGE_VAL unless v >= 0 elsewhere
  * and v != 0. */
 static double reversal_fault(const lcp_problem *p, const unsigned char *set, const double *v,
-                             lcp_columns *columns, long double *product, long double *size) {
+                             lcp_wide_columns *columns, long double *product, long double *size) {
   bool zero = true;
   for (int j = 0; j < p->M.n; j++) {
     if (v[j] < 0 && !is_free(p, set, j)) {
       return HUGE_VAL;
     }
-    const lcp_column c = lcp_columns_at(columns, j);
+    const lcp_wide_column c = lcp_wide_columns_at(columns, j);
     for (int k = 0; k < c.count; k++) {
       product[c.row[k]] += c.val[k] * v[j];
       size[c.row[k]] += fabsl(c.val[k] * v[j]);
@@ -332,11 +332,11 @@ static double reversal_fault(const lcp_problem *p, const unsigned char *set, con
 static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *f,
                               const unsigned char *set, lcp_certificate_verdict *out,
                               base_error *err) {
-  lcp_columns columns;
-  BASE_TRY(lcp_columns_open(&columns, &p->M, err));
+  lcp_wide_columns columns;
+  BASE_TRY(lcp_wide_columns_open(&columns, &p->M, err));
   long double *sums = calloc(2 * (size_t)p->M.n + 1, sizeof *sums);
   if (sums == NULL) {
-    lcp_columns_close(&columns);
+    lcp_wide_columns_close(&columns);
     return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
   }
   out->residual = reversal_fault(p, set, f->vector, &columns, sums, sums + p->M.n);
@@ -344,7 +344,7 @@ static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *
   out->why = out->holds ? "M reverses the sign of a ray: no P-matrix, nothing more"
                         : "no ray: v >= 0, v != 0, v_i (Mv)_i <= 0 fails";
   free(sums);
-  lcp_columns_close(&columns);
+  lcp_wide_columns_close(&columns);
   return BASE_OK;
 }
 

@@ -1,5 +1,7 @@
 #include "lcp/linear/direct.h"
 
+#include "lcp/lcp_column.h"
+
 #include <suitesparse/klu.h>
 
 #include <lapacke.h>
@@ -55,7 +57,7 @@ static void fill_dense(lcp_direct *s, const lcp_matrix *M, const double *a, cons
       continue;
     }
     double *to = s->a + (size_t)s->place[j] * (size_t)s->n;
-    const double *from = M->val + (size_t)j * (size_t)n;
+    const double *from = lcp_column_of(M, j).val;
     const double cj = or_one(c, j);
     for (int i = 0; i < n; i++) {
       if (s->place[i] >= 0) {
@@ -76,13 +78,14 @@ static void fill_csc(lcp_direct *s, const lcp_matrix *M, const double *a, const 
     }
     s->colptr[s->place[j]] = nz;
     bool diagonal = false;
-    for (int k = M->csc.colptr[j]; k < M->csc.colptr[j + 1]; k++) {
-      const int i = M->csc.rowind[k];
+    const lcp_column from = lcp_column_of(M, j);
+    for (int k = 0; k < from.count; k++) {
+      const int i = from.row[k];
       if (s->place[i] >= 0) {
         diagonal = diagonal || i == j;
         s->pivot[nz] = s->place[i];
         s->a[nz++] =
-            or_one(r, i) * M->csc.val[k] * or_one(c, j) + ((i == j && a != NULL) ? a[j] : 0.0);
+            or_one(r, i) * from.val[k] * or_one(c, j) + ((i == j && a != NULL) ? a[j] : 0.0);
       }
     }
     if (!diagonal && a != NULL) { /* KLU takes unsorted columns */

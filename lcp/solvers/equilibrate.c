@@ -1,5 +1,6 @@
 #include "lcp/solvers/equilibrate.h"
 
+#include "lcp/lcp_column.h"
 #include "lcp/solvers/sets.h"
 
 enum { ROUNDS = 20 };
@@ -11,12 +12,10 @@ static void round_of(const lcp_matrix *M, bool columns, const double *from, doub
     to[i] = 0.0;
   }
   for (int j = 0; j < n; j++) {
-    const bool dense = M->storage == LCP_DENSE;
-    const int begin = dense ? 0 : M->csc.colptr[j], end = dense ? n : M->csc.colptr[j + 1];
-    const double *val = dense ? M->val + (size_t)j * (size_t)n : M->csc.val;
-    for (int k = begin; k < end; k++) {
-      const int i = dense ? k : M->csc.rowind[k];
-      to[columns ? j : i] += fabs(val[k]) * from[columns ? i : j];
+    const lcp_column c = lcp_column_of(M, j);
+    for (int k = 0; k < c.count; k++) {
+      const int i = lcp_column_row(&c, k);
+      to[columns ? j : i] += fabs(c.val[k]) * from[columns ? i : j];
     }
   }
   for (int i = 0; i < n; i++) {

@@ -1,5 +1,7 @@
 #include "lcp/solvers/sets.h"
 
+#include "lcp/lcp_column.h"
+
 static void fill(const lcp_problem *p, lcp_set set, int first, int end, double *lo, double *hi) {
   for (int i = first; i < end; i++) {
     lo[i] = (set == LCP_BOX) ? p->lo[i] : ((set == LCP_FREE) ? -HUGE_VAL : 0.0);
@@ -28,28 +30,16 @@ static void meet(const double *d, int i, int j, double m, double *s) {
   }
 }
 
-static void meet_csc(const lcp_csc *c, const double *d, double *s) {
-  for (int j = 0; j < c->n_col; j++) {
-    for (int k = c->colptr[j]; k < c->colptr[j + 1]; k++) {
-      meet(d, c->rowind[k], j, c->val[k], s);
-    }
-  }
-}
-
 void lcp_set_scaling(const lcp_matrix *M, const double *d, double *s) {
   for (int i = 0; i < M->n; i++) {
     s[i] = 0.0;
   }
-  if (M->storage == LCP_DENSE) {
-    for (int j = 0; j < M->n; j++) {
-      for (int i = 0; i < M->n; i++) {
-        meet(d, i, j, M->val[(size_t)j * (size_t)M->n + (size_t)i], s);
-      }
+  for (int j = 0; j < M->n;
+       j++) { /* a zero on the diagonal of J W J' is a zero row: S alone counts there */
+    const lcp_column c = lcp_column_of(M, j);
+    for (int k = 0; k < c.count; k++) {
+      meet(d, lcp_column_row(&c, k), j, c.val[k], s);
     }
-  } else if (M->storage == LCP_CSC) {
-    meet_csc(&M->csc, d, s);
-  } else if (M->factored->shift != NULL) { /* a zero on the diagonal of J W J' is a zero row */
-    meet_csc(M->factored->shift, d, s);
   }
   for (int i = 0; i < M->n; i++) {
     s[i] = (d[i] > 0.0) ? 1.0 / sqrt(d[i]) : ((s[i] > 0.0) ? 1.0 / s[i] : 1.0);
@@ -57,15 +47,5 @@ void lcp_set_scaling(const lcp_matrix *M, const double *d, double *s) {
 }
 
 bool lcp_set_symmetric(const lcp_problem *p) {
-  if ((p->traits & LCP_SYMMETRIC) != 0) {
-    return true;
-  }
-  if (p->M.storage != LCP_FACTORED) {
-    return lcp_matrix_is_symmetric(&p->M);
-  }
-  if (p->M.factored->shift == NULL) {
-    return true;
-  }
-  const lcp_matrix shift = {.storage = LCP_CSC, .n = p->M.n, .csc = *p->M.factored->shift};
-  return lcp_matrix_is_symmetric(&shift);
+  return (p->traits & LCP_SYMMETRIC) != 0 || lcp_matrix_is_symmetric(&p->M);
 }

@@ -8,6 +8,7 @@
  * when M is monotone; e is not part of the answer, whose residual is that of M itself. On an
  * infeasible monotone problem z_k+1 - z_k tends to the certificate. */
 #include "lcp/base/clock.h"
+#include "lcp/lcp_column.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/direct.h"
@@ -78,19 +79,16 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
 /* w = (S M S + weight) z + q and the sum of the absolute terms. */
 static void evaluate(block_pivoting *s, const lcp_problem *p) {
   const lcp_matrix *M = &p->M;
-  const bool dense = M->storage == LCP_DENSE;
   for (int i = 0; i < M->n; i++) {
     s->w[i] = s->q[i] + s->weight[i] * s->z[i];
     s->bound[i] = fabs(s->q[i]) + fabs(s->weight[i] * s->z[i]);
   }
   for (int j = 0; j < M->n; j++) {
     const double zj = s->z[j] * s->scale[j];
-    const int first = dense ? 0 : M->csc.colptr[j];
-    const int last = dense ? M->n : M->csc.colptr[j + 1];
-    const double *val = dense ? M->val + (ptrdiff_t)j * M->n : M->csc.val;
-    for (int k = first; zj != 0 && k < last; k++) {
-      const int i = dense ? k : M->csc.rowind[k];
-      const double term = s->scale[i] * val[k] * zj;
+    const lcp_column c = lcp_column_of(M, j);
+    for (int k = 0; zj != 0 && k < c.count; k++) {
+      const int i = lcp_column_row(&c, k);
+      const double term = s->scale[i] * c.val[k] * zj;
       s->w[i] += term;
       s->bound[i] += fabs(term);
     }

@@ -14,6 +14,7 @@
  * A Jacobian that is singular to working precision is replaced by that of M + e D for the direction
  * only (Facchinei & Pang 2003, section 9.1; nonsingular for P0 matrices), e = 1e-10 ... 0.1, counted in
  * `fallbacks`; F itself is never changed. Linear solves: dense LU or KLU. */
+#include "lcp/lcp_column.h"
 #include "lcp/linear/direct.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
@@ -176,13 +177,11 @@ static double probe(state *s, const lcp_problem *p, const double *z, double t, l
 static void gradient(state *s, const lcp_problem *p) {
   const int n = p->M.n;
   for (int j = 0; j < n; j++) {
-    const bool dense = p->M.storage == LCP_DENSE;
-    const int begin = dense ? 0 : p->M.csc.colptr[j], end = dense ? n : p->M.csc.colptr[j + 1];
-    const double *val = dense ? p->M.val + (size_t)j * (size_t)n : p->M.csc.val;
+    const lcp_column c = lcp_column_of(&p->M, j);
     double sum = 0.0;
-    for (int k = begin; k < end; k++) {
-      const int i = dense ? k : p->M.csc.rowind[k];
-      sum += val[k] * s->s[i] * s->db[i] * s->F[i];
+    for (int k = 0; k < c.count; k++) {
+      const int i = lcp_column_row(&c, k);
+      sum += c.val[k] * s->s[i] * s->db[i] * s->F[i];
     }
     s->g[j] = s->da[j] * s->F[j] + s->s[j] * sum;
   }

@@ -11,6 +11,7 @@
  * A start point gives the first F, by the rows strictly inside their bounds; descent to w_F = 0 precedes.
  * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
 #include "lcp/base/clock.h"
+#include "lcp/lcp_column.h"
 #include "lcp/solvers/data_test.h"
 #include "lcp/solvers/ppm/ppm.h"
 #include "lcp/solvers/sets.h"
@@ -97,20 +98,20 @@ static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
     lcp_ppm_gather_factored(s, M->factored, r, x);
     return;
   }
-  if (M->storage == LCP_DENSE) {
-    const double *col = M->val + (ptrdiff_t)r * M->n;
+  const lcp_column c = lcp_column_of(M, r);
+  if (c.row == NULL) {
     for (int k = 0; k < s->m; k++) {
-      x[k] = col[s->order[k]];
+      x[k] = c.val[s->order[k]];
     }
     return;
   }
   for (int k = 0; k < s->m; k++) {
     x[k] = 0;
   }
-  for (int k = M->csc.colptr[r]; k < M->csc.colptr[r + 1]; k++) {
-    const int at = s->pos[M->csc.rowind[k]];
+  for (int k = 0; k < c.count; k++) {
+    const int at = s->pos[c.row[k]];
     if (at >= 0) {
-      x[at] = M->csc.val[k];
+      x[at] = c.val[k];
     }
   }
 }

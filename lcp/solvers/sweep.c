@@ -1,5 +1,7 @@
 #include "lcp/solvers/sweep.h"
 
+#include "lcp/lcp_column.h"
+
 #include <string.h>
 
 void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
@@ -79,33 +81,13 @@ base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *er
   return BASE_OK;
 }
 
-static void add_column(const lcp_csc *c, int j, double dz, double *w) {
-  for (int k = c->colptr[j]; k < c->colptr[j + 1]; k++) {
-    w[c->rowind[k]] += c->val[k] * dz;
-  }
-}
-
 void lcp_sweep_add(lcp_sweep *s, const lcp_problem *p, int j, double dz) {
-  if (p->M.storage == LCP_DENSE) {
-    const size_t n = (size_t)p->M.n;
-    const double *column = p->M.val + (size_t)j * n;
-    for (size_t i = 0; i < n; i++) {
-      s->w[i] += column[i] * dz;
-    }
-    return;
-  }
-  if (p->M.storage == LCP_CSC) {
-    add_column(&p->M.csc, j, dz, s->w);
-    return;
-  }
-  for (int k = 0; k < 2; k++) {
+  lcp_column_add(lcp_column_of(&p->M, j), dz, s->w);
+  for (int k = 0; k < 2 && p->M.storage == LCP_FACTORED; k++) {
     const lcp_sweep_side a = lcp_sweep_side_of(s, p->M.factored, j, k);
     for (int i = 0; i < a.dof; i++) {
       a.u[i] += a.g[i] * dz;
     }
-  }
-  if (p->M.factored->shift != NULL) {
-    add_column(p->M.factored->shift, j, dz, s->w);
   }
 }
 
@@ -136,13 +118,18 @@ void lcp_sweep_refresh(lcp_sweep *s, const lcp_problem *p, const double *z, lcp_
   work->matvecs += product;
 }
 
-static void block_csc(const lcp_csc *c, int first, int size, double *out) {
-  for (int j = 0; j < size; j++) {
-    for (int k = c->colptr[first + j]; k < c->colptr[first + j + 1]; k++) {
-      const int i = c->rowind[k] - first;
-      if (i >= 0 && i < size) {
-        out[i + j * size] += c->val[k];
-      }
+/* out += rows first .. first+size-1 of a column. */
+static void add_rows(lcp_column c, int first, int size, double *out) {
+  if (c.row == NULL) {
+    for (int i = 0; i < size; i++) {
+      out[i] += c.val[first + i];
+    }
+    return;
+  }
+  for (int k = 0; k < c.count; k++) {
+    const int i = c.row[k] - first;
+    if (i >= 0 && i < size) {
+      out[i] += c.val[k];
     }
   }
 }
@@ -162,18 +149,10 @@ static double mass_weighted(const lcp_sweep *s, const lcp_factored *f, int i, in
 
 void lcp_sweep_block(const lcp_sweep *s, const lcp_problem *p, int first, int size, double *out) {
   memset(out, 0, (size_t)size * (size_t)size * sizeof *out);
-  if (p->M.storage == LCP_CSC) {
-    block_csc(&p->M.csc, first, size, out);
-    return;
-  }
   for (int j = 0; j < size; j++) {
-    for (int i = 0; i < size; i++) {
-      out[i + j * size] = (p->M.storage == LCP_DENSE)
-                              ? p->M.val[(size_t)(first + j) * (size_t)p->M.n + (size_t)(first + i)]
-                              : mass_weighted(s, p->M.factored, first + i, first + j);
+    for (int i = 0; i < size && p->M.storage == LCP_FACTORED; i++) {
+      out[i + j * size] = mass_weighted(s, p->M.factored, first + i, first + j);
     }
-  }
-  if (p->M.storage == LCP_FACTORED && p->M.factored->shift != NULL) {
-    block_csc(p->M.factored->shift, first, size, out);
+    add_rows(lcp_column_of(&p->M, first + j), first, size, out + (ptrdiff_t)j * size);
   }
 }

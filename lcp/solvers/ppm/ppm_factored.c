@@ -1,15 +1,9 @@
 /* ppm_factored.c - what ppm needs of M = G G' + S, G = J L with W = L L' (sweep.h): a column is the product of
  * G with one row of it, a residual the product of G with the body velocities. n x n is never formed. */
+#include "lcp/lcp_column.h"
 #include "lcp/solvers/ppm/ppm.h"
 
 #include <string.h>
-
-static void add_shift_column(const lcp_csc *S, int j, double z, double *w, double *bound) {
-  for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
-    w[S->rowind[k]] += S->val[k] * z;
-    bound[S->rowind[k]] += fabs(S->val[k] * z);
-  }
-}
 
 void lcp_ppm_evaluate_factored(const ppm *s, const lcp_problem *p, const double *z) {
   const lcp_factored *f = p->M.factored;
@@ -31,7 +25,7 @@ void lcp_ppm_evaluate_factored(const ppm *s, const lcp_problem *p, const double 
       }
     }
     if (z[j] != 0) {
-      add_shift_column(f->shift, j, z[j], s->w, s->bound);
+      lcp_column_add_sized(lcp_csc_column(f->shift, j), z[j], s->w, s->bound);
     }
   }
   for (int i = 0; i < p->M.n; i++) {
@@ -74,17 +68,16 @@ void lcp_ppm_gather_factored(const ppm *s, const lcp_factored *f, int r, double 
     }
     x[k] = sum;
   }
-  const lcp_csc *S = f->shift;
-  for (int k = (S != NULL) ? S->colptr[r] : 0; S != NULL && k < S->colptr[r + 1]; k++) {
-    if (s->pos[S->rowind[k]] >= 0) {
-      x[s->pos[S->rowind[k]]] += S->val[k];
+  const lcp_column shift = lcp_csc_column(f->shift, r);
+  for (int k = 0; k < shift.count; k++) {
+    if (s->pos[shift.row[k]] >= 0) {
+      x[s->pos[shift.row[k]]] += shift.val[k];
     }
   }
 }
 
 void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z) {
   const lcp_factored *f = p->M.factored;
-  const lcp_csc *S = f->shift;
   long double *u = s->wide;
   memset(u, 0, sizeof *u * (size_t)f->dof_start[f->n_body]);
   for (int i = 0; i < p->M.n; i++) {
@@ -97,8 +90,9 @@ void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double 
         u[a.u - s->sweep.u + c] += (long double)a.g[c] * z[j];
       }
     }
-    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
-      s->sum[S->rowind[k]] += (long double)S->val[k] * z[j];
+    const lcp_column shift = lcp_csc_column(f->shift, j);
+    for (int k = 0; k < shift.count; k++) {
+      s->sum[shift.row[k]] += (long double)shift.val[k] * z[j];
     }
   }
   for (int i = 0; i < p->M.n; i++) {

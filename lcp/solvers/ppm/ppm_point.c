@@ -1,4 +1,5 @@
 /* ppm_point.c - residuals of a point of ppm and the corrections of its basic part. */
+#include "lcp/lcp_column.h"
 #include "lcp/solvers/ppm/ppm.h"
 
 #include <float.h>
@@ -14,23 +15,8 @@ void lcp_ppm_evaluate(const ppm *s, const lcp_problem *p, const double *z) {
     s->bound[i] = fabs(p->q[i]);
   }
   for (int j = 0; j < n; j++) {
-    const double zj = z[j];
-    if (zj == 0) {
-      continue;
-    }
-    if (p->M.storage == LCP_DENSE) {
-      const double *col = p->M.val + (ptrdiff_t)j * n;
-      for (int i = 0; i < n; i++) {
-        const double term = col[i] * zj;
-        s->w[i] += term;
-        s->bound[i] += fabs(term);
-      }
-    } else {
-      for (int k = p->M.csc.colptr[j]; k < p->M.csc.colptr[j + 1]; k++) {
-        const double term = p->M.csc.val[k] * zj;
-        s->w[p->M.csc.rowind[k]] += term;
-        s->bound[p->M.csc.rowind[k]] += fabs(term);
-      }
+    if (z[j] != 0) {
+      lcp_column_add_sized(lcp_column_of(&p->M, j), z[j], s->w, s->bound);
     }
   }
 }
@@ -57,7 +43,6 @@ void lcp_ppm_correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
 /* sum = M z + q in long double. */
 static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
   const int n = p->M.n;
-  const bool dense = p->M.storage == LCP_DENSE;
   if (p->M.storage == LCP_FACTORED) {
     lcp_ppm_extended_factored(s, p, z);
     return;
@@ -67,11 +52,9 @@ static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
   }
   for (int j = 0; j < n; j++) {
     const long double zj = z[j];
-    const int first = dense ? 0 : p->M.csc.colptr[j];
-    const int last = dense ? n : p->M.csc.colptr[j + 1];
-    const double *val = dense ? p->M.val + (ptrdiff_t)j * n : p->M.csc.val;
-    for (int k = first; zj != 0 && k < last; k++) {
-      s->sum[dense ? k : p->M.csc.rowind[k]] += zj * val[k];
+    const lcp_column c = lcp_column_of(&p->M, j);
+    for (int k = 0; zj != 0 && k < c.count; k++) {
+      s->sum[lcp_column_row(&c, k)] += zj * c.val[k];
     }
   }
 }

@@ -1,8 +1,8 @@
-#include "lcp/lcp_column.h"
+#include "lcp/lcp_wide_column.h"
 
 #include <stdlib.h>
 
-static void carve(lcp_columns *c, base_arena *a) {
+static void carve(lcp_wide_columns *c, base_arena *a) {
   const size_t n = (size_t)c->M->n;
   c->row = BASE_ARRAY(a, int, n);
   c->val = BASE_ARRAY(a, long double, n);
@@ -18,7 +18,7 @@ static void carve(lcp_columns *c, base_arena *a) {
 }
 
 /* Counting sort of the groups by body. */
-static void list_groups(lcp_columns *c) {
+static void list_groups(lcp_wide_columns *c) {
   const lcp_factored *f = c->M->factored;
   for (int b = 0; b < f->n_body + 2; b++) {
     c->group_start[b] = 0;
@@ -45,8 +45,8 @@ static void list_groups(lcp_columns *c) {
   }
 }
 
-base_status lcp_columns_open(lcp_columns *c, const lcp_matrix *M, base_error *err) {
-  *c = (lcp_columns){.M = M};
+base_status lcp_wide_columns_open(lcp_wide_columns *c, const lcp_matrix *M, base_error *err) {
+  *c = (lcp_wide_columns){.M = M};
   base_arena need = base_arena_measuring();
   carve(c, &need);
   void *mem = need.overflow ? NULL : base_alloc(need.used);
@@ -62,9 +62,9 @@ base_status lcp_columns_open(lcp_columns *c, const lcp_matrix *M, base_error *er
   return BASE_OK;
 }
 
-void lcp_columns_close(lcp_columns *c) {
+void lcp_wide_columns_close(lcp_wide_columns *c) {
   free(c->mem);
-  *c = (lcp_columns){0};
+  *c = (lcp_wide_columns){0};
 }
 
 /* First row of J of group g that belongs to body b (which g touches), and the stride. */
@@ -75,39 +75,26 @@ static const double *rows_on(const lcp_factored *f, int g, int b) {
   return f->jac + f->jac_start[g] + ((a == b) ? 0 : (ptrdiff_t)rows * da);
 }
 
-static void add_entry(lcp_columns *c, int i, long double v, int *count) {
-  if (!c->marked[i]) {
-    c->marked[i] = 1;
-    c->row[(*count)++] = i;
-  }
-  c->sum[i] += v;
-}
-
-static void add_body(lcp_columns *c, int j, int b, int *count) {
+/* Row j of J on body b; NULL where it is zero. */
+static const double *moved_by(const lcp_wide_columns *c, int j, int b) {
   const lcp_factored *f = c->M->factored;
   const int d = f->dof_start[b + 1] - f->dof_start[b];
-  const int gj = c->group_of[j];
-  const double *jj = rows_on(f, gj, b) + (ptrdiff_t)(j - f->row_start[gj]) * d;
-  const double *w = f->weight + f->weight_start[b];
-  bool zero = true;
+  const int g = c->group_of[j];
+  const double *jj = rows_on(f, g, b) + (ptrdiff_t)(j - f->row_start[g]) * d;
   for (int k = 0; k < d; k++) {
-    c->wj[k] = 0;
-    zero = zero && jj[k] == 0;
-    for (int l = 0; l < d; l++) {
-      c->wj[k] += (long double)w[(ptrdiff_t)l * d + k] * jj[l];
+    if (jj[k] != 0) {
+      return jj;
     }
   }
-  for (int s = c->group_start[b]; !zero && s < c->group_start[b + 1]; s++) {
-    const int g = c->group[s];
-    const double *ji = rows_on(f, g, b);
-    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, ji += d) {
-      long double sum = 0;
-      for (int k = 0; k < d; k++) {
-        sum += ji[k] * c->wj[k];
-      }
-      add_entry(c, i, sum, count);
-    }
+  return NULL;
+}
+
+static int mark(lcp_wide_columns *c, int i, int count) {
+  if (!c->marked[i]) {
+    c->marked[i] = 1;
+    c->row[count++] = i;
   }
+  return count;
 }
 
 static int ascending(const void *a, const void *b) {
@@ -116,43 +103,92 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Puts row[0..count) in order: by a scan where it is a good part of all rows. */
-static void sort_rows(lcp_columns *c, int count) {
+/* Puts row[0..count) in order, by a scan where it is a good part of all rows, and takes the marks away. */
+static void sort_rows(lcp_wide_columns *c, int count) {
   if (count < c->M->n / 16) {
     qsort(c->row, (size_t)count, sizeof *c->row, ascending);
-    return;
+  } else {
+    for (int i = 0, k = 0; i < c->M->n; i++) {
+      if (c->marked[i]) {
+        c->row[k++] = i;
+      }
+    }
   }
-  for (int i = 0, k = 0; i < c->M->n; i++) {
-    if (c->marked[i]) {
-      c->row[k++] = i;
+  for (int k = 0; k < count; k++) {
+    c->marked[c->row[k]] = 0;
+  }
+}
+
+int lcp_wide_columns_rows(lcp_wide_columns *c, int j) {
+  const lcp_factored *f = c->M->factored;
+  const lcp_csc *S = f->shift;
+  int count = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = f->body[2 * c->group_of[j] + side];
+    if (b < 0 || moved_by(c, j, b) == NULL) {
+      continue;
+    }
+    for (int s = c->group_start[b]; s < c->group_start[b + 1]; s++) {
+      const int g = c->group[s];
+      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+        count = mark(c, i, count);
+      }
+    }
+  }
+  for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
+    count = mark(c, S->rowind[k], count);
+  }
+  sort_rows(c, count);
+  return count;
+}
+
+/* sum += J W J_j' over the groups that touch body b. */
+static void add_body(lcp_wide_columns *c, int j, int b) {
+  const lcp_factored *f = c->M->factored;
+  const int d = f->dof_start[b + 1] - f->dof_start[b];
+  const double *jj = moved_by(c, j, b);
+  const double *w = f->weight + f->weight_start[b];
+  for (int k = 0; jj != NULL && k < d; k++) {
+    c->wj[k] = 0;
+    for (int l = 0; l < d; l++) {
+      c->wj[k] += (long double)w[(ptrdiff_t)l * d + k] * jj[l];
+    }
+  }
+  for (int s = c->group_start[b]; jj != NULL && s < c->group_start[b + 1]; s++) {
+    const int g = c->group[s];
+    const double *ji = rows_on(f, g, b);
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, ji += d) {
+      long double sum = 0;
+      for (int k = 0; k < d; k++) {
+        sum += ji[k] * c->wj[k];
+      }
+      c->sum[i] += sum;
     }
   }
 }
 
-static lcp_column factored_at(lcp_columns *c, int j) {
+static lcp_wide_column factored_at(lcp_wide_columns *c, int j) {
   const lcp_factored *f = c->M->factored;
-  int count = 0;
+  const lcp_csc *S = f->shift;
+  const int count = lcp_wide_columns_rows(c, j);
   for (int side = 0; side < 2; side++) {
     const int b = f->body[2 * c->group_of[j] + side];
     if (b >= 0) {
-      add_body(c, j, b, &count);
+      add_body(c, j, b);
     }
   }
-  for (int k = (f->shift != NULL) ? f->shift->colptr[j] : 0;
-       f->shift != NULL && k < f->shift->colptr[j + 1]; k++) {
-    add_entry(c, f->shift->rowind[k], f->shift->val[k], &count);
+  for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
+    c->sum[S->rowind[k]] += S->val[k];
   }
-  sort_rows(c, count);
   for (int k = 0; k < count; k++) {
     const int i = c->row[k];
     c->val[k] = c->sum[i];
     c->sum[i] = 0;
-    c->marked[i] = 0;
   }
-  return (lcp_column){count, c->row, c->val};
+  return (lcp_wide_column){count, c->row, c->val};
 }
 
-lcp_column lcp_columns_at(lcp_columns *c, int j) {
+lcp_wide_column lcp_wide_columns_at(lcp_wide_columns *c, int j) {
   const lcp_matrix *M = c->M;
   if (M->storage == LCP_FACTORED) {
     return factored_at(c, j);
@@ -169,5 +205,5 @@ lcp_column lcp_columns_at(lcp_columns *c, int j) {
       c->val[count] = M->csc.val[k];
     }
   }
-  return (lcp_column){count, c->row, c->val};
+  return (lcp_wide_column){count, c->row, c->val};
 }
