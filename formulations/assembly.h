@@ -18,7 +18,7 @@ typedef enum form_rows { FORM_ROWS_NORMAL, FORM_ROWS_TANGENT, FORM_ROWS_ALL } fo
 
 /* Which contacts are active and with what normal bias b in
  *   0 <= lambda_n  _|_  u_n + b >= 0
- * (MATH 2.0.1): closed contacts b = min(e min(u-, 0), max(gamma gap/h, -v_max)), the first only
+ * (MATHEMATICS 2.0.1): closed contacts b = min(e min(u-, 0), max(gamma gap/h, -v_max)), the first only
  * where the approach is faster than `rest` times what the applied forces add in one step; open
  * ones at position level b = gap/h. */
 typedef enum form_level { FORM_LEVEL_VELOCITY, FORM_LEVEL_POSITION } form_level;

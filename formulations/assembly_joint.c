@@ -5,7 +5,7 @@
  *
  *   C' = C_cc - R' S^-1 R,   r' = r_c - R' S^-1 r_b
  *
- * which is the projected inverse mass of MATH 2.1. Joints fall into connected components; each has
+ * which is the projected inverse mass of MATHEMATICS 2.1. Joints fall into connected components; each has
  * its own S, and only contacts that touch the same component become coupled. S is factored with
  * pivoting (LAPACK dpstrf): redundant joint rows carry no impulse, nothing is added to S. */
 #include "formulations/assembly.h"

@@ -1,5 +1,5 @@
 /* form_acceleration.c - forces from a complementarity problem between contact forces and contact
- * accelerations (Loetstedt 1981; Baraff 1991; Glocker & Pfeiffer 1996), stepped by semi-implicit
+ * accelerations (Lotstedt 1981; Baraff 1991; Pfeiffer & Glocker 1996), stepped by semi-implicit
  * Euler. What sets it apart from `velocity` is that the direction of sliding friction is that of
  * the motion at the start of the step and is not an unknown: for large friction the problem may
  * have no solution or several (Painleve), which ends the step as unsolved, not as something else.
@@ -220,7 +220,7 @@ static long dimension(int dim, int p, const void *opt) {
 const formulation form_acceleration = {
     .name = "acceleration",
     .title = "Force-acceleration LCP",
-    .cite = "Glocker & Pfeiffer 1996; Baraff 1991",
+    .cite = "pfeiffer1996; baraff1991",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_CURVED,
     .sets = 1u << LCP_ORTHANT,

@@ -121,7 +121,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
 const formulation form_boxed = {
     .name = "boxed",
     .title = "Boxed friction, bounds from the last normal impulse",
-    .cite = "Peiret, Gholami, Kovecses & Font-Llagunes 2016",
+    .cite = "peiret2016",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_BOUNDS_LAGGED,
     .stands_for = NULL,
     .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX,

@@ -55,7 +55,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
 const formulation form_coulomb = {
     .name = "coulomb",
     .title = "Exact Coulomb cone",
-    .cite = "De Saxce & Feng 1998",
+    .cite = "desaxce1998; acary2018",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT,
     .stands_for = "coulomb",
     .sets = 1u << LCP_ORTHANT | 1u << LCP_CONE,

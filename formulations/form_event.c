@@ -283,7 +283,7 @@ static long dimension(int dim, int p, const void *opt) {
 const formulation form_event = {
     .name = "event",
     .title = "Event-driven",
-    .cite = "Pfeiffer & Glocker 1996",
+    .cite = "pfeiffer1996",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_NO_LCP,
     .sets = 1u << LCP_ORTHANT,

@@ -37,7 +37,7 @@ static long dimension(int dim, int p, const void *opt) {
 const formulation form_normal = {
     .name = "normal",
     .title = "Frictionless unilateral LCP",
-    .cite = "Lotstedt 1982; Moreau 1988",
+    .cite = "lotstedt1982; moreau1988",
     .model = FORM_UNILATERAL,
     .stands_for = NULL,
     .sets = 1u << LCP_ORTHANT,

@@ -298,7 +298,7 @@ static long dimension(int dim, int p, const void *opt) {
 const formulation form_penalty = {
     .name = "penalty",
     .title = "Compliant contact (ODE)",
-    .cite = "Hunt & Crossley 1975; Lankarani & Nikravesh 1990",
+    .cite = "hunt1975; lankarani1990",
     .model = FORM_FRICTION | FORM_REGULARISED | FORM_PENALTY | FORM_NO_LCP,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),

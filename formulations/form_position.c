@@ -2,7 +2,7 @@
  * of the step stays non-negative, gap + h (J_n v+ + drift) >= 0, over all contacts within the
  * margin (Stewart & Trinkle 1996). A fall ends on the surface. An impact takes two steps: the first
  * closes the gap; the second comes to rest, or with restitution=two_steps rebounds with e times the
- * speed of the approach (Newton's law, one step late; MATH 2.2). Energy then falls in the first and is
+ * speed of the approach (Newton's law, one step late; MATHEMATICS 2.2). Energy then falls in the first and is
  * given back in the second, which an observer of single steps sees as a gain. An overlap is pushed
  * out in one step, which adds energy; `push` and `push_speed` bound that. */
 #include "formulations/polyhedral.h"
@@ -37,7 +37,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
 const formulation form_position = {
     .name = "position",
     .title = "Position-level polyhedral LCP",
-    .cite = "Stewart & Trinkle 1996",
+    .cite = "stewart1996",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_POSITION,
     .stands_for = "position",
     .sets = 1u << LCP_ORTHANT,

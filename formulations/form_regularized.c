@@ -1,6 +1,6 @@
-/* form_regularized.c - the mode iteration of regularized.h (MATH 2.3.6): solve the reduced LCP for
+/* form_regularized.c - the mode iteration of regularized.h (MATHEMATICS 2.3.6): solve the reduced LCP for
  * the current modes, test the friction law, choose new modes, until the law holds. A reduced LCP
- * without a solution means wrong modes, not a step without a solution (MATH 2.3.7): all slip then
+ * without a solution means wrong modes, not a step without a solution (MATHEMATICS 2.3.7): all slip then
  * turns to the secant form, whose matrix is symmetric positive semidefinite. */
 #include "formulations/regularized/regularized.h"
 
@@ -329,7 +329,7 @@ static void forget(void *state) {
 const formulation form_regularized = {
     .name = "regularized",
     .title = "Normal-impulse LCP with regularised friction",
-    .cite = "Gholami, Nasri, Kovecses & Teichmann 2016",
+    .cite = "gholami2016",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
     .stands_for = "regularized",
     .sets = 1u << LCP_ORTHANT,

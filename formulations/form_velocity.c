@@ -32,7 +32,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
 const formulation form_velocity = {
     .name = "velocity",
     .title = "Velocity-level polyhedral LCP",
-    .cite = "Anitescu & Potra 1997",
+    .cite = "anitescu1997",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL,
     .stands_for = "velocity",
     .sets = 1u << LCP_ORTHANT,

@@ -74,9 +74,9 @@ typedef struct formulation formulation;
 typedef struct formulation_run formulation_run;
 
 struct formulation {
-  const char *name, *title, *cite;
-  unsigned model;         /* formulation_model bits */
-  unsigned sets;          /* 1u << lcp_set of its contacts' blocks; 0: poses no problem */
+  const char *name, *title, *cite; /* cite: keys of docs/references.bib */
+  unsigned model;                  /* formulation_model bits */
+  unsigned sets;                   /* 1u << lcp_set of its contacts' blocks; 0: poses no problem */
   const char *stands_for; /* which "forms" word of the case format its checks go by: "velocity",
                              "position" or "regularized"; NULL: only checks without forms */
   const base_field *fields;

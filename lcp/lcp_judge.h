@@ -7,7 +7,7 @@
  *                 velocities are never compared raw; on boxes, free rows and cones
  *                 d z - P_K(d z - w~), w~ with De Saxce's term.
  * rho [1]         the same, invariant under row scaling, column scaling and q -> a q
- *                 (cases/README.md, section 1):
+ *                 (RESIDUALS 1):
  *                   tau0_i = |q_i| + sum_j |M_ij||z_j|
  *                   zref_i = tau0_i / |M_ii|   (M_ii = 0: max over rows j with M_ji != 0 of
  *                                               tau0_j / |M_ji|; zero column: 1)

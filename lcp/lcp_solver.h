@@ -71,7 +71,7 @@ typedef struct lcp_trace {
 typedef struct lcp_solver {
   const char *name;  /* stable key: command line, CSV, file name */
   const char *title; /* for plots */
-  const char *cite;  /* author, year, algorithm */
+  const char *cite;  /* keys of docs/references.bib: "lemke1965; cottle1992, 4.4 and 4.9" */
   unsigned sets;     /* 1u << lcp_set it solves */
   unsigned storages; /* 1u << lcp_storage it reads natively */
   unsigned needs;    /* lcp_trait bits a problem must have */

@@ -1,6 +1,6 @@
 /* formulations/regularized/regularized.h - normal impulses as the only unknowns; friction through a compliant
  * law in the static phase and through lambda_n in the kinetic one (Gholami, Nasri, Kovecses &
- * Teichmann 2016; the equations are MATH 2.3).
+ * Teichmann 2016; the equations are MATHEMATICS 2.3).
  *
  * Law of one part (friction, torsion or rolling of one contact): a Coulomb slider in series with
  * spring k and damper c, state s [m], implicit Euler over the step,
@@ -15,7 +15,7 @@
  *   R  secant           lambda_t = -r h tau,   r = min(1, mu lambda_n / |h tau|) of the last iterate
  * and the modes are found by solving again: L is a Newton step, R always converges. With an ellipse
  * of friction coefficients the second tangent is scaled so that the law is a circle again; k and c
- * then differ along the axes like mu^2, for which the radial return is exact (MATH 2.3.11). */
+ * then differ along the axes like mu^2, for which the radial return is exact (MATHEMATICS 2.3.11). */
 #pragma once
 
 #include "formulations/assembly.h"
@@ -185,14 +185,14 @@ int reg_stride(void); /* doubles remembered per contact */
 void reg_rows_collect(regularized *s);
 void reg_slip_column(const regularized *s, int j, double *f);
 
-/* regularized_mass.c: MATH 2.3.2. Ordering and memory for the contacts of this step; then as below,
+/* regularized_mass.c: MATHEMATICS 2.3.2. Ordering and memory for the contacts of this step; then as below,
  * expand giving u as well. */
 base_status reg_mass_begin(regularized *s, base_error *err);
 bool reg_mass_reduce(regularized *s);
 void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
 void reg_mass_close(reg_mass *m);
 
-/* regularized_contact.c: MATH 2.3.3. Builds A and b for the current modes; false if the compliance
+/* regularized_contact.c: MATHEMATICS 2.3.3. Builds A and b for the current modes; false if the compliance
  * matrix is not positive definite (rigid and redundant friction). */
 bool reg_contact_reduce(regularized *s);
 /* lambda over the assembly's rows from the normal impulses. */

@@ -1,4 +1,4 @@
-/* regularized_joint.c - joints in the mass form: M_hat^-1 gives way to its projection (MATH 2.1, 2.3.2),
+/* regularized_joint.c - joints in the mass form: M_hat^-1 gives way to its projection (MATHEMATICS 2.1, 2.3.2),
  *
  *   P = M_hat^-1 - M_hat^-1 J_b' S^-1 J_b M_hat^-1,   S = J_b M_hat^-1 J_b'
  *

@@ -46,7 +46,7 @@ static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *
 
 /* How a tangential world vector is carried into the frame of this step: projected onto the tangent plane,
  * brought back to its length, turned about the normal by the mean spin of the two bodies
- * (MATH 2.3.11). */
+ * (MATHEMATICS 2.3.11). */
 typedef struct turn {
   double cosine, sine;
 } turn;
@@ -214,7 +214,7 @@ static double bound_of(const reg_part *p, double lambda_n) {
   return (p->sliding ? p->mu_kinetic : p->mu_static) * ((lambda_n > 0) ? lambda_n : 0);
 }
 
-/* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATH 2.3.6). At
+/* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATHEMATICS 2.3.6). At
  * most one change to and fro in a step. */
 static void choose_coefficient(const regularized *s, reg_part *p, double lambda_n) {
   if (reg_is_lugre(s, p)) {
@@ -259,7 +259,7 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   return (largest > 0) ? worst / largest : 0;
 }
 
-/* Carries and asks for nothing that the tolerance can see: its direction is noise (MATH 2.5). */
+/* Carries and asks for nothing that the tolerance can see: its direction is noise (MATHEMATICS 2.5). */
 bool reg_is_idle(const regularized *s, const reg_part *p) {
   const double least = s->opt.tol * s->largest;
   return p->load <= least && p->size <= least;

@@ -1,5 +1,5 @@
 /* regularized_lugre.c - the LuGre law (Canudas de Wit, Olsson, Astrom & Lischinsky 1995) in the frame
- * of regularized.h (MATH 2.3.4):
+ * of regularized.h (MATHEMATICS 2.3.4):
  *
  *   z' = v - sigma0 |v| z/g,   f = -(sigma0 z + sigma1 z' + sigma2 v),
  *   g = f_n (mu_k + (mu_s - mu_k) exp(-(|v|/v_S)^2))

@@ -1,4 +1,4 @@
-/* regularized_mass.c - the reduced LCP through the mass matrix (MATH 2.3.2).
+/* regularized_mass.c - the reduced LCP through the mass matrix (MATHEMATICS 2.3.2).
  *
  *   M_hat = M + J' Q' g^-1 Q J,   A = J_n M_hat^-1 J' B,   b = N r + b_n - J_n M_hat^-1 c,
  *   c = J' Q' g^-1 (Q r + o)

@@ -1,5 +1,5 @@
 /* formulations/regularized/slip_problem.h - contact forces when the direction of sliding friction is given by the
- * motion (Coulomb at acceleration level; Glocker & Pfeiffer 1996, Baraff 1991).
+ * motion (Coulomb at acceleration level; Pfeiffer & Glocker 1996, Baraff 1991).
  *
  * Every contact is in one of two modes:
  *   slip   lambda_t = -mu lambda_n d, d the direction of sliding: one unknown lambda_n,

@@ -1,6 +1,6 @@
 /* harness/campaign/noise.h - the noise floor of a machine: how far two measurements of the same thing are
  * apart. The same fixed work is timed under two labels, interleaved at random (A/A), for three sizes;
- * the floor is the 95th percentile of |log ratio of medians| (PROTOCOL C.9). */
+ * the floor is the 95th percentile of |log ratio of medians| (results/METHOD.md, rule 9). */
 #pragma once
 
 #include "lcp/base/status.h"

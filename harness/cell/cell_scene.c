@@ -79,7 +79,7 @@ static void fill_predictions(const prediction_summary *p, const scene_spec *spec
   }
 }
 
-/* The deadline's view of one run (PROTOCOL C.16): quantiles of its steps, and the share of steps
+/* The deadline's view of one run (results/METHOD.md, rule 16): quantiles of its steps, and the share of steps
  * within a budget. */
 static void fill_steps(const series *s, record *r) {
   const int n = s->n_row - 1;

@@ -1,4 +1,4 @@
-/* harness/check/case_lcp.h - judges a solver's answer to an LCP case (cases/README.md, sections 1, 2). */
+/* harness/check/case_lcp.h - judges a solver's answer to an LCP case (RESIDUALS 7). */
 #pragma once
 
 #include "harness/measure/solve_once.h"

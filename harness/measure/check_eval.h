@@ -1,7 +1,7 @@
 /* harness/measure/check_eval.h - judges a finished simulation by a check of its scene.
  *
  * |got - expected| <= abs + h h-coefficient + h^2 h2-coefficient + inv_h / h + rel |expected|, and
- * for regularised friction additionally reg.h h + reg.v v_s + reg.d delta (cases/README.md 1), with
+ * for regularised friction additionally reg.h h + reg.v v_s + reg.d delta (RESIDUALS 6), with
  * the regularisation velocity v_s and the saturation deflection delta that the run really had. */
 #pragma once
 

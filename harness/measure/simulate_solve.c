@@ -81,7 +81,7 @@ static void count_solve(sim *s, const solved *k) {
 }
 
 /* A problem without a solution means wrong modes where the formulation goes on to one that has
- * one (MATH 2.3.7): its own method, which counts it as a fallback. Else it stands. */
+ * one (MATHEMATICS 2.3.7): its own method, which counts it as a fallback. Else it stands. */
 void sim_settle_held(sim *s) {
   if (s->held.word != RUN_OK) {
     count_solve(s, &s->held);

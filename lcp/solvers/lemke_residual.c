@@ -1,4 +1,4 @@
-/* The scale-invariant residual rho (cases/README.md section 1) of a scaled point. lcp_stop_test is
+/* The scale-invariant residual rho (RESIDUALS 1) of a scaled point. lcp_stop_test is
  * not used: its bound on tau is zero on rows such as mu r_n - sum r_k = 0, where every term cancels.
  *
  * Of a factored M only S is known entry by entry; of P = J W J' the product g = P z and the diagonal

@@ -128,7 +128,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_apgd = {
     .name = "apgd",
     .title = "Accelerated projected gradient",
-    .cite = "Mazhar, Heyn, Negrut & Tasora 2015, alg. 1",
+    .cite = "mazhar2015, algorithm 1",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

@@ -217,7 +217,7 @@ static void release(void *st) {
 const lcp_solver lcp_solver_interior_point = {
     .name = "interior_point",
     .title = "Interior point (Mehrotra)",
-    .cite = "Mehrotra 1992; Wright 1997, ch. 8",
+    .cite = "mehrotra1992; wright1997, chapter 8",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .allocates = true,

@@ -111,7 +111,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_jacobi = {
     .name = "jacobi",
     .title = "Projected Jacobi, damped",
-    .cite = "Cottle, Pang & Stone 1992, sec. 5.2",
+    .cite = "cottle1992, 5.2",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

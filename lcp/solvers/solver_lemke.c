@@ -383,7 +383,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 const lcp_solver lcp_solver_lemke = {
     .name = "lemke",
     .title = "Lemke, lexicographic",
-    .cite = "Lemke 1965; Cottle, Pang & Stone 1992, 4.4 and 4.9",
+    .cite = "lemke1965; cottle1992, 4.4 and 4.9",
     .sets = 1u << LCP_ORTHANT | 1u << LCP_FREE,
     .storages = 1u << LCP_DENSE | 1u << LCP_CSC | 1u << LCP_FACTORED,
     .exact = true,

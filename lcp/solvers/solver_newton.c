@@ -305,7 +305,7 @@ static void release(void *st) {
 const lcp_solver lcp_solver_newton = {
     .name = "newton",
     .title = "Semismooth Newton",
-    .cite = "De Luca, Facchinei & Kanzow 1996",
+    .cite = "deluca1996",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .warm = true,

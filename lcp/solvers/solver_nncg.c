@@ -82,7 +82,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_nncg = {
     .name = "nncg",
     .title = "Nonsmooth nonlinear CG",
-    .cite = "Silcowitz, Niebe & Erleben 2010, alg. 1",
+    .cite = "silcowitz2010a, algorithm 1",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

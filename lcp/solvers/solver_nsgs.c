@@ -55,7 +55,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_nsgs = {
     .name = "nsgs",
     .title = "Nonsmooth Gauss-Seidel",
-    .cite = "Jean 1999; Acary, Bremond & Huber 2018",
+    .cite = "jean1999; acary2018",
     .sets = (1u << LCP_CONE) | (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

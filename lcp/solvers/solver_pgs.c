@@ -92,7 +92,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_pgs = {
     .name = "pgs",
     .title = "Projected Gauss-Seidel",
-    .cite = "Cryer 1971; Cottle, Pang & Stone 1992, alg. 5.2.1",
+    .cite = "cryer1971; cottle1992, algorithm 5.2.1",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

@@ -4,7 +4,7 @@
  *   A = { i : lo_i < z_i < hi_i },
  * then  M_AA x_A = -q_A - M_AB z_B  is solved directly. Departures: the active set is corrected up to
  * `inner` times from signs, { z_i > lo_i in A } + { w_i < 0 outside } (the primal-dual active set step
- * of Hintermueller, Ito & Kunisch 2003), where the paper only removes; and the subspace point replaces
+ * of Hintermuller, Ito & Kunisch 2002), where the paper only removes; and the subspace point replaces
  * the swept one only where its natural map is smaller, so a bad guess costs time, not progress.
  *
  * Singular subspaces (redundant contacts): where the plain solve fails or does not help, the system is
@@ -186,7 +186,7 @@ static void release(void *st) {
 const lcp_solver lcp_solver_pgs_sm = {
     .name = "pgs_sm",
     .title = "Gauss-Seidel with subspace minimisation",
-    .cite = "Silcowitz, Niebe & Erleben 2010",
+    .cite = "silcowitz2010b",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .warm = true,

@@ -198,7 +198,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_projected_gradient = {
     .name = "projected_gradient",
     .title = "Projected gradient",
-    .cite = "Birgin, Martinez & Raydan 2000; He & Liao 2002",
+    .cite = "birgin2000; he2002",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

@@ -84,7 +84,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_prox = {
     .name = "prox",
     .title = "Proximal point with Gauss-Seidel",
-    .cite = "Rockafellar 1976; Acary, Bremond & Huber 2018",
+    .cite = "rockafellar1976; acary2018, 5.4",
     .sets = (1u << LCP_CONE) | (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

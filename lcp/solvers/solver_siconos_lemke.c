@@ -12,7 +12,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 const lcp_solver lcp_solver_siconos_lemke = {
     .name = "siconos_lemke",
     .title = "Siconos Lemke",
-    .cite = "Siconos numerics 4.4, SICONOS_LCP_LEMKE",
+    .cite = "acary2019, SICONOS_LCP_LEMKE",
     .sets = 1u << LCP_ORTHANT,
     .exact = true,
     SICONOS_PEER,

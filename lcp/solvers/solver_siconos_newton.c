@@ -12,7 +12,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 const lcp_solver lcp_solver_siconos_newton = {
     .name = "siconos_newton",
     .title = "Siconos Newton",
-    .cite = "Siconos numerics 4.4, SICONOS_LCP_NEWTON_FB_FBLSA",
+    .cite = "acary2019, SICONOS_LCP_NEWTON_FB_FBLSA",
     .sets = 1u << LCP_ORTHANT,
     .warm = true,
     SICONOS_PEER,

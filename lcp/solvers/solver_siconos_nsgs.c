@@ -12,7 +12,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 const lcp_solver lcp_solver_siconos_nsgs = {
     .name = "siconos_nsgs",
     .title = "Siconos NSGS",
-    .cite = "Siconos numerics 4.4, SICONOS_FRICTION_3D_NSGS",
+    .cite = "acary2019, SICONOS_FRICTION_3D_NSGS",
     .sets = 1u << LCP_CONE,
     .warm = true,
     SICONOS_PEER,

@@ -12,7 +12,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 const lcp_solver lcp_solver_siconos_pgs = {
     .name = "siconos_pgs",
     .title = "Siconos PGS",
-    .cite = "Siconos numerics 4.4, SICONOS_LCP_PGS",
+    .cite = "acary2019, SICONOS_LCP_PGS",
     .sets = 1u << LCP_ORTHANT,
     .warm = true,
     SICONOS_PEER,

@@ -128,7 +128,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 const lcp_solver lcp_solver_sqp = {
     .name = "sqp",
     .title = "SQP (NLopt SLSQP)",
-    .cite = "Kraft 1994, ACM alg. 733",
+    .cite = "kraft1994",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,

@@ -7,8 +7,8 @@
 #include "problems/families/known_lcp.h"
 
 typedef struct lcp_family {
-  const char *name, *title, *cite;
-  const char *about; /* one paragraph: what is known, what it is hard for, source */
+  const char *name, *title, *cite; /* cite: keys of docs/references.bib; "": none */
+  const char *about;               /* one paragraph: what is known, what it is hard for, source */
   const base_field *fields;
   int n_fields;
   size_t param_size;

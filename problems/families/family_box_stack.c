@@ -150,7 +150,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_box_stack = {
     .name = "box_stack",
     .title = "frictionless tower of boxes, four contacts each",
-    .cite = "AcaryBrogliato2008",
+    .cite = "acary2008",
     .about =
         "Cubes on each other with contacts at the four corners: 4n unknowns of rank 3n, so the "
         "split among corners is free and the sum at interface i is the weight above it. "

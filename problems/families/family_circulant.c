@@ -20,7 +20,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_circulant = {
     .name = "circulant",
     .title = "circulant matrices on which simple methods cycle",
-    .cite = "BenGharbiaGilbert2012",
+    .cite = "bengharbia2012",
     .about = "Unit diagonal with cyclic subdiagonals a and b; q = -1 and z = 1/(1+a+b) in every "
              "entry. For a > 1 and odd n a P-matrix on which Newton-min cycles and Gauss-Seidel "
              "sweeps diverge.",

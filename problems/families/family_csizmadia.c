@@ -17,7 +17,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_csizmadia = {
     .name = "csizmadia",
     .title = "Csizmadia's matrix of exponential handicap",
-    .cite = "DeKlerkENagy2011",
+    .cite = "deklerk2011",
     .about = "Unit lower triangular with -1 below the diagonal. A P-matrix whose handicap grows "
              "exponentially with n, which bounds the complexity estimates of interior-point "
              "methods; z alternates 1, 0, 1, ...",

@@ -17,7 +17,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_fathi = {
     .name = "fathi",
     .title = "Fathi's exponential example",
-    .cite = "Fathi1979",
+    .cite = "fathi1979",
     .about =
         "M = L L' with L the lower Murty matrix: symmetric positive definite, and still "
         "lexicographic Lemke with d = 1 takes 2^n pivots. The solution is the first unit vector.",

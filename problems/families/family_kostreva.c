@@ -55,11 +55,11 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_kostreva = {
     .name = "kostreva",
     .title = "small problems on which naive Lemke cycles",
-    .cite = "Kostreva1979",
+    .cite = "kostreva1979",
     .about =
         "Degenerate problems of size 3 to 5 with q = -1 on which Lemke's method with a simple tie "
         "rule (lowest row, highest row, lowest or highest index, largest pivot) cycles for ever; "
-        "variant 5 defeats six of them at once. Lexicographic ties solve all (cases A5).",
+        "variant 5 defeats six of them at once. Lexicographic ties solve all (MATHEMATICS F5).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(kostreva),

@@ -23,7 +23,7 @@ const lcp_family family_lcg = {
     .cite = "",
     .about =
         "M = A'A + I, or A'A + I + K with K skew, and q, all small integers from a congruential "
-        "generator anyone can repeat (cases A2.03, A9.03). Positive definite, hence uniquely "
+        "generator anyone can repeat (MATHEMATICS F6). Positive definite, hence uniquely "
         "solvable; the solution is not planted.",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),

@@ -19,7 +19,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_murty = {
     .name = "murty",
     .title = "Murty's exponential example",
-    .cite = "Murty1978",
+    .cite = "murty1978",
     .about = "Unit lower triangular matrix with 2 below the diagonal, a P-matrix whose unique "
              "solution is the first unit vector. Lexicographic Lemke with d = 1 takes exactly 2^n "
              "pivots, least-index pivoting 2^n - 1 on the transpose; nearly every other method "

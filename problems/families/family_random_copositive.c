@@ -35,7 +35,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_random_copositive = {
     .name = "random_copositive",
     .title = "strictly copositive matrix, planted solution",
-    .cite = "CottlePangStone1992",
+    .cite = "cottle1992",
     .about =
         "Nonnegative entries with a positive diagonal, indefinite as a rule: strictly copositive, "
         "so solvable for every q and processed by Lemke's method (Cottle, Pang & Stone 1992, "

@@ -32,11 +32,11 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_stack = {
     .name = "stack",
     .title = "column of point masses under gravity",
-    .cite = "AcaryBrogliato2008",
+    .cite = "acary2008",
     .about =
         "Masses on top of each other, one contact each: a symmetric positive definite tridiagonal "
         "matrix; contact i carries everything above it. Gauss-Seidel sweeps contract like "
-        "cos^2(pi/2n) for equal masses and R/(1+R) for two of ratio R (cases A16).",
+        "cos^2(pi/2n) for equal masses and R/(1+R) for two of ratio R (MATHEMATICS F8).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(stack),

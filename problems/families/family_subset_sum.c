@@ -29,12 +29,12 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_subset_sum = {
     .name = "subset_sum",
     .title = "subset sum as a complementarity problem",
-    .cite = "Chung1989",
+    .cite = "chung1989",
     .about =
         "w_i = 1 - z_i, and two rows that force a.z = b: solvable if and only if a subset of the "
         "numbers sums to b, so the general problem is NP-complete. With solvable=0 the linear "
         "program is feasible and yet there is no complementary solution: 'infeasible' would be a "
-        "false claim, an honest solver says it does not know (cases A14).",
+        "false claim, an honest solver says it does not know (MATHEMATICS F14).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(subset_sum),

@@ -21,7 +21,7 @@ static base_status build(const void *param, known_lcp *k, base_error *err) {
 const lcp_family family_tridiagonal = {
     .name = "tridiagonal",
     .title = "tridiagonal matrix with a made-up solution",
-    .cite = "Cryer1971",
+    .cite = "cryer1971",
     .about =
         "The obstacle problem on a line: symmetric positive definite tridiagonal matrix, z_i = 1 + "
         "(i mod 5) except every period-th, which is zero. Sparse, exactly known, any size.",

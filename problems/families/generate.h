@@ -1,4 +1,4 @@
-/* problems/families/generate.h - the generators of the case format (cases README, group A). Indices
+/* problems/families/generate.h - the generators of the case format (MATHEMATICS 4). Indices
  * in formulas are 1-based. Each fills an empty known_lcp, answer included; the caller frees it on
  * success and failure. All data are integers or dyadic rationals, hence exact. */
 #pragma once
@@ -13,7 +13,8 @@
 base_status generate_murty(known_lcp *k, int n, bool upper, bool hat, base_error *err);
 /* M_ii = 4i-3, M_ij = 4 min(i,j) - 2; q = -1. Fathi (1979). */
 base_status generate_fathi(known_lcp *k, int n, base_error *err);
-/* M_ii = 1, M_ij = -1 for j < i; z = (1,0,1,..), w = (0,1,0,..). Csizmadia; E.-Nagy (2018). */
+/* M_ii = 1, M_ij = -1 for j < i; z = (1,0,1,..), w = (0,1,0,..). Csizmadia, in de Klerk
+ * & E.-Nagy (2011). */
 base_status generate_csizmadia(known_lcp *k, int n, base_error *err);
 /* M_ii = 1, M_{i,i-1} = a, M_{i,i-2} = b cyclic; q = -1, z_i = 1/(1+a+b). Ben Gharbia & Gilbert
  * (2012). */

@@ -234,7 +234,7 @@ static base_status read_offs(scene_spec *s, const node *n) {
   return BASE_OK;
 }
 
-/* Scalar compliant contact at rest (README of the cases, C07): mass m on a floor of stiffness k,
+/* Scalar compliant contact at rest (MATHEMATICS S17): mass m on a floor of stiffness k,
  * long enough for the implicit Euler factor 1/sqrt(1 + k h^2/m) a step to reach 1e-8. */
 static base_status read_compliant(scene_spec *s, const node *n) {
   node p;

@@ -9,9 +9,9 @@
 #include "problems/spec/spec.h"
 
 typedef struct scene {
-  const char *name, *title, *cite;
-  const char *about;        /* one paragraph: mechanics, what is known, source */
-  const base_field *fields; /* parameters, SI units, physical ranges */
+  const char *name, *title, *cite; /* cite: keys of docs/references.bib; "": none */
+  const char *about;               /* one paragraph: mechanics, what is known, source */
+  const base_field *fields;        /* parameters, SI units, physical ranges */
   int n_fields;
   size_t param_size;
   base_status (*build)(const void *param, scene_spec *out, base_error *err);

@@ -79,7 +79,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(arch, "semicircular masonry arch", "Heyman1966",
+KIT_SCENE(arch, "semicircular masonry arch", "heyman1966",
           "Straight-edged voussoirs, dry joints. Limit analysis: it stands for a thickness above "
           "0.1075 R (Milankovitch) and enough friction, falls by hinges below, by sliding with too "
-          "little friction. Highly hyperstatic, all joints at once (cases B21).");
+          "little friction. Highly hyperstatic, all joints at once (MATHEMATICS S7).");

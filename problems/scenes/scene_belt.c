@@ -15,7 +15,7 @@ static const base_field fields[] = {
 };
 
 /* D = (mu_s - mu_k) N/K, w = sqrt(K/m): x in mu_k N/K +- sqrt(D^2 + (v_b/w)^2), period
- * (2/w)(pi - atan(wD/v_b)) + 2D/v_b (MATH B16). */
+ * (2/w)(pi - atan(wD/v_b)) + 2D/v_b (MATHEMATICS B16). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const belt *p = param;
   const double N = p->mass * p->gravity, K = p->stiffness, w = sqrt(K / p->mass);
@@ -60,8 +60,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_finite(s, err);
 }
 
-KIT_SCENE(belt, "stick-slip on a belt", "Leine1998",
+KIT_SCENE(belt, "stick-slip on a belt", "leine1998",
           "A mass on a spring is dragged by a belt and slips back periodically, because the static "
           "coefficient exceeds the kinetic one: period (2/w)(pi - atan(w D/v)) + 2 D/v and swing "
-          "sqrt(D^2 + (v/w)^2) about mu_k N/K. Models with one coefficient do not oscillate (MATH "
-          "B16).");
+          "sqrt(D^2 + (v/w)^2) about mu_k N/K. Models with one coefficient do not oscillate "
+          "(MATHEMATICS B16).");

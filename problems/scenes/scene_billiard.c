@@ -68,7 +68,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * p->mass * p->speed * p->speed, 0.0, err);
 }
 
-KIT_SCENE(billiard, "ball stopped by rolling and drilling friction", "Coulomb1785",
+KIT_SCENE(billiard, "ball stopped by rolling and drilling friction", "coulomb1785",
           "A ball rolls without sliding and spins about the vertical. Rolling friction stops the "
           "one after 7/5 r v0/(rho g), drilling friction the other after 2/5 r^2 w0/(tau g); "
           "neither knows of the other, because each has its own bound. Five friction rows on one "

@@ -17,7 +17,7 @@ static const base_field fields[] = {
 };
 
 /* Apex k (after the k-th impact) at radius + e^{2k} H, impacts at t0 (1 + 2e + .. + 2e^k),
- * t0 = sqrt(2H/g); all bounces over at t0 (1+e)/(1-e) (MATH B5). */
+ * t0 = sqrt(2H/g); all bounces over at t0 (1+e)/(1-e) (MATHEMATICS B5). */
 static base_status predict(scene_spec *s, const bounce *p, const char *var, base_error *err) {
   const double t0 = sqrt(2.0 * p->height / p->gravity), v0 = sqrt(2.0 * p->gravity * p->height);
   const double e = p->restitution;
@@ -74,12 +74,12 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 const scene scene_bounce = {
     .name = "bounce",
     .title = "bouncing ball",
-    .cite = "Brogliato2016",
+    .cite = "brogliato2016",
     .about =
         "A ball falls from rest and bounces with Newton's law: apex heights e^{2k} H, impact times "
         "t0 (1 + 2e + ... + 2e^k) that accumulate at the Zeno time t0 (1+e)/(1-e), after which it "
         "rests. Event-driven methods must survive the accumulation, time stepping passes it "
-        "without noticing (MATH B5, cases B09).",
+        "without noticing (MATHEMATICS B5).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(bounce),

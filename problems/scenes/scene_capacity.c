@@ -15,7 +15,7 @@ static const base_field fields[] = {
     BASE_FIELD(capacity, gravity, BASE_REAL, "m/s^2", 9.81, 1e-6, 1e3, "gravity"),
 };
 
-/* The inscribed nd-gon holds mu N cos(pi/nd)/cos((phi mod 2pi/nd) - pi/nd) (cases B08). */
+/* The inscribed nd-gon holds mu N cos(pi/nd)/cos((phi mod 2pi/nd) - pi/nd) (MATHEMATICS S2). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const capacity *p = param;
   const double phi = kit_radians(p->angle_deg), nd = p->facets, F = p->mu * p->mass * p->gravity;
@@ -49,8 +49,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_moves(s, "puck.pos", 1e-4 * p->rate / p->mass, "slips in the end", err);
 }
 
-KIT_SCENE(capacity, "static capacity of friction cones", "AnitescuPotra1997",
+KIT_SCENE(capacity, "static capacity of friction cones", "anitescu1997",
           "A growing push at an angle to the facets: the inscribed polyhedral cone lets go at a "
           "share cos(pi/nd) of the true limit in the worst direction and then slides along the "
-          "bisector, not along the push. A circular cone holds the same in every direction (cases "
-          "B08).");
+          "bisector, not along the push. A circular cone holds the same in every direction "
+          "(MATHEMATICS S2).");

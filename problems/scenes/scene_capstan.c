@@ -16,7 +16,7 @@ static const base_field fields[] = {
 };
 
 /* Each contact turns the rope by d = wrap/n and multiplies the tension by at most
- * (1 + mu tan(d/2))/(1 - mu tan(d/2)) -> exp(mu d) (MATH B18). */
+ * (1 + mu tan(d/2))/(1 - mu tan(d/2)) -> exp(mu d) (MATHEMATICS B18). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const capstan *p = param;
   const double d = kit_radians(p->wrap_deg) / p->n, k = p->mu * tan(d / 2.0);
@@ -72,8 +72,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
              : kit_finite(s, err);
 }
 
-KIT_SCENE(capstan, "rope round a drum", "Eytelwein1808",
+KIT_SCENE(capstan, "rope round a drum", "eytelwein1808",
           "Particles joined by rigid links lie on a drum and are pulled at both ends. The ratio of "
           "tensions that holds is the product over contacts of (1 + mu tan(d/2))/(1 - mu "
           "tan(d/2)), which tends to exp(mu wrap): friction through joints, with every contact at "
-          "its limit at once (MATH B18).");
+          "its limit at once (MATHEMATICS B18).");

@@ -60,7 +60,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(chain, "hanging chain with a heavy end", "Baraff1996",
+KIT_SCENE(chain, "hanging chain with a heavy end", "baraff1996",
           "Links joined by ball joints, the last a thousand times heavier: bilateral rows only. It "
           "hangs still when straight, swings when tilted; iterative treatment of the joints needs "
           "as many sweeps as the mass ratio.");

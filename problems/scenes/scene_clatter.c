@@ -44,6 +44,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(clatter, "tilted box that clatters to rest", "GoyalEtAl1998",
+KIT_SCENE(clatter, "tilted box that clatters to rest", "goyal1998",
           "A box dropped on one corner throws itself from corner to corner, faster and faster, and "
-          "must come to rest: the impacts may not feed each other energy (cases C09).");
+          "must come to rest: the impacts may not feed each other energy.");

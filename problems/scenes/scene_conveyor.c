@@ -39,6 +39,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return spec_add_off(s, EFFECT_FRICTION, "block.x", T, 0.0, 1e-8, 0.0, err);
 }
 
-KIT_SCENE(conveyor, "box on a conveyor belt", "Coulomb1785",
-          "A box is put on a moving belt, slips V^2/(2 mu g) relative to it and is carried along "
-          "after V/(mu g). The only scene that notices a forgotten surface velocity (case B26).");
+KIT_SCENE(
+    conveyor, "box on a conveyor belt", "coulomb1785",
+    "A box is put on a moving belt, slips V^2/(2 mu g) relative to it and is carried along "
+    "after V/(mu g). The only scene that notices a forgotten surface velocity (MATHEMATICS S8).");

@@ -63,8 +63,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return predict(s, p, err);
 }
 
-KIT_SCENE(cradle, "Newton's cradle", "Brogliato2016",
+KIT_SCENE(cradle, "Newton's cradle", "brogliato2016",
           "A ball hits a row of equal ones. Touching, a simultaneous Newton impact sends the row "
           "off as one body: momentum and energy are right and the picture is wrong, a documented "
           "limit of the impact law, not of a solver. With gaps larger than a step's travel the "
-          "impacts are binary and only the last ball leaves (MATH B7, cases B20).");
+          "impacts are binary and only the last ball leaves (MATHEMATICS B7).");

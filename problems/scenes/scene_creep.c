@@ -40,7 +40,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   BASE_TRY(spec_add_observe(s, "block.x", err));
   BASE_TRY(kit_rests(s, "block.x", 1e-8, "the load never reaches the limit", err));
   /* a bristle deflects by the load's share of its saturation and comes back; a viscous law creeps
-   * with that share of v_s, LuGre a little for ever (MATH 2.3.4) */
+   * with that share of v_s, LuGre a little for ever (MATHEMATICS 2.3.4) */
   BASE_TRY(kit_drift(s, "block.x", 1e-9, 10.0, &c, err));
   c->tol.reg_d = 1.2;
   c->tol.reg_v = 1.2 * p->duration * (p->mean + p->amplitude) / p->limit;
@@ -48,7 +48,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return spec_check_only(c, "regularized", err);
 }
 
-KIT_SCENE(creep, "oscillating load below the limit", "DupontEtAl2002",
+KIT_SCENE(creep, "oscillating load below the limit", "dupont2002",
           "A load oscillates between zero and 80 percent of the friction limit. A rigid model does "
           "not move, a bristle moves elastically and returns, LuGre drifts 5 micrometres a second "
-          "for ever, a viscous law creeps (MATH B22).");
+          "for ever, a viscous law creeps (MATHEMATICS B22).");

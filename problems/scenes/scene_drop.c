@@ -47,7 +47,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * (1.0 + v * v), 0.0, err);
 }
 
-KIT_SCENE(drop, "drop to rest", "StewartTrinkle1996",
+KIT_SCENE(drop, "drop to rest", "stewart1996",
           "A ball falls and stays down (e = 0). A velocity-level scheme stops anywhere within one "
           "step of travel of the surface, a position-level one on it: the cheapest picture of the "
-          "difference between the two (MATH B19, cases B02).");
+          "difference between the two (MATHEMATICS B19).");

@@ -42,7 +42,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-6 * p->mass * p->gravity * r, 4.0 * p->mass * p->gravity * r / 0.05, err);
 }
 
-KIT_SCENE(euler_disc, "Euler's disc in steady precession", "Moffatt2000",
+KIT_SCENE(euler_disc, "Euler's disc in steady precession", "moffatt2000",
           "A thin disc precesses on its rim with Omega^2 sin(alpha) = 4g/r, its centre at rest and "
           "no loss: every loss is numerical. Rotation update, gyroscopic term and rim contact all "
-          "show (case B31).");
+          "show (MATHEMATICS S10).");

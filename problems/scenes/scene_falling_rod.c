@@ -45,6 +45,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-6 * p->gravity * l, 0.06 * p->gravity, err);
 }
 
-KIT_SCENE(falling_rod, "rod falling on a smooth floor", "Lagrange1788",
-          "A rod stands tilted on a frictionless floor and falls; its centre goes straight down "
-          "and the tip slides along. The reference integrates the one-dof equation (case B28).");
+KIT_SCENE(
+    falling_rod, "rod falling on a smooth floor", "lagrange1788",
+    "A rod stands tilted on a frictionless floor and falls; its centre goes straight down "
+    "and the tip slides along. The reference integrates the one-dof equation (MATHEMATICS S9).");

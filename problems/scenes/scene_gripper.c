@@ -37,7 +37,7 @@ static base_status add_finger(scene_spec *s, const gripper *p, const char *name,
 
 /* Holds iff 2 mu F k >= m (g + a); else the object moves with 2 mu F k/m - g. k = 1 on a circular
  * cone; on an nd-gon the vertical lies between facets: k = cos(pi/nd)/cos(90 deg mod 2pi/nd -
- * pi/nd) (cases B08). */
+ * pi/nd) (MATHEMATICS S2). */
 static base_status predict(scene_spec *s, const gripper *p, double share, bool polyhedral,
                            base_error *err) {
   const double hold = 2.0 * p->mu * p->squeeze * share / p->mass - p->gravity;
@@ -83,8 +83,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 }
 
 KIT_SCENE(
-    gripper, "parallel gripper lifts an object", "MasonSalisbury1985",
+    gripper, "parallel gripper lifts an object", "mason1985",
     "Two fingers press an object and lift it: it holds if and only if 2 mu F >= m (g + a). In "
     "3D a polyhedral cone loses up to 1 - cos(pi/nd) of that capacity when the load lies "
     "between facets, and drops what a circular cone holds; a viscous regularisation creeps "
-    "(MATH B14, cases B23).");
+    "(MATHEMATICS B14).");

@@ -22,7 +22,7 @@ static base_status impulsive(scene_spec *s, base_error *err) {
   return spec_check_only(kit_last(s), "coulomb", err);
 }
 
-/* Pn = m (1+e) v_n; Pt = -clip(u m b/(1+b), mu Pn) with u = v_t + r w, I = b m r^2 (MATH B6). */
+/* Pn = m (1+e) v_n; Pt = -clip(u m b/(1+b), mu Pn) with u = v_t + r w, I = b m r^2 (MATHEMATICS B6). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const impact *p = param;
   const double b = (p->dim == 2) ? 0.5 : 0.4, m = p->mass, r = p->radius;
@@ -56,7 +56,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * m * (p->speed_n * p->speed_n + u * u), 0.0, err);
 }
 
-KIT_SCENE(impact, "oblique impact of a spinning ball", "Walton1993",
+KIT_SCENE(impact, "oblique impact of a spinning ball", "walton1993",
           "One impact with friction and spin: the tangential impulse stops the slip or is limited "
           "by mu times the normal impulse. A model that takes the normal force from the last step "
-          "misses friction in impacts altogether (MATH B6, cases B27).");
+          "misses friction in impacts altogether (MATHEMATICS B6).");

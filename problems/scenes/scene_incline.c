@@ -29,7 +29,7 @@ static void downhill(const scene_spec *s, double theta, spec_check *c) {
 }
 
 /* Sticks: no motion. A bristle deflects by (tan/mu) of its saturation, a viscous model creeps with
- * (tan/mu) v_s; a lagged normal force costs a frictionless step (cases README, B03). */
+ * (tan/mu) v_s; a lagged normal force costs a frictionless step (MATHEMATICS B1). */
 static base_status predict_stick(scene_spec *s, const incline *p, double theta, base_error *err) {
   spec_check *c;
   const double share = (p->mu > 0.0) ? tan(theta) / p->mu : 0.0, T = p->duration;
@@ -119,13 +119,13 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 const scene scene_incline = {
     .name = "incline",
     .title = "block on an incline",
-    .cite = "Coulomb1785",
+    .cite = "coulomb1785",
     .about =
         "A homogeneous block at rest on a plane of slope theta. It sticks for tan(theta) <= mu and "
         "slides with the constant acceleration g (sin(theta) - mu cos(theta)) otherwise; the "
         "contact carries m g cos(theta) on four corners (two in the plane), a hyperstatic split. "
         "The standard first test of a friction model: sag of a bristle and creep of a viscous "
-        "regularisation are visible here (MATH B1, cases B03 to B05).",
+        "regularisation are visible here (MATHEMATICS B1).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(incline),

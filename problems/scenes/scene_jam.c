@@ -40,7 +40,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_rests(s, "plug.x", 1e-6, "sits in the slot", err);
 }
 
-KIT_SCENE(jam, "plug jammed in a slot", "CottlePangStone1992",
+KIT_SCENE(jam, "plug jammed in a slot", "cottle1992",
           "A plug in a narrow slot is self-locking for mu >= tan(half angle): any amount of "
           "self-stress is a solution, so the solution set of the complementarity problem is "
-          "unbounded. Any finite answer without motion is right (MATH B21, cases C12).");
+          "unbounded. Any finite answer without motion is right (MATHEMATICS B21).");

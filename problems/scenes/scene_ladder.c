@@ -45,7 +45,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_finite(s, err);
 }
 
-KIT_SCENE(ladder, "ladder against a wall", "Parent1704",
+KIT_SCENE(ladder, "ladder against a wall", "parent1704",
           "A uniform ladder stands if and only if tan(theta) >= (1 - mu_f mu_w)/(2 mu_f). With a "
           "smooth wall it is one card of a symmetric card house, tan(theta) >= 1/(2 mu). A sharp "
-          "test of two simultaneous friction limits (cases B16).");
+          "test of two simultaneous friction limits (MATHEMATICS S5).");

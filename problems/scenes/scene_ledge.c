@@ -33,7 +33,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
                     "free fall behind the edge", err);
 }
 
-KIT_SCENE(ledge, "particle leaving a ledge", "StewartTrinkle1996",
+KIT_SCENE(ledge, "particle leaving a ledge", "stewart1996",
           "A particle slides off a shelf. Behind the edge free space is not convex, and a scheme "
           "that keeps the half-space of the shelf's top would carry it on through the air or push "
-          "it back sideways (MATH B20).");
+          "it back sideways (MATHEMATICS B20).");

@@ -14,7 +14,7 @@ static const base_field fields[] = {
 };
 
 /* The contact matrix has the eigenvalues 2/m and 2 half^2/inertia: with them in its condition, the
- * force keeps 16 - log10(condition) digits (cases C11). */
+ * force keeps 16 - log10(condition) digits (MATHEMATICS S13). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const needle *p = param;
   const double half[2] = {p->half, p->thickness}, pos[2] = {0.0, p->thickness};
@@ -34,7 +34,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 + 0.04 * digits, 0.0, err);
 }
 
-KIT_SCENE(needle, "needle with next to no inertia", "Lotstedt1982",
+KIT_SCENE(needle, "needle with next to no inertia", "lotstedt1982",
           "A flat needle lies on two contacts. As its inertia goes to zero the mass matrix becomes "
           "singular and the contact matrix ill-conditioned, half^2 m/inertia; the weight on the "
-          "floor stays what it is (cases C11).");
+          "floor stays what it is (MATHEMATICS S13).");

@@ -13,7 +13,7 @@ static const base_field fields[] = {
     BASE_FIELD(oscillator, gravity, BASE_REAL, "m/s^2", 10.0, 1e-6, 1e3, "gravity"),
 };
 
-/* The deflection falls by 2F/K every half period; rest once |x| <= F/K (MATH B17). */
+/* The deflection falls by 2F/K every half period; rest once |x| <= F/K (MATHEMATICS B17). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const oscillator *p = param;
   const double F = p->mu * p->mass * p->gravity, K = p->stiffness, w = sqrt(K / p->mass);
@@ -47,7 +47,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * K * p->start * p->start, w * K * p->start * p->start, err);
 }
 
-KIT_SCENE(oscillator, "spring and dry friction", "DenHartog1930",
+KIT_SCENE(oscillator, "spring and dry friction", "denhartog1930",
           "A mass on a spring slides on a rough floor: the amplitude falls by the constant 2F/K "
-          "every half period, not by a factor, and the mass stops for good inside |x| <= F/K (MATH "
-          "B17).");
+          "every half period, not by a factor, and the mass stops for good inside |x| <= F/K "
+          "(MATHEMATICS B17).");

@@ -35,7 +35,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return spec_check_only(c, "velocity", err);
 }
 
-KIT_SCENE(overlap, "initial overlap", "Anitescu2004",
+KIT_SCENE(overlap, "initial overlap", "anitescu2004",
           "A ball starts inside the floor. A velocity-level scheme leaves it there, a "
           "position-level one removes the overlap in one step with depth/h and so injects energy: "
-          "both are what the equations say, and the report must show it (case C15).");
+          "both are what the equations say, and the report must show it (MATHEMATICS S15).");

@@ -53,7 +53,7 @@ static base_status predict_slip(scene_spec *s, const painleve *p, const double v
                     err);
 }
 
-/* Unit mass; normal acceleration of the tip p N + b (MATH 2.3.8). */
+/* Unit mass; normal acceleration of the tip p N + b (MATHEMATICS 2.3.8). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const painleve *q = param;
   const double th = kit_radians(q->theta_deg), l = q->half, sine = sin(th), cosine = cos(th);
@@ -94,8 +94,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 }
 
 KIT_SCENE(
-    painleve, "Painleve's sliding rod", "GenotBrogliato1999",
+    painleve, "Painleve's sliding rod", "genot1999",
     "The tip of a leaning rod slides on a rough floor. Where p = 1/m + (l^2/I) cos (cos - mu "
     "sin) is negative the acceleration-level problem has no solution (inconsistent) or "
     "several (indeterminate); mu_crit = (1 + 3 cos^2)/(3 sin cos), least 4/3 at tan = 2. Time "
-    "stepping must then stop the tip within one step, for every h (MATH B8, cases B19).");
+    "stepping must then stop the tip within one step, for every h (MATHEMATICS B8).");

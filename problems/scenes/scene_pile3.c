@@ -54,4 +54,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(pile3, "three-cylinder pile", "",
           "Two cylinders on the ground, one on top. It stands if and only if the friction between "
           "cylinders is at least tan 15 degrees = 0.267949 and that on the ground at least a third "
-          "of it, 0.089316: rolling, not sliding, decides. A very sharp friction test (MATH B13).");
+          "of it, 0.089316: rolling, not sliding, decides. A very sharp friction test "
+          "(MATHEMATICS B13).");

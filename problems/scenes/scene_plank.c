@@ -47,6 +47,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * m * v0 * v0, 0.0, err);
 }
 
-KIT_SCENE(plank, "block on a free plank", "Newton1687",
+KIT_SCENE(plank, "block on a free plank", "newton1687",
           "A block slides on a plank that slides on a smooth floor: both end with m v0/(m+M), "
-          "whatever the friction law, because momentum is kept (case B25).");
+          "whatever the friction law, because momentum is kept (MATHEMATICS S8).");

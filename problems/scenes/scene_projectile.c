@@ -35,7 +35,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_expect(s, flat ? "ball.omega" : "ball.omega.z", T, p->spin, 0.0, "spin stays", err);
 }
 
-KIT_SCENE(projectile, "free flight", "Galilei1638",
+KIT_SCENE(projectile, "free flight", "galilei1638",
           "A spinning ball in flight without contact: velocities are exact for every step, the "
           "height is off by exactly g h t/2 in semi-implicit Euler, so an error in the integrator "
-          "shows before any contact does (case B01).");
+          "shows before any contact does (MATHEMATICS S1).");

@@ -56,7 +56,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(push, "pushed until it slips", "Coulomb1785",
+KIT_SCENE(push, "pushed until it slips", "coulomb1785",
           "A block under a slowly growing force, or behind a spring pulled at constant speed, "
           "sticks exactly until mu m g and then moves by a closed form: the threshold of static "
-          "friction in time (cases B12, B13).");
+          "friction in time (MATHEMATICS S3).");

@@ -44,6 +44,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(pyramid, "pyramid of boxes", "TasoraAnitescu2011",
+KIT_SCENE(pyramid, "pyramid of boxes", "tasora2011",
           "A pyramid of cubes at rest, each on two others with four contacts each: the usual large "
           "box scene of rigid-body engines, here with the exact answer that nothing moves.");

@@ -19,7 +19,7 @@ static const base_field fields[] = {
 };
 
 /* Slip u0 = v0 + r w ends at t = |u0| b/(mu g (1+b)) with v_f = v0 - u0 b/(1+b), I = b m r^2, for
- * every friction law (angular momentum about the contact; MATH B4, cases B10). */
+ * every friction law (angular momentum about the contact; MATHEMATICS B4). */
 static base_status predict(scene_spec *s, const roll *p, base_error *err) {
   const double b = (p->dim == 3) ? 0.4 : 0.5, g = p->gravity, T = p->duration;
   const double u0 = p->speed + p->radius * p->spin, share = b / (1.0 + b);
@@ -71,12 +71,12 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 const scene scene_roll = {
     .name = "roll",
     .title = "ball that slides, then rolls",
-    .cite = "Coriolis1835",
+    .cite = "coriolis1835",
     .about =
         "A ball is set sliding on a floor, with backspin if wanted. Friction turns sliding into "
         "rolling; the final speed v0 - u0 b/(1+b), with u0 = v0 + r omega and I = b m r^2, does "
         "not depend on mu or on the law of friction, because the angular momentum about the "
-        "contact line is kept. Enough backspin brings the ball back (MATH B4, cases B10, B11).",
+        "contact line is kept. Enough backspin brings the ball back (MATHEMATICS B4).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(roll),

@@ -54,7 +54,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_penetration(s, 1e-7, 0.02 * p->gravity * p->layers * p->duration, err);
 }
 
-KIT_SCENE(silo, "spheres on a cubic lattice in a box", "Janssen1895",
+KIT_SCENE(silo, "spheres on a cubic lattice in a box", "janssen1895",
           "A simple cubic packing filling a box: the number of contacts is known in advance (three "
           "per sphere and the walls, to 1e5 and beyond), the state is at rest by symmetry and "
           "unstable, which an asymmetric solver betrays.");

@@ -19,8 +19,8 @@ static const base_field fields[] = {
     BASE_FIELD(slide, gravity, BASE_REAL, "m/s^2", 9.81, 1e-6, 1e3, "gravity"),
 };
 
-/* d = v0^2/(2 mu g) after t = v0/(mu g); semi-implicit Euler stops v0 h/2 short (cases B06). Exact
- * for an isotropic cone; a polyhedral one only along a facet (MATH B2, B3). */
+/* d = v0^2/(2 mu g) after t = v0/(mu g); semi-implicit Euler stops v0 h/2 short (MATHEMATICS B2). Exact
+ * for an isotropic cone; a polyhedral one only along a facet (MATHEMATICS B2, B3). */
 static base_status predict(scene_spec *s, const slide *p, const double *dir, base_error *err) {
   const double a = p->mu * p->gravity, v = p->speed, stop = v / a, d = v * v / (2.0 * a);
   const double T = s->duration;
@@ -91,13 +91,13 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 const scene scene_slide = {
     .name = "slide",
     .title = "sliding block that stops",
-    .cite = "Coulomb1785",
+    .cite = "coulomb1785",
     .about =
         "A block slides on a floor with friction and stops after v0/(mu g) at v0^2/(2 mu g); with "
         "the default numbers after 2.548 m, the box test of Project Chrono. In 3D the direction is "
         "a parameter: along a facet of a polyhedral cone the answer is exact, between facets the "
         "block goes astray by up to pi/nd and too far by up to 1/cos(pi/nd), while an isotropic "
-        "model stays on its line (MATH B2, B3; cases B06, B07).",
+        "model stays on its line (MATHEMATICS B2, B3).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(slide),

@@ -145,8 +145,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_penetration(s, 1e-6, 30.0, err);
 }
 
-KIT_SCENE(slider_crank, "slider-crank with clearance", "FloresLeineGlocker2010",
+KIT_SCENE(slider_crank, "slider-crank with clearance", "flores2010",
           "A crank at 150 rad/s drives a slider with play in its guide: three coordinates with a "
           "configuration-dependent mass matrix, four corners that hit and slide. No closed form; "
           "energy must not grow beyond the integrator's error and the slider must stay in its "
-          "guide (MATH B10).");
+          "guide (MATHEMATICS B10).");

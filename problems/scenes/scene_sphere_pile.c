@@ -58,7 +58,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_energy(s, 1e-9 * (1.0 + mass * fall * fall), mass * p->gravity * fall, err);
 }
 
-KIT_SCENE(sphere_pile, "spheres falling into a box", "TasoraAnitescu2011",
+KIT_SCENE(sphere_pile, "spheres falling into a box", "tasora2011",
           "Polydisperse spheres on a jittered grid settle in a box with four walls: the standard "
           "scaling scene of granular codes, any size up to a million. Energy never grows, nothing "
           "leaves the box.");

@@ -14,7 +14,7 @@ static const base_field fields[] = {
     BASE_FIELD(spin, gravity, BASE_REAL, "m/s^2", 9.81, 1e-6, 1e3, "gravity"),
 };
 
-/* Friction mu m g at the corners' radius: stops after I w0/(mu m g r_c) (MATH B15). */
+/* Friction mu m g at the corners' radius: stops after I w0/(mu m g r_c) (MATHEMATICS B15). */
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const spin *p = param;
   const double half[3] = {p->half, p->half, p->height}, pos[3] = {0.0, 0.0, p->height};
@@ -52,8 +52,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 }
 
 KIT_SCENE(
-    spin, "box spinning on four corners", "FarkasWolf2003",
+    spin, "box spinning on four corners", "farkas2003",
     "A box spins on the floor about the vertical; friction acts at the four corners, always "
     "across their radius, and stops it after I w0/(mu m g r_c). A polyhedral cone meets every "
     "direction in turn, so its average loss shows: 0.977 against 0.961 rad with eight facets "
-    "(MATH B15).");
+    "(MATHEMATICS B15).");

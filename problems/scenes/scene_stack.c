@@ -22,7 +22,7 @@ static const base_field fields[] = {
 };
 
 /* Interface i carries all masses above it; nothing moves. A velocity-level scheme that closes an
- * interface one step late settles by up to g h^2 each (cases B14). */
+ * interface one step late settles by up to g h^2 each (MATHEMATICS B12). */
 static base_status predict(scene_spec *s, const stack *p, base_error *err) {
   const double heaviest = p->mass * fmax(1.0, p->mass_ratio), T = p->duration;
   const double weight = p->gravity * (p->mass * (p->n - 1) + p->mass * p->mass_ratio);
@@ -80,13 +80,13 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 const scene scene_stack = {
     .name = "stack",
     .title = "tower of boxes at rest",
-    .cite = "AcaryBrogliato2008",
+    .cite = "acary2008",
     .about =
         "n boxes on each other at rest, four contact points per interface (two in the plane), so "
         "the split of forces is not unique while the sum at interface i is the weight above it. "
         "Height and the mass ratio of the top box set the difficulty: Gauss-Seidel sweeps contract "
-        "like cos^2(pi/2n) for equal masses and R/(1+R) for two boxes of ratio R (MATH B12; cases "
-        "B14, C01, C02).",
+        "like cos^2(pi/2n) for equal masses and R/(1+R) for two boxes of ratio R "
+        "(MATHEMATICS B12).",
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(stack),

@@ -37,6 +37,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(tablecloth, "block on an accelerating table", "Coulomb1785",
+KIT_SCENE(tablecloth, "block on an accelerating table", "coulomb1785",
           "A table is pulled away with constant acceleration A: the block on it goes along for A < "
-          "mu g and slips with mu g otherwise, the tablecloth trick (cases B30).");
+          "mu g and slips with mu g otherwise, the tablecloth trick (MATHEMATICS S8).");

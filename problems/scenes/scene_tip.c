@@ -51,7 +51,7 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return kit_rigid_only(kit_last(s), err);
 }
 
-KIT_SCENE(tip, "box on an incline: rest, slide or tip", "Coulomb1785",
+KIT_SCENE(tip, "box on an incline: rest, slide or tip", "coulomb1785",
           "A box slides when the slope exceeds mu and tips about its lower corner when it exceeds "
-          "b/h, whichever comes first; tipping follows the inverted pendulum of the corner (cases "
-          "B18).");
+          "b/h, whichever comes first; tipping follows the inverted pendulum of the corner "
+          "(MATHEMATICS S6).");

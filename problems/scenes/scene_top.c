@@ -62,8 +62,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(top, "torque-free rotation", "Euler1758",
+KIT_SCENE(top, "torque-free rotation", "euler1758",
           "A body spins freely. The omega of a symmetric top turns about the angular momentum with "
           "|L|/I1; about the middle axis of an asymmetric body the motion is unstable and flips. "
           "The only scene that exposes a missing gyroscopic term, and energy growth of an explicit "
-          "one (cases B32, C14).");
+          "one (MATHEMATICS S11).");

@@ -49,6 +49,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(wall, "brick wall in running bond", "AcaryBremondHuber2018",
+KIT_SCENE(wall, "brick wall in running bond", "acary2018",
           "A wall of bricks at rest, every brick on two others: hyperstatic, with as many contacts "
           "as wanted. Nothing moves; the weight must arrive at the ground.");

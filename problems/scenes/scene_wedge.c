@@ -45,6 +45,6 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
   return BASE_OK;
 }
 
-KIT_SCENE(wedge, "block on a movable wedge", "Lagrange1788",
+KIT_SCENE(wedge, "block on a movable wedge", "lagrange1788",
           "A frictionless block slides down a wedge that is pushed away on a smooth floor; both "
-          "accelerations are constant and momentum along the floor stays zero (case B29).");
+          "accelerations are constant and momentum along the floor stays zero (MATHEMATICS S8).");

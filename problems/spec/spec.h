@@ -190,7 +190,7 @@ typedef struct spec_off {
   spec_check check;
 } spec_off;
 
-/* Painleve: the sliding contact's normal acceleration is p N + b (MATH 2.3.8). */
+/* Painleve: the sliding contact's normal acceleration is p N + b (MATHEMATICS 2.3.8). */
 typedef struct spec_acceleration {
   bool given;
   double p, b, mu_crit;

@@ -62,8 +62,8 @@ base_status spec_settle_effects(scene_spec *s, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL, "scene '%s': declares %s, but nothing in it has that effect",
                      s->id, text);
   }
-  /* A coefficient of restitution above zero is itself a declaration: case C10.b lists only
-   * "contact" and expects the bounce. */
+  /* A coefficient of restitution above zero is itself a declaration: a file that lists only
+   * "contact" and gives one expects the bounce. */
   const unsigned always = EFFECT_GRAVITY | EFFECT_JOINTS | EFFECT_LOADS | EFFECT_DAMPING |
                           EFFECT_MOTION | EFFECT_SPATIAL | EFFECT_RESTITUTION;
   s->effects = (s->effects == 0) ? s->present : s->effects | (s->present & always);

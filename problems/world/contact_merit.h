@@ -1,6 +1,6 @@
 /* problems/world/contact_merit.h - the physical yardstick: how far is a step from Signorini contact with
  * an isotropic Coulomb cone? Independent of every formulation, so that formulations can be
- * compared (MATH: De Saxce natural map; Acary, Bremond & Huber 2018).
+ * compared (RESIDUALS 5: De Saxce's natural map; Acary, Bremond & Huber 2018).
  *
  * For each contact with impulse (l_n, l_t), velocity u = J v+ + drift and normal bias b
  * (restitution, gap/h) the common model is

@@ -22,7 +22,7 @@ def end(o, name):
     return o["observables"][name]["value"]
 
 
-# ---- three cylinders: MATH B13 ---------------------------------------------------------------------------------------------
+# ---- three cylinders: MATHEMATICS B13 ------------------------------------------------------------
 
 def stands(mu_cylinders, mu_ground, way):
     """Has the top cylinder not moved by more than a millionth of its radius?"""
@@ -57,7 +57,7 @@ def pile():
         yield ("least mu on the ground", way, tan15 / 3, threshold(lambda mu: stands(0.3, mu, way), 0.085, 0.095, 2e-6), 1e-5, "tan(15)/3")
 
 
-# ---- rocking block: MATH B11 -----------------------------------------------------------------------------------------------
+# ---- rocking block: MATHEMATICS B11 --------------------------------------------------------------
 
 def block(b, h, mu):
     """Falls flat turning about its left lower corner at 1 rad/s: one step without gravity is the impact alone."""
@@ -79,7 +79,7 @@ def rocking():
                 yield (what, way, ratio, -end(simulate(path, way), "block.omega"), 1e-6, "1 - 1.5 sin^2 (Housner)" if mu >= least else "slips at the impact")
 
 
-# ---- friction in time: MATH B15, B16 ---------------------------------------------------------------------------------------
+# ---- friction in time: MATHEMATICS B15, B16 ------------------------------------------------------
 
 def spin():
     event = [p for p in simulate("spin", COULOMB)["predictions"] if p["quantity"].startswith("event_time")][0]
@@ -98,7 +98,7 @@ def belt():
     yield ("period of stick and slip on the belt [s]", REGULARIZED, period, slips[-1] - slips[-2], 2e-3, "(2/w)(pi - atan(w D/v)) + 2D/v")
 
 
-# ---- where models end: MATH B7, B8 -----------------------------------------------------------------------------------------
+# ---- where models end: MATHEMATICS B7, B8 --------------------------------------------------------
 
 def painleve():
     for tangent in (1.0, 2.0, 3.0):

@@ -1,6 +1,7 @@
 """catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture of each."""
 import argparse
 import pathlib
+import re
 import sys
 import tempfile
 
@@ -48,13 +49,24 @@ def predicted(c):
     return f"`{c['quantity']}`{at}{what}: {c['source']}{only}"
 
 
+def linked(text):
+    """Sections of docs/MATHEMATICS.md as links: "MATHEMATICS B2, B3"."""
+    page = "../../docs/MATHEMATICS.md"
+    return re.sub(r"MATHEMATICS (\w[\w.]*\w)", rf"[MATHEMATICS \1]({page}#\1)", text)
+
+
+def source(cite):
+    """Keys of docs/references.bib: "lemke1965; cottle1992, 4.4"."""
+    return f"[{cite}](../../docs/references.bib)" if cite else "none"
+
+
 def paragraph(s):
-    lines = [f"## {s['name']}", "", f"![{s['title']}](pictures/{s['name']}.png)", "", s["about"], ""]
+    lines = [f"## {s['name']}", "", f"![{s['title']}](pictures/{s['name']}.png)", "", linked(s["about"]), ""]
     lines += ["| parameter | default | range | unit | |", "|---|---|---|---|---|"]
     lines += [f"| `{p['name']}` | {value(p)} | {bound(p)} | {p['unit']} | {p['help']} |" for p in s["parameters"]]
     size = f"{s['bodies']} bodies" if s["bodies"] > 1 else "one body" if s["bodies"] == 1 else "generalised coordinates"
     lines += ["", f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in steps of {number(s['step_s'])} s. "
-              f"Effects: {', '.join(s['effects'])}. Source: {s['cite'] or 'none'}.", "", "Predicted:", ""]
+              f"Effects: {', '.join(s['effects'])}. Source: {source(s['cite'])}.", "", "Predicted:", ""]
     seen = list(dict.fromkeys(predicted(c) for c in s["predictions"]))
     shown = seen if len(seen) <= 6 else seen[:5] + [f"and {len(seen) - 5} more"]
     return lines + [f"- {line}" for line in shown] + [""]

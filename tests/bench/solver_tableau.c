@@ -41,7 +41,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
 static const lcp_solver tableau_solver = {
     .name = "tableau",
     .title = "Lemke, dense tableau",
-    .cite = "Cottle, Pang & Stone 1992, algorithm 4.4.5",
+    .cite = "cottle1992, algorithm 4.4.5",
     .sets = 1u << LCP_ORTHANT,
     .storages = 1u << LCP_DENSE,
     .exact = true,

@@ -1,4 +1,4 @@
-/* Energy: no formulation with b_n >= 0 creates any (MATH 2.1, 2.3.9), in random contact sets and in
+/* Energy: no formulation with b_n >= 0 creates any (MATHEMATICS 2.1, 2.3.9), in random contact sets and in
  * random worlds; a loaded stick holds for ever where the friction law is rigid or a bristle, and creeps
  * at the predicted rate where it is viscous. */
 #include "tests/support/check.h"
@@ -87,7 +87,7 @@ static void random_sets_only_lose(void **state) {
 static const char *const poisson[] = {"restitution=poisson",
                                       "restitution=poisson,storage=factored"};
 
-/* Newton's cradle of three, touching (MATH B7): by Poisson's law the first ends with (1 - 2e)/3, the others with
+/* Newton's cradle of three, touching (MATHEMATICS B7): by Poisson's law the first ends with (1 - 2e)/3, the others with
  * (1 + e)/3, although the second contact does not approach. */
 static void poisson_moves_a_cradle(void **state) {
   (void)state;
@@ -112,7 +112,7 @@ static void poisson_moves_a_cradle(void **state) {
   }
 }
 
-/* A disc with I = m r^2/2 lands while it slides at 1 m/s along the floor (MATH B6): friction takes
+/* A disc with I = m r^2/2 lands while it slides at 1 m/s along the floor (MATHEMATICS B6): friction takes
  * mu (1 + e) m |u_n|, of both phases, where that is less than m |u_t|/3, what stops the sliding. */
 static void poisson_rubs_in_both_phases(void **state) {
   (void)state;
@@ -218,7 +218,7 @@ static void integrators_only_lose(void **state) {
 }
 
 /* 1e5 steps on a slope: a bristle sags by m g sin / (n k) and stays; a viscous law creeps at
- * m g sin / (n c) (MATH B1), to 1 %. */
+ * m g sin / (n c) (MATHEMATICS B1), to 1 %. */
 static void loaded_stick(void **state) {
   (void)state;
   const double angle = 20 * pi / 180;

@@ -60,7 +60,7 @@ static void circles_are_straight(void **state) {
 }
 
 /* An inscribed polygon of nd facets brakes along its nearest facet direction alone until the velocity has
- * turned to the bisector, and from there by mu cos(pi/nd) (README of the cases, B07): the path bends
+ * turned to the bisector, and from there by mu cos(pi/nd) (MATHEMATICS B3): the path bends
  * (nd = 4: from 11.25 to 20.98 degrees) unless it starts along a facet or midway between two. */
 static void polygons_bend_the_path(void **state) {
   (void)state;
@@ -126,7 +126,7 @@ static void ellipse_of_coefficients(void **state) {
   free(r);
 }
 
-/* Belt (MATH B16): slip phase, then stick; period from theory. */
+/* Belt (MATHEMATICS B16): slip phase, then stick; period from theory. */
 static void belt_stick_slip(void **state) {
   (void)state;
   const double K = 20;
@@ -157,7 +157,7 @@ static void belt_stick_slip(void **state) {
 
 /* LuGre with the parameters of the 1995 paper: pulled by a spring of 2 N/m at 0.1 m/s the first
  * slip comes at Fs/(K V) = 7.5 s; under an oscillating load below the limit it drifts for ever,
- * where a bristle returns (MATH 2.3.4). */
+ * where a bristle returns (MATHEMATICS 2.3.4). */
 static void lugre_slips_and_drifts(void **state) {
   (void)state;
   rig *r = puck(2, 1e-3, 1, 10, 0.15, 0.1);
@@ -260,7 +260,7 @@ static void deflect(const char *form, int power, double *end, double *most) {
   free(r);
 }
 
-/* Stiffness from h^2 k/m = 1e-3 to 1e12 (cases C07): every step solved, the bristle ends at F/(n k), never
+/* Stiffness from h^2 k/m = 1e-3 to 1e12 (MATHEMATICS S17): every step solved, the bristle ends at F/(n k), never
  * beyond mu N/k, to the rounding of the positions. In the mass form k drowns the mass from 1e6 on, which is
  * why `auto` does not take it for given stiffness. */
 static void every_stiffness_holds(void **state) {

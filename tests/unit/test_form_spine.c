@@ -258,7 +258,7 @@ static void analysis_stands_with_the_contacts(void **state) {
 
 /* Position level: no overlap at any step, the bounce one step late, and as high as Newton's law says
  * (e^2 H, first order in h); friction of the rebound is that of e lambda_n, so an oblique impact that
- * slips loses mu (1 + e) of its normal speed (MATH B6). */
+ * slips loses mu (1 + e) of its normal speed (MATHEMATICS B6). */
 static void position_rebounds_a_step_later(void **state) {
   (void)state;
   static const double law[] = {0, 0.5, 0.8, 1};

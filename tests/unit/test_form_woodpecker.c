@@ -1,4 +1,4 @@
-/* The woodpecker toy (Glocker & Studer 2005; MATH B9): generalised coordinates y, phi_M, phi_S,
+/* The woodpecker toy (Glocker & Studer 2005; MATHEMATICS B9): generalised coordinates y, phi_M, phi_S,
  * Moreau's theta scheme with theta = 1/2, against another code's stored trajectory. */
 #include "tests/support/check.h"
 
@@ -189,7 +189,7 @@ static void matches_the_other_code(void **state) {
 }
 
 /* Impact friction of the regularised law is limited by G; with G/m_t >= 10 it agrees, with the
- * spring of 1e3 N/m it cannot (MATH 2.3.10). */
+ * spring of 1e3 N/m it cannot (MATHEMATICS 2.3.10). */
 static void regularised_needs_stiffness(void **state) {
   (void)state;
   double worst[6];

@@ -87,7 +87,7 @@ static void pgs_contracts_by_the_mass_ratio(void **state) {
   check_close((base - z[0]) / (base - before[0]), ratio / (1.0 + ratio), 1e-12);
 }
 
-/* cases A5.01 and A9.01: exact cycles, which must be found out and never claimed. From z = 0 the rotation goes
+/* A P-matrix (MATHEMATICS F5) and a rotation: exact cycles, which must be found out and never claimed. From z = 0 the rotation goes
  * z2 = 4, z1 = 3 z2 - 2 = 10, z2 = 0, z1 = 0, z2 = 4: a period of two sweeps. Brent's method compares with the
  * iterate of the tests 1, 2, 4, ..: tested after every sweep it meets sweep 1 again in sweep 3; tested after
  * sweeps 0, 10, 20 it meets sweep 10 in sweep 20. */
@@ -113,7 +113,7 @@ static void infeasible_problems_are_never_claimed(void **state) {
   const char *names[] = {
       "pgs",    "projected_gradient", "jacobi", "apgd", "nncg", "nsgs", "prox", "newton",
       "pgs_sm", "interior_point",     "sqp"};
-  /* A4.01, and A4.05: by a hair, whose iterates can run away along the null space. */
+  /* Two closing walls, and walls that close by a hair, whose iterates can run away along the null space. */
   const double M[4] = {1, -1, -1, 1}, q[2][2] = {{-1, -1}, {-1, 0.9999990463256836}};
   for (int c = 0; c < 2; c++) {
     const lcp_problem p = dense(2, M, q[c]);
@@ -145,7 +145,7 @@ static void zero_diagonals_are_refused_without_blocks(void **state) {
   }
 }
 
-/* case A15.01 as one block: zero diagonal in sigma's row, one sweep is exact. */
+/* A block that sticks on a plane, as one block of the problem: zero diagonal in sigma's row, one sweep is exact. */
 static void pgs_solves_a_contact_block_in_one_sweep(void **state) {
   (void)state;
   const double M[16] = {0.5, 0, 0, 0.5, 0, 0.5, -0.5, -1, 0, -0.5, 0.5, -1, 0, 1, 1, 0};
