@@ -45,8 +45,8 @@ def figures(cells, ladders, target):
     return {one.name for one in filter(None, made)}
 
 
-def picture(name, title, have, words):
-    return f"![{title}](results/reference/figures/{name}.png)\n\n{words}\n\n" if name in have else ""
+def picture(name, title, have, words, at="reference/figures"):
+    return f"![{title}]({at}/{name}.png)\n\n{words}\n\n" if name in have else ""
 
 
 def advice_words(cells):
@@ -130,10 +130,24 @@ def effects_words(cells):
             f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}.")
 
 
-def words(cells, ladders, have, manifests):
-    table = paper.summary(paper.own(cells))
+def measured_words(cells, manifests):
+    """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
+    return (f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
+            "manifests.")
+
+
+def short_words(cells, have, manifests):
+    """The README: which to take, and what accuracy costs."""
+    return "".join([advice_words(cells), "\n",
+                    picture("accuracy_against_time", "Error against time", have, accuracy_words(cells), at="results/reference/figures"),
+                    measured_words(cells, manifests), "\n"])
+
+
+def long_words(cells, ladders, have, manifests):
+    """results/README.md: all figures, each with what it says."""
+    table = paper.summary(paper.own(cells))
     out = [advice_words(cells), "\n",
            picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
            picture("stability", "Stability map", have, stability_words(ladders)),
@@ -141,15 +155,20 @@ def words(cells, ladders, have, manifests):
            picture("dimension", "Unknowns of the LCP against contacts", have, "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
                    "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many."),
            f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
-           f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
-           "manifests. The rows are in `results/reference` (packed with xz); `scripts/reference` writes this part of the page from them.\n"]
+           measured_words(cells, manifests), "\n"]
     return "".join(out)
+
+
+def write_between(page, text):
+    """Replaces what stands between the markers of a page."""
+    old = page.read_text(encoding="utf-8")
+    page.write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, old, flags=re.S), encoding="utf-8")
 
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/reference", description=__doc__)
     parser.add_argument("folder", nargs="?", default=str(ROOT / "results" / "runs"), help="folder of campaigns (default: results/runs)")
-    parser.add_argument("--out", default=str(ROOT), help="where results/reference and README.md are (default: this project)")
+    parser.add_argument("--out", default=str(ROOT), help="where results/reference, results/README.md and README.md are (default: this project)")
     args = parser.parse_args()
     source, root = pathlib.Path(args.folder), pathlib.Path(args.out)
     try:
@@ -157,10 +176,12 @@ def main():
     except rows.BadRows as error:
         print(error, file=sys.stderr)
         return 2
-    readme = (root / "README.md").read_text()
-    if BEGIN not in readme or END not in readme:
-        print(f"{root / 'README.md'}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing", file=sys.stderr)
-        return 2
+    pages = (root / "README.md", root / "results" / "README.md")
+    for page in pages:
+        readme = page.read_text(encoding="utf-8")
+        if BEGIN not in readme or END not in readme:
+            print(f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing", file=sys.stderr)
+            return 2
     cells = rows.cells(all_rows)
     accuracy.NOISE = rows.noise(source) or accuracy.NOISE
     target = root / "results" / "reference"
@@ -169,8 +190,8 @@ def main():
         pack(source, target)
     ladders = stability.ladders(cells)
     have = figures(cells, ladders, target / "figures")
-    text = words(cells, ladders, have, manifests)
-    (root / "README.md").write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, readme, flags=re.S))
+    write_between(pages[0], short_words(cells, have, manifests))
+    write_between(pages[1], long_words(cells, ladders, have, manifests))
     print(target)
     return 0
 

@@ -294,15 +294,21 @@ class Page(unittest.TestCase):
     def test_the_reference_is_written_between_its_markers(self):
         root = self.folder / "project"
         root.mkdir()
-        (root / "README.md").write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
+        (root / "results").mkdir()
+        pages = [root / "README.md", root / "results" / "README.md"]
+        for page in pages:
+            page.write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
         with mock.patch.object(sys, "argv", ["reference", str(self.folder / "runs"), "--out", str(root)]), contextlib.redirect_stdout(io.StringIO()):
             self.assertEqual(reference.main(), 0)
-        text = (root / "README.md").read_text()
-        self.assertTrue(text.startswith("before\n" + reference.BEGIN) and text.endswith(reference.END + "after\n"))
-        self.assertNotIn("stale", text)
-        self.assertIn("`regularized + lemke`", text)
-        for name in re.findall(r"\]\((results/reference/[^)]*)\)", text):
-            self.assertTrue((root / name).exists(), name)
+        for page in pages:
+            text = page.read_text()
+            self.assertTrue(text.startswith("before\n" + reference.BEGIN) and text.endswith(reference.END + "after\n"))
+            self.assertNotIn("stale", text)
+            self.assertIn("`regularized + lemke`", text)
+            drawn = re.findall(r"!\[[^]]*\]\(([^)]*)\)", text)
+            self.assertTrue(drawn, page)
+            for name in drawn:
+                self.assertTrue((page.parent / name).exists(), name)
         packed = rows.load(root / "results/reference/all")
         self.assertTrue(packed.equals(rows.load(self.folder / "runs/all")))
 
