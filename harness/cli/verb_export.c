@@ -11,47 +11,55 @@ typedef struct export_options {
   const char *format, *out, *q;
 } export_options;
 
-static base_status export_friction(const char *problem, const char *format, const char *out,
-                                   base_error *err) {
-  import_kind kind;
+static base_status export_friction(const char *problem, import_kind kind, const char *format,
+                                   const char *out, base_error *err) {
   friction_problem f;
-  if (strchr(problem, '.') == NULL) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: --format %s needs a file", problem, format);
-  }
-  BASE_TRY(import_detect(problem, &kind, err));
-  if (kind == IMPORT_FCLIB) {
-    BASE_TRY(friction_read_fclib(problem, &f, err));
-  } else if (kind == IMPORT_FRICTION) {
-    BASE_TRY(friction_read_siconos(problem, &f, err));
-  } else {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED,
-                     "%s: --format %s needs a friction problem (FCLIB or"
-                     " Siconos text)",
-                     problem, format);
-  }
+  BASE_TRY(kind == IMPORT_FCLIB ? friction_read_fclib(problem, &f, err)
+                                : friction_read_siconos(problem, &f, err));
   const base_status done = (strcmp(format, "fclib") == 0) ? friction_write_fclib(out, &f, err)
                                                           : friction_write_siconos(out, &f, err);
   friction_free(&f);
   return done;
 }
 
+static base_status export_plain(const char *problem, const export_options *o, base_error *err) {
+  problem_source s;
+  base_status done = problem_source_open(problem, o->q, 0, &s, err);
+  if (done == BASE_OK) {
+    done = (strcmp(o->format, "mtx") == 0) ? export_lcp_mtx(s.p, o->out, err)
+                                           : export_lcp_text(s.p, o->out, err);
+  }
+  problem_source_close(&s);
+  return done;
+}
+
+/* mtx holds plain LCPs, fclib friction problems, siconos both. */
 static base_status export_problem(const char *problem, const export_options *o, base_error *err) {
   if (o->out == NULL || o->format == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "%s is missing", o->out == NULL ? "--out" : "--format");
   }
-  if (strcmp(o->format, "fclib") == 0 || strcmp(o->format, "siconos") == 0) {
-    return export_friction(problem, o->format, o->out, err);
-  }
-  if (strcmp(o->format, "mtx") != 0) {
+  const bool mtx = strcmp(o->format, "mtx") == 0;
+  const bool fclib = strcmp(o->format, "fclib") == 0;
+  if (!mtx && !fclib && strcmp(o->format, "siconos") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--format %s: need mtx, siconos or fclib", o->format);
   }
-  problem_source s;
-  base_status done = problem_source_open(problem, o->q, 0, &s, err);
-  if (done == BASE_OK) {
-    done = export_lcp_mtx(s.p, o->out, err);
+  import_kind kind = IMPORT_UNKNOWN;
+  if (!mtx && problem_is_import(problem)) {
+    BASE_TRY(import_detect(problem, &kind, err));
   }
-  problem_source_close(&s);
-  return done;
+  if (kind == IMPORT_FCLIB || kind == IMPORT_FRICTION) {
+    if (o->q != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL, "--q %s: %s has a q already", o->q, problem);
+    }
+    return export_friction(problem, kind, o->format, o->out, err);
+  }
+  if (fclib) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "%s: --format fclib needs a file with a friction problem (FCLIB or Siconos "
+                     "text)",
+                     problem);
+  }
+  return export_plain(problem, o, err);
 }
 
 static int run(int argc, char **argv) {

@@ -40,6 +40,74 @@ base_status export_lcp_mtx(const lcp_problem *p, const char *out, base_error *er
   return lcp_write_mtx_vector(path, p->M.n, p->q, err);
 }
 
+/* ---- Siconos text ------------------------------------------------------------------------------*/
+
+static bool is_free(const lcp_problem *p, int block) {
+  return p->n_block > 0 && p->block[block].set == LCP_FREE;
+}
+
+/* What a mixed LCP begins with: the flags "M whole, not in parts", the numbers of equations and of
+ * inequalities, where runs of one kind start and end, and a flag per run (1: complementarity). */
+static void print_runs(FILE *to, const lcp_problem *p) {
+  int free = 0;
+  for (int b = 0; b < p->n_block; b++) {
+    free += is_free(p, b) ? p->block[b].size : 0;
+  }
+  (void)fprintf(to, "1\n0\n%d\n%d\n0", free, p->M.n - free);
+  for (int b = 0; b < p->n_block; b++) {
+    if (b + 1 == p->n_block || is_free(p, b) != is_free(p, b + 1)) {
+      (void)fprintf(to, " %d", p->block[b].start + p->block[b].size);
+    }
+  }
+  const char *before = "\n";
+  for (int b = 0; b < p->n_block; b++) {
+    if (b + 1 == p->n_block || is_free(p, b) != is_free(p, b + 1)) {
+      (void)fprintf(to, "%s%d", before, is_free(p, b) ? 0 : 1);
+      before = " ";
+    }
+  }
+  (void)fputc('\n', to);
+}
+
+static void print_columns(FILE *to, const double *x, int n, int n_col) {
+  for (int j = 0; j < n_col; j++) {
+    for (int i = 0; i < n; i++) {
+      (void)fprintf(to, "%.17g%c", x[(size_t)j * (size_t)n + (size_t)i], (i + 1 < n) ? ' ' : '\n');
+    }
+  }
+}
+
+base_status export_lcp_text(const lcp_problem *p, const char *path, base_error *err) {
+  const unsigned plain = 1u << LCP_ORTHANT;
+  const unsigned sets = lcp_problem_sets(p);
+  const int n = p->M.n;
+  if ((sets & ~(plain | 1u << LCP_FREE)) != 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: LCP text holds orthants and equations only",
+                     path);
+  }
+  double *M = malloc((size_t)n * (size_t)n * sizeof *M + 1);
+  if (M == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %d x %d numbers", path, n, n);
+  }
+  lcp_matrix_to_dense(&p->M, M);
+  FILE *to = fopen(path, "w");
+  bool good = to != NULL;
+  if (good) {
+    if (sets == plain) {
+      (void)fprintf(to, "%d\n", n);
+    } else {
+      print_runs(to, p);
+    }
+    (void)fprintf(to, "0\n%d\n%d\n%d\t%d\n", n, n, n, n); /* dense, and its size twice */
+    print_columns(to, M, n, n);
+    print_columns(to, p->q, n, 1);
+    good = ferror(to) == 0;
+    good = fclose(to) == 0 && good;
+  }
+  free(M);
+  return good ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+}
+
 /* 2, 3 or 5 rows a contact; 0: no friction problem of this kind. */
 static int rows_of(const lcp_block *b) {
   if (b->set != LCP_CONE || b->n_part < 1 || b->n_part > 2) {

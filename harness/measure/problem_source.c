@@ -13,7 +13,7 @@ static bool ends_with(const char *text, const char *tail) {
   return n >= m && strcmp(text + n - m, tail) == 0;
 }
 
-static bool is_import(const char *path) {
+bool problem_is_import(const char *path) {
   return ends_with(path, ".dat") || ends_with(path, ".hdf5") || ends_with(path, ".h5");
 }
 
@@ -55,7 +55,7 @@ base_status problem_file(const char *text, char *path, size_t cap, int *facets, 
   const char *at = strstr(text, key);
   *facets = 0;
   (void)snprintf(path, cap, "%.*s", (int)(at != NULL ? at - text : (ptrdiff_t)strlen(text)), text);
-  if (at == NULL || !is_import(path)) {
+  if (at == NULL || !problem_is_import(path)) {
     (void)snprintf(path, cap, "%s", text);
     return BASE_OK;
   }
@@ -102,7 +102,7 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
   if (ends_with(text, ".mtx")) {
     return (facets != 0) ? no_facets(text, err) : open_mtx(text, q_path, out, err);
   }
-  if (is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
+  if (problem_is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
       strstr(text, ".h5:") != NULL) {
     return open_file(text, facets, out, err);
   }

@@ -16,6 +16,9 @@ typedef struct problem_source {
   const lcp_problem *p;  /* the problem, in one of the three */
 } problem_source;
 
+/* A file of another code, by its ending: .dat, .hdf5, .h5. */
+bool problem_is_import(const char *path);
+
 /* "FILE.dat:facets=8" (also .hdf5, .h5): the file, and its facets; any other text whole, and 0. */
 base_status problem_file(const char *text, char *path, size_t cap, int *facets, base_error *err);
 
