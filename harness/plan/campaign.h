@@ -23,7 +23,7 @@
  *   quick: {limits: ..., sampling: ...}          # replaced under --quick
  *
  * A part without formulations holds complementarity problems (files or families); its problems may
- * be file patterns, and $NAME in them is taken from the environment. */
+ * be file patterns, and $NAME/ or ${NAME:-FOLDER}/ before them is taken from the environment. */
 #pragma once
 
 #include "lcp/base/status.h"

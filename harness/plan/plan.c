@@ -12,40 +12,50 @@
 
 /* ---- texts ------------------------------------------------------------------------------------*/
 
-/* $NAME/rest: the value of the variable before the rest. */
+enum { EXPAND_TEXT = 512 };
+
+/* $NAME/rest and ${NAME:-other}/rest: the value of the variable before the rest; `other` where the
+ * variable is not set, or empty. */
 static base_status expand_variable(const char *text, char *buf, size_t cap, base_error *err) {
-  if (text[0] != '$') {
-    (void)snprintf(buf, cap, "%s", text);
-    return BASE_OK;
+  char name[64] = "";
+  char other[256] = "";
+  int end = 0;
+  (void)sscanf(text, "${%63[A-Za-z0-9_]:-%255[^}]}%n", name, other, &end);
+  if (end == 0) {
+    (void)sscanf(text, "$%63[A-Za-z0-9_]%n", name, &end);
   }
-  char name[64];
-  const size_t len = strcspn(text + 1, "/");
-  (void)snprintf(name, sizeof name, "%.*s", (int)len, text + 1);
+  if (end == 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "problem '%s': need $NAME/ or ${NAME:-FOLDER}/", text);
+  }
   const char *value = getenv(name);
-  if (value == NULL) {
+  if (value == NULL || value[0] == '\0') {
+    value = other;
+  }
+  if (value[0] == '\0') {
     return BASE_FAIL(err, BASE_EINVAL, "problem '%s': %s is not set in the environment", text,
                      name);
   }
-  (void)snprintf(buf, cap, "%s%s", value, text + 1 + len);
+  if ((size_t)snprintf(buf, cap, "%s%s", value, text + end) >= cap) {
+    return BASE_FAIL(err, BASE_EINVAL, "problem '%s': longer than %zu characters", text, cap - 1);
+  }
   return BASE_OK;
 }
 
 /* File patterns become the files that match, in order; other texts stay. */
 static base_status expand_files(const char *text, text_list *out, base_error *err) {
-  char path[512];
-  char pattern[512];
-  char one[600];
-  BASE_TRY(expand_variable(text, path, sizeof path, err));
-  if (strpbrk(path, "*?[") == NULL) {
-    return text_list_add(out, path, err);
+  char pattern[EXPAND_TEXT];
+  char one[EXPAND_TEXT + 88];
+  if (strpbrk(text, "*?[") == NULL) {
+    return text_list_add(out, text, err);
   }
   const char *tail =
-      strstr(path, ":facets="); /* stands behind the pattern, and behind every file */
-  (void)snprintf(pattern, sizeof pattern, "%.*s", (int)(tail != NULL ? tail - path : 511), path);
+      strstr(text, ":facets="); /* stands behind the pattern, and behind every file */
+  (void)snprintf(pattern, sizeof pattern, "%.*s",
+                 (int)(tail != NULL ? tail - text : EXPAND_TEXT - 1), text);
   glob_t found;
   base_status done = BASE_OK;
   if (glob(pattern, 0, NULL, &found) != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "problem '%s': no file matches", path);
+    return BASE_FAIL(err, BASE_EINVAL, "problem '%s': no file matches", text);
   }
   for (size_t i = 0; done == BASE_OK && i < found.gl_pathc; i++) {
     (void)snprintf(one, sizeof one, "%s%s", found.gl_pathv[i], tail != NULL ? tail : "");
@@ -63,7 +73,12 @@ static base_status expand_axis(const text_list *axis, const char *dflt, bool fil
   text_list plain = {0};
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < axis->n; i++) {
-    done = brace_expand(axis->item[i], &plain, err);
+    char text[EXPAND_TEXT];
+    const bool variable = files && axis->item[i][0] == '$';
+    done = variable ? expand_variable(axis->item[i], text, sizeof text, err) : BASE_OK;
+    if (done == BASE_OK) {
+      done = brace_expand(variable ? text : axis->item[i], &plain, err);
+    }
   }
   for (int i = 0; done == BASE_OK && i < plain.n; i++) {
     done = files ? expand_files(plain.item[i], out, err) : text_list_add(out, plain.item[i], err);
