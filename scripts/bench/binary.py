@@ -1,4 +1,4 @@
-"""The lcpbench that scripts ask (LCPBENCH, or the one in build/), and where the shared folder is."""
+"""The lcpbench that scripts ask (LCPBENCH, or the one in build/), and where its cases are."""
 import json
 import os
 import pathlib
@@ -7,7 +7,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
-SHARED = pathlib.Path(os.environ.get("LCPBENCH_SHARED", str(ROOT.parent / "shared")))
+CASES = ROOT / "tests" / "cases" / "cases.json"
 HONEST = (0, 3)  # solved and verified, honest failure
 
 

@@ -2,7 +2,7 @@
  * dense tableau and against Siconos' Lemke where the build has it; lemke's factored form against its
  * own dense form and its path from the origin.
  *
- * usage: bench_lemke SHARED [REPETITIONS [grasp]]
+ * usage: bench_lemke [REPETITIONS [grasp]]
  * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB.
  * CSV on stdout, one row per problem and method: CPU seconds of set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
@@ -12,6 +12,7 @@
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "tests/support/few_bodies.h"
+#include "tests/support/files.h"
 #include "tests/support/tableau_lemke.h"
 
 #include <stdio.h>
@@ -117,17 +118,17 @@ static base_status dense_copy(const lcp_problem *p, double **M, lcp_problem *out
   return BASE_OK;
 }
 
-static base_status bench_file(const char *shared, const char *name, int reps, base_error *err) {
-  char m_path[1024];
-  char q_path[1024];
+static base_status bench_file(const char *name, int reps, base_error *err) {
+  char m_name[128];
+  char q_name[128];
   lcp_file_problem f;
   lcp_problem dense = {0};
   double *M = NULL;
   method m[METHODS_MAX] = {0};
   int n_method = 0;
-  (void)snprintf(m_path, sizeof m_path, "%s/cases/contact_lcps/%s.M.mtx", shared, name);
-  (void)snprintf(q_path, sizeof q_path, "%s/cases/contact_lcps/%s.q.mtx", shared, name);
-  BASE_TRY(lcp_read_mtx(m_path, q_path, &f, err));
+  (void)snprintf(m_name, sizeof m_name, "cases/contact_lcps/%s.M.mtx", name);
+  (void)snprintf(q_name, sizeof q_name, "cases/contact_lcps/%s.q.mtx", name);
+  BASE_TRY(lcp_read_mtx(tests_file(m_name), tests_file(q_name), &f, err));
   base_status s = dense_copy(&f.p, &M, &dense, err);
   if (s == BASE_OK) {
     s = method_open(&m[n_method++], "tableau", &dense, err);
@@ -210,13 +211,13 @@ static base_status bench_growth(int bodies, int facets, int dense_at, int reps, 
   return BASE_OK;
 }
 
-static base_status bench_all(const char *shared, int reps, base_error *err) {
+static base_status bench_all(int reps, base_error *err) {
   static const char *const files[] = {"pd_n300",    "column_n300",  "boxstack_n300",
                                       "frand4_p80", "fbox4_p80",    "frand8_p20",
                                       "fbox4_p200", "column_n1000", "boxstack_n1000"};
   printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
   for (int i = 0; i < BASE_COUNT(files); ++i) {
-    BASE_TRY(bench_file(shared, files[i], reps, err));
+    BASE_TRY(bench_file(files[i], reps, err));
   }
   BASE_TRY(bench_growth(1, 0, 400, reps, err));
   BASE_TRY(bench_growth(1, 4, 400, reps, err));
@@ -234,12 +235,12 @@ static base_status bench_grasp(int reps, base_error *err) {
 int main(int argc, char **argv) {
   int reps = 5;
   base_error err = {0};
-  if (argc < 2 || (argc > 2 && !base_parse_int(argv[2], &reps)) || reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "usage: bench_lemke SHARED [REPETITIONS, 1 to %d [grasp]]\n", (int)REPS_MAX);
+  if ((argc > 1 && !base_parse_int(argv[1], &reps)) || reps < 1 || reps > REPS_MAX) {
+    fprintf(stderr, "usage: bench_lemke [REPETITIONS, 1 to %d [grasp]]\n", (int)REPS_MAX);
     return 2;
   }
-  const bool grasp = argc > 3 && strcmp(argv[3], "grasp") == 0;
-  if ((grasp ? bench_grasp(reps, &err) : bench_all(argv[1], reps, &err)) != BASE_OK) {
+  const bool grasp = argc > 2 && strcmp(argv[2], "grasp") == 0;
+  if ((grasp ? bench_grasp(reps, &err) : bench_all(reps, &err)) != BASE_OK) {
     fprintf(stderr, "bench_lemke: %s\n", err.text);
     return 1;
   }

@@ -10,7 +10,8 @@ import traceback
 
 LCPBENCH = os.environ["LCPBENCH"]
 FAULTY = os.environ["LCPBENCH_FAULTY"]
-SHARED = pathlib.Path(os.environ.get("LCPBENCH_SHARED", "../shared"))
+TESTS = pathlib.Path(__file__).resolve().parents[1]
+CASES = TESTS / "cases" / "cases.json"
 SANITIZED = os.environ.get("LCPBENCH_SANITIZE", "none") != "none"
 
 
@@ -18,12 +19,12 @@ class Skip(Exception):
     pass
 
 
-def run(*args, exe=LCPBENCH, code=0, timeout=120, **env):
+def run(*args, exe=LCPBENCH, code=0, timeout=120, cwd=None, **env):
     """Runs lcpbench; checks the exit code (None: any) and returns the completed process."""
     full = dict(os.environ, OPENBLAS_NUM_THREADS="1", **env)
-    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n not in ("LCPBENCH_SHARED", "LCPBENCH_SANITIZE")]:
+    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n != "LCPBENCH_SANITIZE"]:
         del full[name]
-    done = subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, env=full)
+    done = subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, cwd=cwd, env=full)
     if code is not None and done.returncode != code:
         raise AssertionError(f"{' '.join(map(str, args))}: exit {done.returncode}, want {code}\n{done.stdout}{done.stderr}")
     return done

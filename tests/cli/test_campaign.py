@@ -8,7 +8,7 @@ import signal
 import subprocess
 import time
 
-from support import FAULTY, LCPBENCH, SANITIZED, campaign, one_line_error, rows, run, tap, untimed
+from support import FAULTY, LCPBENCH, SANITIZED, TESTS, campaign, diagonal, one_line_error, rows, run, tap, untimed
 
 SMALL = """
 name: small
@@ -77,6 +77,39 @@ def schema_errors_name_line_and_key(d):
     one_line_error("run", "nosuchcampaign", names=["nosuchcampaign", "list campaigns"])
     one_line_error("run", campaign(d, SMALL), "--shard", "3/2", names=["--shard", "3/2"])
     one_line_error("run", campaign(d, SMALL), "--rerun", "some", names=["--rerun", "some"])
+
+
+ONE_PART = """
+name: v
+parts:
+  - {name: p, problems: ['%s'], solvers: [lemke]}
+"""
+
+
+def files_stand_below_a_variable(d):
+    """$NAME/ and ${NAME:-FOLDER}/; the shipped library needs no variable beside tests/."""
+    for folder in ("a", "b"):
+        (d / folder).mkdir()
+        for name in ("diag", "e"):
+            diagonal(d / folder, 4, name)
+
+    def planned(which, cwd=d, **env):
+        plan = run("run", which, "--quick", "--dry-run", "--out", d / "o", cwd=cwd, **env).stdout
+        return set(re.findall(r" solve '([^']*)'", plan))
+
+    braced = campaign(d, ONE_PART % "${LCPBENCH_LIB:-a}/{d,e}*4.M.mtx")
+    assert planned(braced) == {"a/diag4.M.mtx", "a/e4.M.mtx"} == planned(braced, LCPBENCH_LIB="")
+    assert planned(braced, LCPBENCH_LIB="b") == {"b/diag4.M.mtx", "b/e4.M.mtx"}
+    plain = campaign(d, ONE_PART % "$LCPBENCH_LIB/*.M.mtx", "plain.yaml")
+    assert planned(plain, LCPBENCH_LIB="b") == {"b/diag4.M.mtx", "b/e4.M.mtx"}
+    one_line_error("run", plain, "--dry-run", names=["LCPBENCH_LIB", "not set"])
+    for wrong in ("${LCPBENCH_LIB}/x.mtx", "${LCPBENCH_LIB:-a", "$/x.mtx"):
+        one_line_error("run", campaign(d, ONE_PART % wrong, "w.yaml"), "--dry-run",
+                       names=["w.yaml", wrong, "${NAME:-FOLDER}"])
+    assert planned("library", cwd=TESTS.parent) >= {
+        "tests/data/lcp/lcp_mmc.dat", "tests/data/mlcp/m2n1_mlcp.dat",
+        "tests/data/fclib/Box_Stacks-i0122-82-5.hdf5:facets=4",
+        "tests/cases/contact_lcps/frand4_p5.M.mtx"}
 
 
 def rows_are_whole_and_resumed(d):
@@ -369,7 +402,8 @@ def merged_folders_keep_their_answers(d):
     assert {float(r["canary_s"]) for r in rows(d / "m")} <= canaries and len(canaries) >= 4
 
 
-tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key, rows_are_whole_and_resumed, manifest_is_complete,
+tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key,
+     files_stand_below_a_variable, rows_are_whole_and_resumed, manifest_is_complete,
      g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, g6_other_shared_code_invalidates_all, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
      interrupted_runs_flush_and_go_on,
      status_counts, smoke_is_quick_and_explained, paper_prints_its_plan,

@@ -2,14 +2,11 @@
 rational arithmetic by `lcpbench verify`, which refuses planted ones."""
 import json
 
-from support import SHARED, Skip, one_line_error, run, run_json, tap
+from support import CASES, one_line_error, run, run_json, tap
 
 
 def catalogue():
-    path = SHARED / "cases/cases.json"
-    if not path.exists():
-        raise Skip("shared cases are absent")
-    return {c["id"]: c for c in json.loads(path.read_text())["lcp"]}
+    return {c["id"]: c for c in json.loads(CASES.read_text())["lcp"]}
 
 
 def write_problem(d, case):

@@ -4,7 +4,7 @@ import json
 import pathlib
 import subprocess
 
-from support import LCPBENCH, SANITIZED, SHARED, Skip, one_line_error, run, run_json, tap
+from support import CASES, LCPBENCH, SANITIZED, TESTS, Skip, one_line_error, run, run_json, tap
 
 GOOD_M = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 2\n2 2 3\n"
 GOOD_Q = "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n"
@@ -119,25 +119,22 @@ def scene_errors(d):
 
 def check_errors(d):
     one_line_error("check", d / "none.json", names=["none.json"])
-    if not (SHARED / "cases/cases.json").exists():
-        raise Skip("shared cases are absent")
-    one_line_error("check", SHARED / "cases/cases.json", "--filter", "id=ZZZ*", names=["filter"])
-    one_line_error("check", SHARED / "cases/cases.json", "--filter", "name=A*", names=["name=A*"])
+    one_line_error("check", CASES, "--filter", "id=ZZZ*", names=["filter"])
+    one_line_error("check", CASES, "--filter", "name=A*", names=["name=A*"])
 
 
 def check_skips_no_case_for_want_of_anything(d):
-    """Every case of the shared catalogue is run; a skip is the model's or the solver's limit, never a missing shape, effect or load."""
-    catalogue = SHARED / "cases/cases.json"
-    if SANITIZED or not catalogue.exists():
-        raise Skip("a thousand processes: too slow with sanitizers" if SANITIZED else "shared cases are absent")
-    o = run_json("check", catalogue, "--formulation", "velocity", "--solver", "lemke", "--json")
-    cases = json.loads(catalogue.read_text())
+    """Every case of tests/cases is run; a skip is the model's or the solver's limit, never a missing shape, effect or load."""
+    if SANITIZED:
+        raise Skip("a thousand processes: too slow with sanitizers")
+    o = run_json("check", CASES, "--formulation", "velocity", "--solver", "lemke", "--json")
+    cases = json.loads(CASES.read_text())
     wanted = {c["id"] for group in ("lcp", "scenes", "stress") for c in cases[group]}
     assert wanted <= {c["id"] for c in o["checks"]}, wanted - {c["id"] for c in o["checks"]}
     for c in o["checks"]:
         assert c["result"] != "skipped" or c["reason"].startswith(("models no ", "honest failure: ")), c
     # the stiffest compliant contact, 1e16 N/m, is inside the range of the formulation made for it
-    o = run_json("check", catalogue, "--filter", "id=C07.5", "--formulation", "penalty", "--solver", "lemke", "--json")
+    o = run_json("check", CASES, "--filter", "id=C07.5", "--formulation", "penalty", "--solver", "lemke", "--json")
     assert o["passed"] == 4, o
 
 
@@ -248,12 +245,22 @@ def export_reads_back(d):
         assert len(hashes) == 1, seed
     one_line_error("export", "random_spd:n=9", "--format", "papyrus", "--out", d / "p", names=["papyrus"])
     one_line_error("export", "random_spd:n=9", "--format", "mtx", names=["--out"])
-    name = SHARED / "data/friction/FrictionContactProblem00031.dat"
-    if name.exists():
-        for kind, ending in (("fclib", "hdf5"), ("siconos", "dat")):
-            run("export", name, "--format", kind, "--out", d / f"f.{ending}")
-            o = run_json("solve", d / f"f.{ending}", "--solver", "nsgs")
-            assert o["status"] == "ok" and o["solution_hash"] == run_json("solve", name, "--solver", "nsgs")["solution_hash"], kind
+    name = TESTS / "data/friction/FrictionContactProblem00031.dat"
+    for kind, ending in (("fclib", "hdf5"), ("siconos", "dat")):
+        run("export", name, "--format", kind, "--out", d / f"f.{ending}")
+        o = run_json("solve", d / f"f.{ending}", "--solver", "nsgs")
+        same = run_json("solve", name, "--solver", "nsgs")
+        assert o["status"] == "ok" and o["solution_hash"] == same["solution_hash"], kind
+    one_line_error("export", name, "--format", "siconos", "--out", d / "x", "--q", d / "p.q.mtx",
+                   names=["--q", name.name])
+    mixed = TESTS / "data/mlcp/RLCD_mlcp.dat"
+    for problem_text in ("random_spd:n=9", f"{name}:facets=4", mixed):  # LCPs and mixed LCPs as text
+        run("export", problem_text, "--format", "siconos", "--out", d / "l.dat")
+        hashes = {run_json("solve", path, "--solver", "lemke")["solution_hash"]
+                  for path in (problem_text, d / "l.dat")}
+        assert len(hashes) == 1, problem_text
+    one_line_error("export", mixed, "--format", "mtx", "--out", d / "x", names=[d / "x"])
+    one_line_error("export", mixed, "--format", "fclib", "--out", d / "x", names=[mixed.name])
 
 
 def friction_stays_physical(d):

@@ -1,22 +1,14 @@
-/* The case format: every case of the shared catalogue, without loss; and what must be refused. */
+/* The case format: every case of tests/cases, without loss; and what must be refused. */
 #include "tests/support/check.h"
 
 #include "problems/read/case_file.h"
+#include "tests/support/files.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const char *catalogue(void) {
-  static char path[1024];
-  const char *shared = getenv("LCPBENCH_SHARED");
-  (void)snprintf(path, sizeof path, "%s/cases/cases.json", shared != NULL ? shared : "");
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    print_message("no shared cases here\n");
-    skip();
-  }
-  (void)fclose(f);
-  return path;
+  return tests_file("cases/cases.json");
 }
 
 static const scene_spec *find(const case_file *f, const char *id) {
@@ -126,11 +118,31 @@ static double defect(const lcp_case *c, const double *z) {
   return worst;
 }
 
+/* y >= 0, M' y <= 0, q' y < 0: a proof, in doubles (the entries are small integers or dyadic). */
+static void check_farkas(const lcp_case *c, const double *y) {
+  const size_t n = (size_t)c->n;
+  double *M = malloc(n * n * sizeof *M);
+  assert_non_null(M);
+  lcp_matrix_to_dense(&c->k.p.M, M);
+  double qy = 0.0;
+  for (size_t j = 0; j < n; j++) {
+    double column = 0.0;
+    for (size_t i = 0; i < n; i++) {
+      column += M[j * n + i] * y[i];
+    }
+    assert_true(y[j] >= 0.0 && column <= 0.0);
+    qy += c->k.p.q[j] * y[j];
+  }
+  assert_true(qy < 0.0);
+  free(M);
+}
+
 static void listed_answers_solve_their_problems(void **state) {
   (void)state;
   case_file f;
   base_error err = {0};
   int judged = 0;
+  int proved = 0;
   check_ok(case_file_read(catalogue(), &f, &err), &err);
   for (int i = 0; i < f.n_lcp; i++) {
     const lcp_case *c = &f.lcp[i];
@@ -146,6 +158,10 @@ static void listed_answers_solve_their_problems(void **state) {
         check_close(c->k.z[j], c->solution[j], 1e-12 * fabs(c->solution[j]));
       }
     }
+    if (c->k.farkas != NULL) {
+      check_farkas(c, c->k.farkas);
+      proved++;
+    }
     if (c->k.lemke_pivots != 0 && c->lemke_pivots != 0) {
       assert_int_equal(c->k.lemke_pivots, c->lemke_pivots);
     }
@@ -154,6 +170,7 @@ static void listed_answers_solve_their_problems(void **state) {
     }
   }
   assert_true(judged > 80);
+  assert_int_equal(proved, 12);
   assert_string_equal(find_lcp(&f, "A12.05")->shape_error, "M: row 1 has 2 entries, need 1");
   assert_string_equal(find_lcp(&f, "A12.06")->shape_error, "M has 2 rows, need n = 1");
   assert_true(isnan(find_lcp(&f, "A12.01")->k.p.M.val[3]));

@@ -1,75 +1,31 @@
-/* Problems of other codes: every shared file is read, two formats of one problem agree, round trips
- * are exact, facets and joints follow their formulas. */
+/* Problems of other codes, as this repository holds them: every file is read, two formats of one problem
+ * agree, round trips are exact, facets and joints follow their formulas. */
+#include "harness/measure/export_lcp.h"
 #include "lcp/base/rng.h"
 #include "lcp/io/lcp_read.h"
 #include "problems/import/import.h"
+#include "tests/support/files.h"
+#include "tests/support/imported.h"
 #include "tests/support/scratch.h"
 
 #include <string.h>
 
 static const char *data(const char *name) {
-  static char path[4][1024];
-  static int turn;
-  const char *shared = getenv("LCPBENCH_SHARED");
-  char *out = path[turn = (turn + 1) % 4];
-  (void)snprintf(out, sizeof path[0], "%s/data/%s", shared != NULL ? shared : "", name);
-  FILE *f = fopen(out, "rb");
-  if (f == NULL) {
-    print_message("no shared file %s here\n", name);
-    skip();
-  }
-  (void)fclose(f);
-  return out;
+  char path[256];
+  (void)snprintf(path, sizeof path, "data/%s", name);
+  return tests_file(path);
 }
 
-static const struct {
-  const char *name;
-  int n, n_block;
-  unsigned sets; /* bits of lcp_set */
-} files[] = {
-    {"lcp/lcp_mmc.dat", 26, 0, 1u << LCP_ORTHANT},
-    {"mlcp/PDSym_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
-    {"mlcp/PD_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
-    {"mlcp/RLCD_mlcp.dat", 8, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
-    {"mlcp/diodeBridge_mlcp.dat", 7, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
-    {"mlcp/m2n1_mlcp.dat", 3, 2, (1u << LCP_ORTHANT) | (1u << LCP_FREE)},
-    {"friction/Confeti-ex03-Fc3D-SBM.dat", 162, 54, 1u << LCP_CONE},
-    {"friction/FrictionContactProblem00031.dat", 22, 11, 1u << LCP_CONE},
-    {"friction/GRFC3D_Chute-ndof-768-nc-4-3.dat", 20, 4, 1u << LCP_CONE},
-    {"friction/NESpheres_10_1.dat", 27, 9, 1u << LCP_CONE},
-    {"friction/OneObject-i1028-138.hdf5.dat", 69, 23, 1u << LCP_CONE},
-    {"friction/Rover1039.dat", 12, 4, 1u << LCP_CONE},
-    {"friction/Rover1040.dat", 15, 5, 1u << LCP_CONE},
-    {"friction/fc2d_granularflowonwall_00667_00000.dat", 1334, 667, 1u << LCP_CONE},
-    {"fclib/Box_Stacks-i0122-82-5.hdf5", 246, 82, 1u << LCP_CONE},
-    {"fclib/Capsules-i125-1213.hdf5", 858, 286, 1u << LCP_CONE},
-    {"fclib/Chute-ndof-768-nc-4-3.hdf5", 20, 4, 1u << LCP_CONE},
-    {"fclib/LMGC_100_PR_PerioBox-i00361-60-03000.hdf5", 180, 60, 1u << LCP_CONE},
-    {"fclib/LMGC_GlobalFrictionContactProblem00046.hdf5", 27, 9, 1u << LCP_CONE},
-    {"fclib/Spheres-i099-356-679.hdf5", 1068, 356, 1u << LCP_CONE},
-};
-
-static void every_shared_file_is_read(void **state) {
+static void every_file_is_read(void **state) {
   (void)state;
-  for (int i = 0; i < BASE_COUNT(files); i++) {
-    known_lcp k;
-    base_error err = {0};
-    check_ok(import_problem(data(files[i].name), 0, &k, &err), &err);
-    check_ok(lcp_problem_check(&k.p, &err), &err);
-    if (k.p.M.n != files[i].n || k.p.n_block != files[i].n_block ||
-        lcp_problem_sets(&k.p) != files[i].sets) {
-      fail_msg("%s: n = %d, %d blocks, sets %x", files[i].name, k.p.M.n, k.p.n_block,
-               lcp_problem_sets(&k.p));
+  int read = 0;
+  for (int i = 0; i < n_imported_file; i++) {
+    if (imported_files[i].here) {
+      imported_reads(&imported_files[i], data(imported_files[i].name));
+      read++;
     }
-    double *d = calloc((size_t)k.p.M.n, sizeof *d);
-    assert_non_null(d);
-    lcp_matrix_diagonal(&k.p.M, d);
-    for (int j = 0; j < k.p.M.n && files[i].sets == 1u << LCP_CONE; j++) {
-      assert_true(d[j] > 0.0); /* a Delassus matrix */
-    }
-    free(d);
-    known_lcp_free(&k);
   }
+  assert_int_equal(read, 24);
 }
 
 /* The same rolling problem in text (six digits) and HDF5. */
@@ -95,61 +51,59 @@ static void text_and_hdf5_agree(void **state) {
   known_lcp_free(&b);
 }
 
-static void same_matrix(const lcp_csc *a, const lcp_csc *b) {
-  assert_int_equal(a->n_row, b->n_row);
-  assert_int_equal(a->n_col, b->n_col);
-  if (a->n_col == 0) {
-    return;
-  }
-  const size_t nnz = (size_t)a->colptr[a->n_col];
-  assert_memory_equal(a->colptr, b->colptr, ((size_t)a->n_col + 1) * sizeof(int));
-  assert_memory_equal(a->rowind, b->rowind, nnz * sizeof(int));
-  assert_memory_equal(a->val, b->val, nnz * sizeof(double));
-}
-
-static void same_vector(const double *a, const double *b, int n) {
-  assert_true((a == NULL) == (b == NULL));
-  if (a != NULL) {
-    assert_memory_equal(a, b, (size_t)n * sizeof *a);
-  }
-}
-
-static void same_problem(const friction_problem *a, const friction_problem *b) {
-  const int n = a->rows * a->n_contact;
-  assert_int_equal(a->rows, b->rows);
-  assert_int_equal(a->n_contact, b->n_contact);
-  same_matrix(&a->W, &b->W);
-  same_matrix(&a->M, &b->M);
-  same_matrix(&a->H, &b->H);
-  same_vector(a->q, b->q, n);
-  same_vector(a->w, b->w, n);
-  same_vector(a->f, b->f, a->M.n_col);
-  same_vector(a->mu, b->mu, a->n_contact);
-  same_vector(a->mu_r, b->mu_r, a->n_contact);
-}
-
 static void round_trips_are_exact(void **state) {
   (void)state;
-  for (int i = 0; i < BASE_COUNT(files); i++) {
-    const char *path = data(files[i].name);
-    const bool fclib = strncmp(files[i].name, "fclib", 5) == 0;
-    friction_problem a, b, c;
+  for (int i = 0; i < n_imported_file; i++) {
+    const imported_file *f = &imported_files[i];
+    if (f->here && f->sets == 1u << LCP_CONE) {
+      imported_round_trip(f, data(f->name));
+    }
+  }
+}
+
+/* LCPs and mixed LCPs too: what `lcpbench export --format siconos` writes of them. */
+static void lcp_text_round_trips_are_exact(void **state) {
+  (void)state;
+  for (int i = 0; i < n_imported_file; i++) {
+    known_lcp a, b;
     base_error err = {0};
-    if (files[i].sets != 1u << LCP_CONE || files[i].n > 300) {
+    if (!imported_files[i].here || imported_files[i].sets == 1u << LCP_CONE) {
       continue;
     }
-    check_ok(fclib ? friction_read_fclib(path, &a, &err) : friction_read_siconos(path, &a, &err),
-             &err);
-    check_ok(friction_write_siconos(scratch(".dat"), &a, &err), &err);
-    check_ok(friction_read_siconos(scratch(".dat"), &b, &err), &err);
-    same_problem(&a, &b);
-    check_ok(friction_write_fclib(scratch(".hdf5"), &b, &err), &err);
-    check_ok(friction_read_fclib(scratch(".hdf5"), &c, &err), &err);
-    same_problem(&a, &c);
-    friction_free(&a);
-    friction_free(&b);
-    friction_free(&c);
+    check_ok(import_problem(data(imported_files[i].name), 0, &a, &err), &err);
+    check_ok(export_lcp_text(&a.p, scratch(".dat"), &err), &err);
+    check_ok(import_problem(scratch(".dat"), 0, &b, &err), &err);
+    same_problem(&a.p, &b.p);
+    known_lcp_free(&a);
+    known_lcp_free(&b);
   }
+}
+
+/* Only orthants and equations have this text; neighbours of one kind become one block. */
+static void lcp_text_holds_what_it_can(void **state) {
+  (void)state;
+  static const double M[16] = {2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 0, 1, 0, 0, 2},
+                      q[4] = {-1, 2, 3, -4};
+  lcp_block block[4] = {{.size = 1, .set = LCP_ORTHANT},
+                        {.start = 1, .size = 1, .set = LCP_FREE},
+                        {.start = 2, .size = 1, .set = LCP_FREE},
+                        {.start = 3, .size = 1, .set = LCP_ORTHANT}};
+  const lcp_problem p = {
+      .M = {.storage = LCP_DENSE, .n = 4, .val = M}, .q = q, .block = block, .n_block = 4};
+  known_lcp k;
+  base_error err = {0};
+  check_ok(export_lcp_text(&p, scratch(".dat"), &err), &err);
+  check_ok(import_problem(scratch(".dat"), 0, &k, &err), &err);
+  assert_int_equal(k.p.n_block, 3);
+  assert_int_equal(k.p.block[1].set, LCP_FREE);
+  assert_int_equal(k.p.block[1].size, 2);
+  assert_memory_equal(k.p.M.val, M, sizeof M);
+  assert_memory_equal(k.p.q, q, sizeof q);
+  known_lcp_free(&k);
+  block[0].set = LCP_BOX;
+  assert_int_equal(export_lcp_text(&p, scratch(".dat"), &err), BASE_EUNSUPPORTED);
+  block[0].set = LCP_ORTHANT;
+  assert_int_equal(export_lcp_text(&p, "/none/at/all", &err), BASE_EIO);
 }
 
 /* One contact, W = diag(1, 2, 2) plus coupling: the facet LCP by hand. */
@@ -399,9 +353,11 @@ static void ambiguous_text_is_not_written(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(every_shared_file_is_read),
+      cmocka_unit_test(every_file_is_read),
       cmocka_unit_test(text_and_hdf5_agree),
       cmocka_unit_test(round_trips_are_exact),
+      cmocka_unit_test(lcp_text_round_trips_are_exact),
+      cmocka_unit_test(lcp_text_holds_what_it_can),
       cmocka_unit_test(facets_follow_the_formula),
       cmocka_unit_test(joints_are_eliminated),
       cmocka_unit_test(elimination_leaves_the_velocities),

@@ -1,4 +1,4 @@
-/* Every scene of the shared case file: it opens, its sets are sound, its Jacobians are the
+/* Every scene of tests/cases: it opens, its sets are sound, its Jacobians are the
  * derivatives of its gaps, and every quantity its checks ask for can be observed. */
 #include "tests/support/check.h"
 
@@ -6,6 +6,7 @@
 #include "problems/read/scene_file.h"
 #include "problems/vec.h"
 #include "problems/world/world.h"
+#include "tests/support/files.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -15,27 +16,17 @@ static scene_file file;
 
 static int load_cases(void **state) {
   (void)state;
-  char path[1024];
-  const char *shared = getenv("LCPBENCH_SHARED");
-  (void)snprintf(path, sizeof path, "%s/cases/cases.json", (shared != NULL) ? shared : "../shared");
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    return 0; /* each test skips by name */
+  if (scene_file_read(tests_file("cases/cases.json"), &file, &err) != BASE_OK) {
+    print_error("%s\n", err.text);
+    return -1;
   }
-  (void)fclose(f);
-  return (scene_file_read(path, &file, &err) == BASE_OK) ? 0 : -1;
+  return 0;
 }
 
 static int free_cases(void **state) {
   (void)state;
   scene_file_free(&file);
   return 0;
-}
-
-static void need_cases(void) {
-  if (file.n_scene == 0) {
-    skip();
-  }
 }
 
 static int find_contact(const contact_set *c, uint64_t id) {
@@ -86,7 +77,6 @@ static int check_rates(world *w, const contact_set *c, base_rng *r) {
 
 static void every_scene_opens_with_sound_sets_and_exact_rates(void **state) {
   (void)state;
-  need_cases();
   base_rng r = base_rng_seeded(3);
   long checked = 0;
   for (int i = 0; i < file.n_scene; i++) {
@@ -108,7 +98,6 @@ static void every_scene_opens_with_sound_sets_and_exact_rates(void **state) {
 
 static void every_checked_quantity_can_be_observed(void **state) {
   (void)state;
-  need_cases();
   for (int i = 0; i < file.n_scene; i++) {
     const scene_spec *s = &file.scene[i];
     world *w;
@@ -128,7 +117,6 @@ static void every_checked_quantity_can_be_observed(void **state) {
 /* Bodies that rest on each other are in the set: tower C02 has two contacts an interface. */
 static void resting_stacks_list_every_interface(void **state) {
   (void)state;
-  need_cases();
   int seen = 0;
   for (int i = 0; i < file.n_scene; i++) {
     const scene_spec *s = &file.scene[i];
@@ -152,7 +140,6 @@ static void resting_stacks_list_every_interface(void **state) {
 /* Advancing by the free velocity in the vector form agrees with set_state. */
 static void state_vectors_reproduce_the_motion(void **state) {
   (void)state;
-  need_cases();
   for (int i = 0; i < file.n_scene; i++) {
     const scene_spec *s = &file.scene[i];
     world *w;

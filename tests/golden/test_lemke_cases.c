@@ -1,26 +1,15 @@
-/* lemke, and on symmetric contact LCPs ppm and block_pivoting, on the shared problems: the cases with known answers, 25 contact LCPs without one, and the
- * files of another code. Everything is judged by lcp_judge, never by the solver's word. */
+/* lemke, and on symmetric contact LCPs ppm and block_pivoting, on tests/cases and tests/data: the cases
+ * with known answers, 25 contact LCPs without one, and the LCPs of another code. Everything is judged by lcp_judge, never by the solver's word. */
 #include "tests/support/check.h"
 
 #include "lcp/io/lcp_read.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "problems/read/case_file.h"
+#include "tests/support/files.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const char *shared_path(const char *name, char *buf, size_t cap) {
-  const char *root = getenv("LCPBENCH_SHARED");
-  (void)snprintf(buf, cap, "%s/%s", (root != NULL) ? root : "../shared", name);
-  FILE *f = fopen(buf, "r");
-  if (f == NULL) {
-    print_message("%s is absent\n", buf);
-    return NULL;
-  }
-  (void)fclose(f);
-  return buf;
-}
 
 static lcp_result run(const char *solver, const lcp_problem *p, double *z, lcp_verdict *v) {
   const lcp_solver *s = lcp_solver_find(solver);
@@ -92,13 +81,9 @@ static bool check_case(const lcp_case *c) {
 
 static void every_case_comes_out_right(void **state) {
   (void)state;
-  char path[1024];
   base_error err = {0};
   case_file f;
-  if (shared_path("cases/cases.json", path, sizeof path) == NULL) {
-    skip();
-  }
-  check_ok(case_file_read(path, &f, &err), &err);
+  check_ok(case_file_read(tests_file("cases/cases.json"), &f, &err), &err);
   int wrong = 0;
   int solved = 0;
   for (int i = 0; i < f.n_lcp; ++i) {
@@ -155,16 +140,11 @@ static void contact_lcps_are_solved(void **state) {
   (void)state;
   int symmetric = 0;
   for (int i = 0; i < BASE_COUNT(contact); ++i) {
-    char name[128];
-    char m_path[1024];
-    char q_path[1024];
-    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.M.mtx", contact[i]);
-    if (shared_path(name, m_path, sizeof m_path) == NULL) {
-      skip();
-    }
-    (void)snprintf(name, sizeof name, "cases/contact_lcps/%s.q.mtx", contact[i]);
-    (void)shared_path(name, q_path, sizeof q_path);
-    symmetric += check_contact_file(contact[i], m_path, q_path);
+    char M[128];
+    char q[128];
+    (void)snprintf(M, sizeof M, "cases/contact_lcps/%s.M.mtx", contact[i]);
+    (void)snprintf(q, sizeof q, "cases/contact_lcps/%s.q.mtx", contact[i]);
+    symmetric += check_contact_file(contact[i], tests_file(M), tests_file(q));
   }
   assert_int_equal(symmetric, 14); /* boxstack, column, pd */
 }
@@ -193,12 +173,8 @@ static void files_of_another_code_are_solved(void **state) {
   (void)state;
   for (int i = 0; i < BASE_COUNT(files); ++i) {
     char name[128];
-    char path[1024];
     (void)snprintf(name, sizeof name, "data/lcp/%s.dat", files[i]);
-    if (shared_path(name, path, sizeof path) == NULL) {
-      skip();
-    }
-    check_file(files[i], path);
+    check_file(files[i], tests_file(name));
   }
 }
 
