@@ -124,7 +124,7 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   for (int i = 0; i < c->n_contact; i++) {
     const unsigned moments = (c->rows[i].torsion > 0 ? EFFECT_TORSION : 0u) |
                              (c->rows[i].rolling > 0 ? EFFECT_ROLLING : 0u);
-    BASE_TRY(formulation_forces_only("acceleration", moments, err));
+    BASE_TRY(formulation_lacks("acceleration", moments, EFFECT_ROLLING | EFFECT_TORSION, err));
   }
   BASE_TRY(contact_memory_begin(&s->memory, 1, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));

@@ -242,7 +242,8 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   if (solver == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "event: needs a solver for impacts");
   }
-  BASE_TRY(formulation_forces_only("event", world_effects(w), err));
+  BASE_TRY(formulation_lacks("event", world_effects(w),
+                             EFFECT_ROLLING | EFFECT_TORSION | EFFECT_JOINTS, err));
   BASE_TRY(bind(s, w, err));
   s->solver = solver;
   s->err = err;

@@ -260,7 +260,8 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
                         formulation_answer *out, base_error *err) {
   (void)solver;
   state *s = st;
-  BASE_TRY(formulation_forces_only("penalty", world_effects(w), err));
+  BASE_TRY(formulation_lacks("penalty", world_effects(w),
+                             EFFECT_ROLLING | EFFECT_TORSION | EFFECT_JOINTS, err));
   BASE_TRY(bind(s, w, err));
   s->err = err;
   s->evaluations = 0;

@@ -95,8 +95,12 @@ base_status formulation_step(formulation_run *r, world *w, double h,
   return r->form->step(r->state, w, h, solver, out, err);
 }
 
-base_status formulation_forces_only(const char *name, unsigned effects, base_error *err) {
-  return ((effects & (EFFECT_ROLLING | EFFECT_TORSION)) == 0)
-             ? BASE_OK
-             : BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: no rolling or torsional friction", name);
+base_status formulation_lacks(const char *name, unsigned effects, unsigned lacking,
+                              base_error *err) {
+  char words[160];
+  if ((effects & lacking) == 0) {
+    return BASE_OK;
+  }
+  effects_print(effects & lacking, words, sizeof words);
+  return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: does not simulate %s", name, words);
 }

@@ -127,6 +127,7 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out);
 base_status formulation_step(formulation_run *r, world *w, double h,
                              const formulation_solver *solver, formulation_answer *out,
                              base_error *err);
-/* Refuses moments of friction for a formulation `name` that has only forces: BASE_EUNSUPPORTED where the
- * EFFECT_ bits hold rolling or torsion. */
-base_status formulation_forces_only(const char *name, unsigned effects, base_error *err);
+/* Refuses a step whose effects (EFFECT_ bits) a formulation `name` cannot simulate: BASE_EUNSUPPORTED names those of
+ * `lacking` that occur, so that no motion without them is reported as the scene's. */
+base_status formulation_lacks(const char *name, unsigned effects, unsigned lacking,
+                              base_error *err);

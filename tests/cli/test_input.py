@@ -311,6 +311,18 @@ def steps_are_dumped(d):
     assert "cones of 2, 3 or 5 rows" in box.stderr
 
 
+def mechanisms_are_refused_where_they_are_not_simulated(d):
+    """A formulation without joints says so: a pendulum that falls freely is no answer."""
+    for formulation in ("event", "penalty"):
+        o = run_json("simulate", "chain", "--formulation", formulation, "--solver", "lemke", code=3)
+        assert o["status"] == "unsupported" and "does not simulate joints" in o["note"], o["note"]
+        free = ("simulate", "chain", "--formulation", formulation, "--solver", "lemke", "--duration", "0.01")
+        o = run_json(*free, "--effects=-joints", code=None)  # asked for: the bodies alone
+        assert o["status"] == "ok", o["note"]
+    o = run_json("simulate", "chain", "--formulation", "velocity", "--solver", "lemke", "--duration", "0.01", code=None)
+    assert o["status"] == "ok", o["note"]
+
+
 def environment_gives_options(d):
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
@@ -324,5 +336,6 @@ def environment_gives_options(d):
 
 tap([usage_errors, options_out_of_range_are_refused, options_without_a_meaning_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
-     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations, environment_gives_options,
+     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations,
+     mechanisms_are_refused_where_they_are_not_simulated, environment_gives_options,
      certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])
