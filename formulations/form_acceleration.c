@@ -221,6 +221,9 @@ const formulation form_acceleration = {
     .name = "acceleration",
     .title = "Force-acceleration LCP",
     .cite = "pfeiffer1996; baraff1991",
+    .words = "Solves for contact forces and accelerations, and for impulses at impacts.",
+    .when = "Motion is smooth and the forces of an instant are asked for.",
+    .apart = "facets",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_CURVED,
     .sets = 1u << LCP_ORTHANT,

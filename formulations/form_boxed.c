@@ -122,6 +122,9 @@ const formulation form_boxed = {
     .name = "boxed",
     .title = "Boxed friction, bounds from the last normal impulse",
     .cite = "peiret2016",
+    .words = "Friction is bounded by the last normal impulse.",
+    .when = "Normal forces change little from one iteration to the next, and a solver of boxes is "
+            "at hand.",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_BOUNDS_LAGGED,
     .stands_for = NULL,
     .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX,

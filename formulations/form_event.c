@@ -285,6 +285,8 @@ const formulation form_event = {
     .name = "event",
     .title = "Event-driven",
     .cite = "pfeiffer1996",
+    .words = "Stops at every impact and integrates the smooth motion between.",
+    .when = "Impacts are few and the times at which they happen must be exact.",
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_NO_LCP,
     .sets = 1u << LCP_ORTHANT,

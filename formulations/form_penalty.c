@@ -300,6 +300,9 @@ const formulation form_penalty = {
     .name = "penalty",
     .title = "Compliant contact (ODE)",
     .cite = "hunt1975; lankarani1990",
+    .words = "Compliant contact: a stiff differential equation, integrated without a "
+             "complementarity problem.",
+    .when = "The stiffness of the contact is known and its compliance is asked for.",
     .model = FORM_FRICTION | FORM_REGULARISED | FORM_PENALTY | FORM_NO_LCP,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),

@@ -38,6 +38,10 @@ const formulation form_position = {
     .name = "position",
     .title = "Position-level polyhedral LCP",
     .cite = "stewart1996",
+    .words = "The friction cone has flat facets; gaps, not velocities, are closed at the end of "
+             "the step.",
+    .when = "Bodies must not sink into each other, and nothing rebounds.",
+    .apart = "facets",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_POSITION,
     .stands_for = "position",
     .sets = 1u << LCP_ORTHANT,

@@ -330,7 +330,12 @@ const formulation form_regularized = {
     .name = "regularized",
     .title = "Normal-impulse LCP with regularised friction",
     .cite = "gholami2016",
-    .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
+    .words = "Solves for normal impulses only; friction acts as a stiff spring.",
+    .when = "Many contacts rub and the smallest problem is wanted; a sticking contact may give way "
+            "a little.",
+    .apart = "model",
+    .model =
+        FORM_NORMAL_ONLY | FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
     .stands_for = "regularized",
     .sets = 1u << LCP_ORTHANT,
     .fields = fields,

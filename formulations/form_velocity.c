@@ -33,6 +33,10 @@ const formulation form_velocity = {
     .name = "velocity",
     .title = "Velocity-level polyhedral LCP",
     .cite = "anitescu1997",
+    .words = "The friction cone has flat facets; velocities obey it at the end of the step.",
+    .when = "The common choice for rigid bodies; more facets bring it closer to the round cone and "
+            "cost unknowns.",
+    .apart = "facets",
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL,
     .stands_for = "velocity",
     .sets = 1u << LCP_ORTHANT,

@@ -2,6 +2,7 @@
 
 #include "form_list.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +23,24 @@ const formulation *formulation_find(const char *name) {
     }
   }
   return NULL;
+}
+
+const char *formulation_model_word(int bit) {
+  static const char *const words[] = {
+      "unilateral", "friction", "cone_exact",   "cone_polyhedral", "regularised", "bounds_lagged",
+      "penalty",    "position", "acceleration", "no_lcp",          "normal_only"};
+  return (bit >= 0 && bit < BASE_COUNT(words)) ? words[bit] : NULL;
+}
+
+void formulation_model_print(unsigned model, char *buf, size_t cap) {
+  size_t used = 0;
+  buf[0] = '\0';
+  for (int i = 0; formulation_model_word(i) != NULL && used < cap; i++) {
+    if ((model & 1u << i) != 0) {
+      used += (size_t)snprintf(buf + used, cap - used, "%s%s", used > 0 ? " " : "",
+                               formulation_model_word(i));
+    }
+  }
 }
 
 struct formulation_run {

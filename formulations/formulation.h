@@ -29,8 +29,14 @@ typedef enum formulation_model {
   FORM_POSITION = 1u << 7,        /* normal rows at position level */
   FORM_ACCELERATION = 1u << 8,    /* forces, not impulses */
   FORM_NO_LCP = 1u << 9,          /* implements step itself */
-  FORM_CURVED = 1u << 10,         /* begin wants u_curve (world_contacts_curved) */
+  FORM_NORMAL_ONLY = 1u << 10,    /* the unknowns are the normal impulses, one a contact */
+  FORM_CURVED = 1u << 11,         /* begin wants u_curve (world_contacts_curved); not told */
 } formulation_model;
+
+/* The words of `model` in rows and lists: "unilateral friction ...". formulation_model_word returns
+ * NULL for a bit that has none. */
+const char *formulation_model_word(int bit);
+void formulation_model_print(unsigned model, char *buf, size_t cap);
 
 typedef enum formulation_start { FORM_COLD, FORM_PREVIOUS } formulation_start;
 
@@ -75,8 +81,12 @@ typedef struct formulation_run formulation_run;
 
 struct formulation {
   const char *name, *title, *cite; /* cite: keys of docs/references.bib */
-  unsigned model;                  /* formulation_model bits */
-  unsigned sets;                   /* 1u << lcp_set of its contacts' blocks; 0: poses no problem */
+  const char *words;      /* one sentence for a reader who meets the name for the first time */
+  const char *when;       /* one sentence: when to take it */
+  const char *apart;      /* options, blanks between, of which every value is a curve of its own in
+                        figures; NULL: all settings are one curve */
+  unsigned model;         /* formulation_model bits */
+  unsigned sets;          /* 1u << lcp_set of its contacts' blocks; 0: poses no problem */
   const char *stands_for; /* which "forms" word of the case format its checks go by: "velocity",
                              "position" or "regularized"; NULL: only checks without forms */
   const base_field *fields;

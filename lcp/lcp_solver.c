@@ -31,6 +31,11 @@ const char *lcp_outcome_name(lcp_outcome o) {
 }
 
 static const char *const set_names[] = {"orthant", "box", "free", "cone"};
+
+const char *lcp_set_name(int set) {
+  return (set >= 0 && set < BASE_COUNT(set_names)) ? set_names[set] : NULL;
+}
+
 static const char *const trait_names[] = {
     "symmetric", "psd", "pd", "copositive", "copositive_plus", "p_matrix", "zero_diagonal"};
 

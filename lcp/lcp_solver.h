@@ -70,7 +70,9 @@ typedef struct lcp_trace {
 
 typedef struct lcp_solver {
   const char *name;  /* stable key: command line, CSV, file name */
-  const char *title; /* for plots */
+  const char *title; /* what the field calls the method */
+  const char *words; /* one sentence for a reader who meets the name for the first time */
+  const char *when;  /* one sentence: when to take it */
   const char *cite;  /* keys of docs/references.bib: "lemke1965; cottle1992, 4.4 and 4.9" */
   unsigned sets;     /* 1u << lcp_set it solves */
   unsigned storages; /* 1u << lcp_storage it reads natively */
@@ -104,6 +106,9 @@ typedef struct lcp_solver {
   /* Gives back third-party handles. NULL unless `allocates`. */
   void (*release)(void *state);
 } lcp_solver;
+
+/* Of an lcp_set, as errors and lists tell it; NULL beyond the last. */
+const char *lcp_set_name(int set);
 
 /* All solvers of this build, in the order of lcp/solvers/meson.build. */
 const lcp_solver *const *lcp_solvers(int *count);

@@ -176,19 +176,6 @@ static base_status sample_with_files(measured *m, record *r, double *seconds, ba
 
 /* ---- preparing --------------------------------------------------------------------------------*/
 
-static void model_words(unsigned model, char *buf, size_t cap) {
-  static const char *const words[] = {
-      "unilateral",    "friction", "cone_exact", "cone_polyhedral", "regularised",
-      "bounds_lagged", "penalty",  "position",   "acceleration",    "no_lcp"};
-  size_t used = 0;
-  buf[0] = '\0';
-  for (int i = 0; i < BASE_COUNT(words); i++) {
-    if ((model & 1u << i) != 0 && used < cap) {
-      used += (size_t)snprintf(buf + used, cap - used, "%s%s", used > 0 ? " " : "", words[i]);
-    }
-  }
-}
-
 base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   const cell *c = m->job->cell;
   const simulation_texts t = {.scene = c->problem,
@@ -212,6 +199,6 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", s->solver.config);
   (void)snprintf(r->formulation_config, sizeof r->formulation_config, "%.479s", s->form.config);
   effects_print(s->request.effects, r->effects, sizeof r->effects);
-  model_words(s->form.form->model, r->model, sizeof r->model);
+  formulation_model_print(s->form.form->model, r->model, sizeof r->model);
   return BASE_OK;
 }

@@ -48,6 +48,46 @@ json_t *list_fields_json(const base_field *f, int n) {
   return all;
 }
 
+/* The names of the blocks that a mask of 1u << lcp_set holds. */
+static json_t *sets_json(unsigned mask) {
+  json_t *all = json_array();
+  for (int set = 0; lcp_set_name(set) != NULL; set++) {
+    if ((mask & 1u << set) != 0) {
+      (void)json_array_append_new(all, json_string(lcp_set_name(set)));
+    }
+  }
+  return all;
+}
+
+void list_solver_more(json_t *o, const lcp_solver *s) {
+  json_out_text(o, "words", s->words);
+  json_out_text(o, "when", s->when);
+  (void)json_object_set_new(o, "exact", json_boolean(s->exact));
+  (void)json_object_set_new(o, "warm", json_boolean(s->warm));
+  (void)json_object_set_new(o, "peer", json_boolean(s->peer));
+  (void)json_object_set_new(o, "sets", sets_json(s->sets));
+}
+
+void list_formulation_more(json_t *o, const formulation *f) {
+  json_t *apart = json_array(), *model = json_array();
+  for (const char *at = f->apart; at != NULL && *at != '\0';) {
+    const size_t n = strcspn(at, " ");
+    (void)json_array_append_new(apart, json_stringn(at, n));
+    at += n + strspn(at + n, " ");
+  }
+  for (int i = 0; formulation_model_word(i) != NULL; i++) {
+    if ((f->model & 1u << i) != 0) {
+      (void)json_array_append_new(model, json_string(formulation_model_word(i)));
+    }
+  }
+  json_out_text(o, "words", f->words);
+  json_out_text(o, "when", f->when);
+  (void)json_object_set_new(o, "apart", apart);
+  (void)json_object_set_new(o, "model", model);
+  (void)json_object_set_new(o, "solver", json_boolean(f->sets != 0));
+  (void)json_object_set_new(o, "sets", sets_json(f->sets));
+}
+
 static json_t *effects_json(unsigned mask) {
   json_t *all = json_array();
   for (int bit = 0; bit < EFFECT_COUNT; bit++) {
@@ -148,6 +188,9 @@ base_status list_scene_json(const scene *s, json_t **out, base_error *err) {
   json_out_text(o, "kind", "scene");
   json_out_text(o, "about", s->about);
   json_out_text(o, "cite", s->cite);
+  json_out_text(o, "situation", scene_situation_name(s->situation));
+  (void)json_object_set_new(o, "redundant", json_boolean(s->redundant));
+  (void)json_object_set_new(o, "solvable", json_boolean(!spec.expect_unsolved));
   (void)json_object_set_new(o, "parameters", list_fields_json(s->fields, s->n_fields));
   put_spec(o, &spec);
   spec_free(&spec);

@@ -23,6 +23,7 @@ typedef struct list_kind {
   const char *name;
   const char *column[LIST_COLUMNS]; /* NULL-terminated when shorter */
   bool (*row)(int i, list_row *out, char *scratch, size_t cap);
+  void (*more)(int i, json_t *o); /* members that JSON has and the table has not; NULL: none */
 } list_kind;
 
 /* "name [unit] = default (min..max)" of every option. */
@@ -50,6 +51,15 @@ static bool solver_row(int i, list_row *out, char *scratch, size_t cap) {
   *out = (list_row){{s->name, s->title, s->exact ? "exact" : "iterative",
                      describe(s->fields, s->n_fields, scratch, cap), s->cite}};
   return true;
+}
+
+static void solver_more(int i, json_t *o) {
+  list_solver_more(o, registry_solver(i));
+}
+
+static void formulation_more(int i, json_t *o) {
+  int count;
+  list_formulation_more(o, formulations(&count)[i]);
 }
 
 static bool formulation_row(int i, list_row *out, char *scratch, size_t cap) {
@@ -83,7 +93,20 @@ static bool effect_row(int i, list_row *out, char *scratch, size_t cap) {
   if (i >= EFFECT_COUNT) {
     return false;
   }
-  *out = (list_row){{effect_name(i)}};
+  *out = (list_row){{effect_name(i), effect_words(i)}};
+  return true;
+}
+
+// NOLINTNEXTLINE(readability-non-const-parameter): the signature of list_kind.row
+static bool situation_row(int i, list_row *out, char *scratch, size_t cap) {
+  (void)scratch;
+  (void)cap;
+  const int at = i + 1; /* without SITUATION_OTHER */
+  if (at >= SITUATION_COUNT) {
+    return false;
+  }
+  *out = (list_row){
+      {scene_situation_name((scene_situation)at), scene_situation_words((scene_situation)at)}};
   return true;
 }
 
@@ -124,6 +147,26 @@ static bool campaign_row(int i, list_row *out, char *scratch, size_t cap) {
   }
   globfree(&found);
   return any;
+}
+
+/* Its parts that have words of their own, for readers of its rows: parts [{name, words}]. */
+static void campaign_more(int i, json_t *o) {
+  (void)i;
+  campaign c;
+  json_t *parts = json_array();
+  const char *name = json_string_value(json_object_get(o, "name"));
+  if (name != NULL && campaign_read(name, false, &c, NULL) == BASE_OK) {
+    for (int p = 0; p < c.n_part; p++) {
+      if (c.part[p].words[0] != '\0') {
+        json_t *part = json_object();
+        json_out_text(part, "name", c.part[p].name);
+        json_out_text(part, "words", c.part[p].words);
+        (void)json_array_append_new(parts, part);
+      }
+    }
+    campaign_free(&c);
+  }
+  (void)json_object_set_new(o, "parts", parts);
 }
 
 /* What of the formulation's blocks the solver does not take; by declaration, without a problem. */
@@ -171,13 +214,17 @@ static base_status campaigns_exist(base_error *err) {
 }
 
 static const list_kind kinds[] = {
-    {"problems", {"name", "title", "kind", "options", "cite"}, problem_row},
-    {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row},
-    {"formulations", {"name", "title", "kind", "options", "cite"}, formulation_row},
-    {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row},
-    {"campaigns", {"name", "title"}, campaign_row},
-    {"effects", {"name"}, effect_row},
-    {"compat", {"name", "formulation", "solver", "admits"}, compat_row},
+    {"problems", {"name", "title", "kind", "options", "cite"}, problem_row, NULL},
+    {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row, NULL},
+    {"formulations",
+     {"name", "title", "kind", "options", "cite"},
+     formulation_row,
+     formulation_more},
+    {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row, solver_more},
+    {"campaigns", {"name", "title"}, campaign_row, campaign_more},
+    {"effects", {"name", "words"}, effect_row, NULL},
+    {"situations", {"name", "words"}, situation_row, NULL},
+    {"compat", {"name", "formulation", "solver", "admits"}, compat_row, NULL},
 };
 
 static void print_csv_cell(const char *text, bool first) {
@@ -233,7 +280,11 @@ static int print_kind(const list_kind *k, const char *format) {
     } else if (strcmp(format, "csv") == 0) {
       print_csv_row(row.cell, k);
     } else {
-      (void)json_array_append_new(all, row_json(&row, k));
+      json_t *o = row_json(&row, k);
+      if (k->more != NULL) {
+        k->more(i, o);
+      }
+      (void)json_array_append_new(all, o);
     }
   }
   if (strcmp(format, "json") == 0) {
@@ -248,7 +299,7 @@ static int run(int argc, char **argv) {
   const arg_option options[] = {{"--format", ARG_TEXT, &format}};
   const arg_table table = {
       options, 1, 1, 1,
-      "KIND (problems, scenes, formulations, solvers, campaigns, effects, compat)"};
+      "KIND (problems, scenes, formulations, solvers, campaigns, effects, situations, compat)"};
   const char *what;
   int n_positional;
   base_error err = {0};
@@ -277,7 +328,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_list;
 const cli_verb verb_list = {
     .name = "list",
-    .usage = "list problems|scenes|formulations|solvers|campaigns|effects|compat"
+    .usage = "list problems|scenes|formulations|solvers|campaigns|effects|situations|compat"
              " [--format plain|csv|json]",
     .help = "what this build has; plain prints bare names",
     .run = run,

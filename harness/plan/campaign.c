@@ -197,6 +197,9 @@ static base_status take_part(void *ctx, yaml_file *f, const char *key, yaml_node
   if (strcmp(key, "name") == 0) {
     return text_member(f, key, v, r->part->name, sizeof r->part->name, err);
   }
+  if (strcmp(key, "words") == 0) {
+    return text_member(f, key, v, r->part->words, sizeof r->part->words, err);
+  }
   if (strcmp(key, "quick") == 0) {
     r->quick = v;
     return BASE_OK;

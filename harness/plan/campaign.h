@@ -10,6 +10,7 @@
  *   trace: off                                   # optional: off; a twin run writes its history
  *   parts:
  *     - name: dimension
+ *       words: tall stacks                       # optional: what it asks, for a reader
  *       problems: ["box_stack:n={1,2,4,8}"]      # braces: one problem for each value
  *       formulations: ["velocity:facets={4,8}", position, regularized]
  *       solvers: [lemke, pgs]
@@ -64,6 +65,7 @@ const char *campaign_axis_name(int axis);
 
 typedef struct campaign_part {
   char name[48];
+  char words[120];            /* what it asks, for a reader; may be empty */
   text_list axis[AXIS_COUNT]; /* as written, braces and patterns not expanded */
 } campaign_part;
 

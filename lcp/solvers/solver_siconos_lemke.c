@@ -13,6 +13,8 @@ const lcp_solver lcp_solver_siconos_lemke = {
     .name = "siconos_lemke",
     .title = "Siconos Lemke",
     .cite = "acary2019, SICONOS_LCP_LEMKE",
+    .words = "Siconos' Lemke: exact, by pivoting along a path.",
+    .when = "To hold this suite's own pivoting against another code.",
     .sets = 1u << LCP_ORTHANT,
     .exact = true,
     SICONOS_PEER,

@@ -13,6 +13,8 @@ const lcp_solver lcp_solver_siconos_newton = {
     .name = "siconos_newton",
     .title = "Siconos Newton",
     .cite = "acary2019, SICONOS_LCP_NEWTON_FB_FBLSA",
+    .words = "Siconos' Newton steps on equations with kinks.",
+    .when = "To hold this suite's own Newton steps against another code.",
     .sets = 1u << LCP_ORTHANT,
     .warm = true,
     SICONOS_PEER,

@@ -13,6 +13,8 @@ const lcp_solver lcp_solver_siconos_nsgs = {
     .name = "siconos_nsgs",
     .title = "Siconos NSGS",
     .cite = "acary2019, SICONOS_FRICTION_3D_NSGS",
+    .words = "Siconos' sweeps, one friction cone at a time.",
+    .when = "To hold this suite's own cone sweeps against another code.",
     .sets = 1u << LCP_CONE,
     .warm = true,
     SICONOS_PEER,

@@ -13,6 +13,8 @@ const lcp_solver lcp_solver_siconos_pgs = {
     .name = "siconos_pgs",
     .title = "Siconos PGS",
     .cite = "acary2019, SICONOS_LCP_PGS",
+    .words = "Siconos' sweeps, one unknown at a time.",
+    .when = "To hold this suite's own sweeps against another code.",
     .sets = 1u << LCP_ORTHANT,
     .warm = true,
     SICONOS_PEER,

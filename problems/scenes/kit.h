@@ -79,8 +79,9 @@ static inline spec_check *kit_last(scene_spec *s) {
 void kit_integrate(double (*f)(double y, double rate, const void *ctx), const void *ctx, double t,
                    double y[2]);
 
-/* A scene's constant: its parameters are the fields of struct TYPE. */
-#define KIT_SCENE(TYPE, title_, cite_, about_)                                                     \
+/* A scene's constant: its parameters are the fields of struct TYPE; after the text follow its other
+ * members, of which `.situation = SITUATION_...` is not left out. */
+#define KIT_SCENE(TYPE, title_, cite_, about_, ...)                                                \
   const scene scene_##TYPE = {.name = #TYPE,                                                       \
                               .title = title_,                                                     \
                               .cite = cite_,                                                       \
@@ -88,7 +89,8 @@ void kit_integrate(double (*f)(double y, double rate, const void *ctx), const vo
                               .fields = fields,                                                    \
                               .n_fields = BASE_COUNT(fields),                                      \
                               .param_size = sizeof(TYPE),                                          \
-                              .build = build}
+                              .build = build,                                                      \
+                              __VA_ARGS__}
 
 /* "PREFIXk" */
 void kit_name(char name[SPEC_NAME], const char *prefix, int k);

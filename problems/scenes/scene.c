@@ -25,6 +25,19 @@ const scene *scene_find(const char *name) {
   return NULL;
 }
 
+#define NAME_(id, name, words)  name,
+#define WORDS_(id, name, words) words,
+
+const char *scene_situation_name(scene_situation s) {
+  static const char *const names[] = {"", SCENE_SITUATIONS(NAME_)};
+  return names[s];
+}
+
+const char *scene_situation_words(scene_situation s) {
+  static const char *const plain[] = {"", SCENE_SITUATIONS(WORDS_)};
+  return plain[s];
+}
+
 static base_status build_named(const scene *sc, const char *parameters, scene_spec *out,
                                base_error *err) {
   void *param = calloc(1, sc->param_size + 1);

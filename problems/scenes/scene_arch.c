@@ -82,4 +82,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(arch, "semicircular masonry arch", "heyman1966",
           "Straight-edged voussoirs, dry joints. Limit analysis: it stands for a thickness above "
           "0.1075 R (Milankovitch) and enough friction, falls by hinges below, by sliding with too "
-          "little friction. Highly hyperstatic, all joints at once (MATHEMATICS S7).");
+          "little friction. Highly hyperstatic, all joints at once (MATHEMATICS S7).",
+          .situation = SITUATION_STACK);

@@ -64,4 +64,5 @@ KIT_SCENE(belt, "stick-slip on a belt", "leine1998",
           "A mass on a spring is dragged by a belt and slips back periodically, because the static "
           "coefficient exceeds the kinetic one: period (2/w)(pi - atan(w D/v)) + 2 D/v and swing "
           "sqrt(D^2 + (v/w)^2) about mu_k N/K. Models with one coefficient do not oscillate "
-          "(MATHEMATICS B16).");
+          "(MATHEMATICS B16).",
+          .situation = SITUATION_SLIDING);

@@ -72,4 +72,5 @@ KIT_SCENE(billiard, "ball stopped by rolling and drilling friction", "coulomb178
           "A ball rolls without sliding and spins about the vertical. Rolling friction stops the "
           "one after 7/5 r v0/(rho g), drilling friction the other after 2/5 r^2 w0/(tau g); "
           "neither knows of the other, because each has its own bound. Five friction rows on one "
-          "contact.");
+          "contact.",
+          .situation = SITUATION_OTHER);

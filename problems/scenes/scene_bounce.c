@@ -80,6 +80,7 @@ const scene scene_bounce = {
         "t0 (1 + 2e + ... + 2e^k) that accumulate at the Zeno time t0 (1+e)/(1-e), after which it "
         "rests. Event-driven methods must survive the accumulation, time stepping passes it "
         "without noticing (MATHEMATICS B5).",
+    .situation = SITUATION_IMPACT,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(bounce),

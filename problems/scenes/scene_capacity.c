@@ -53,4 +53,5 @@ KIT_SCENE(capacity, "static capacity of friction cones", "anitescu1997",
           "A growing push at an angle to the facets: the inscribed polyhedral cone lets go at a "
           "share cos(pi/nd) of the true limit in the worst direction and then slides along the "
           "bisector, not along the push. A circular cone holds the same in every direction "
-          "(MATHEMATICS S2).");
+          "(MATHEMATICS S2).",
+          .situation = SITUATION_OTHER);

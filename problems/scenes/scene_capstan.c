@@ -76,4 +76,5 @@ KIT_SCENE(capstan, "rope round a drum", "eytelwein1808",
           "Particles joined by rigid links lie on a drum and are pulled at both ends. The ratio of "
           "tensions that holds is the product over contacts of (1 + mu tan(d/2))/(1 - mu "
           "tan(d/2)), which tends to exp(mu wrap): friction through joints, with every contact at "
-          "its limit at once (MATHEMATICS B18).");
+          "its limit at once (MATHEMATICS B18).",
+          .situation = SITUATION_GRASP);

@@ -79,4 +79,5 @@ KIT_SCENE(
     card_house, "card house", "baraff1994",
     "Pairs of cards lean on each other, storeys on lids. One pair of thin cards stands for mu "
     ">= cot(theta)/2. Feet and heads are cut so that they touch with faces. The classic "
-    "picture of friction solvers that creep.");
+    "picture of friction solvers that creep.",
+    .situation = SITUATION_STACK);

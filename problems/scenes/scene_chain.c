@@ -63,4 +63,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(chain, "hanging chain with a heavy end", "baraff1996",
           "Links joined by ball joints, the last a thousand times heavier: bilateral rows only. It "
           "hangs still when straight, swings when tilted; iterative treatment of the joints needs "
-          "as many sweeps as the mass ratio.");
+          "as many sweeps as the mass ratio.",
+          .situation = SITUATION_OTHER);

@@ -46,4 +46,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(clatter, "tilted box that clatters to rest", "goyal1998",
           "A box dropped on one corner throws itself from corner to corner, faster and faster, and "
-          "must come to rest: the impacts may not feed each other energy.");
+          "must come to rest: the impacts may not feed each other energy.",
+          .situation = SITUATION_IMPACT);

@@ -42,4 +42,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(
     conveyor, "box on a conveyor belt", "coulomb1785",
     "A box is put on a moving belt, slips V^2/(2 mu g) relative to it and is carried along "
-    "after V/(mu g). The only scene that notices a forgotten surface velocity (MATHEMATICS S8).");
+    "after V/(mu g). The only scene that notices a forgotten surface velocity (MATHEMATICS S8).",
+    .situation = SITUATION_SLIDING);

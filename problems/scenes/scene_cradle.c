@@ -67,4 +67,5 @@ KIT_SCENE(cradle, "Newton's cradle", "brogliato2016",
           "A ball hits a row of equal ones. Touching, a simultaneous Newton impact sends the row "
           "off as one body: momentum and energy are right and the picture is wrong, a documented "
           "limit of the impact law, not of a solver. With gaps larger than a step's travel the "
-          "impacts are binary and only the last ball leaves (MATHEMATICS B7).");
+          "impacts are binary and only the last ball leaves (MATHEMATICS B7).",
+          .situation = SITUATION_IMPACT);

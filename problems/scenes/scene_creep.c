@@ -51,4 +51,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(creep, "oscillating load below the limit", "dupont2002",
           "A load oscillates between zero and 80 percent of the friction limit. A rigid model does "
           "not move, a bristle moves elastically and returns, LuGre drifts 5 micrometres a second "
-          "for ever, a viscous law creeps (MATHEMATICS B22).");
+          "for ever, a viscous law creeps (MATHEMATICS B22).",
+          .situation = SITUATION_OTHER);

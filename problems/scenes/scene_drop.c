@@ -50,4 +50,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(drop, "drop to rest", "stewart1996",
           "A ball falls and stays down (e = 0). A velocity-level scheme stops anywhere within one "
           "step of travel of the surface, a position-level one on it: the cheapest picture of the "
-          "difference between the two (MATHEMATICS B19).");
+          "difference between the two (MATHEMATICS B19).",
+          .situation = SITUATION_IMPACT);

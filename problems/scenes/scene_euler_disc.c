@@ -45,4 +45,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(euler_disc, "Euler's disc in steady precession", "moffatt2000",
           "A thin disc precesses on its rim with Omega^2 sin(alpha) = 4g/r, its centre at rest and "
           "no loss: every loss is numerical. Rotation update, gyroscopic term and rim contact all "
-          "show (MATHEMATICS S10).");
+          "show (MATHEMATICS S10).",
+          .situation = SITUATION_OTHER);

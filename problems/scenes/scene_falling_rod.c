@@ -48,4 +48,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(
     falling_rod, "rod falling on a smooth floor", "lagrange1788",
     "A rod stands tilted on a frictionless floor and falls; its centre goes straight down "
-    "and the tip slides along. The reference integrates the one-dof equation (MATHEMATICS S9).");
+    "and the tip slides along. The reference integrates the one-dof equation (MATHEMATICS S9).",
+    .situation = SITUATION_OTHER);

@@ -56,4 +56,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(granular_column, "collapse of a granular column", "lajeunesse2005",
           "A column of discs against a wall is let go and spreads: contacts open and close all the "
           "time, most of them slide. Energy never grows; the run-out scales with the aspect ratio "
-          "in experiments.");
+          "in experiments.",
+          .situation = SITUATION_STACK);

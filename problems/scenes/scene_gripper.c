@@ -87,4 +87,5 @@ KIT_SCENE(
     "Two fingers press an object and lift it: it holds if and only if 2 mu F >= m (g + a). In "
     "3D a polyhedral cone loses up to 1 - cos(pi/nd) of that capacity when the load lies "
     "between facets, and drops what a circular cone holds; a viscous regularisation creeps "
-    "(MATHEMATICS B14).");
+    "(MATHEMATICS B14).",
+    .situation = SITUATION_GRASP);

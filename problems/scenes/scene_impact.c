@@ -59,4 +59,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(impact, "oblique impact of a spinning ball", "walton1993",
           "One impact with friction and spin: the tangential impulse stops the slip or is limited "
           "by mu times the normal impulse. A model that takes the normal force from the last step "
-          "misses friction in impacts altogether (MATHEMATICS B6).");
+          "misses friction in impacts altogether (MATHEMATICS B6).",
+          .situation = SITUATION_IMPACT);

@@ -126,6 +126,7 @@ const scene scene_incline = {
         "contact carries m g cos(theta) on four corners (two in the plane), a hyperstatic split. "
         "The standard first test of a friction model: sag of a bristle and creep of a viscous "
         "regularisation are visible here (MATHEMATICS B1).",
+    .situation = SITUATION_SLIDING,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(incline),

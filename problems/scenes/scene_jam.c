@@ -43,4 +43,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(jam, "plug jammed in a slot", "cottle1992",
           "A plug in a narrow slot is self-locking for mu >= tan(half angle): any amount of "
           "self-stress is a solution, so the solution set of the complementarity problem is "
-          "unbounded. Any finite answer without motion is right (MATHEMATICS B21).");
+          "unbounded. Any finite answer without motion is right (MATHEMATICS B21).",
+          .situation = SITUATION_GRASP);

@@ -48,4 +48,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(ladder, "ladder against a wall", "parent1704",
           "A uniform ladder stands if and only if tan(theta) >= (1 - mu_f mu_w)/(2 mu_f). With a "
           "smooth wall it is one card of a symmetric card house, tan(theta) >= 1/(2 mu). A sharp "
-          "test of two simultaneous friction limits (MATHEMATICS S5).");
+          "test of two simultaneous friction limits (MATHEMATICS S5).",
+          .situation = SITUATION_SLIDING);

@@ -36,4 +36,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(ledge, "particle leaving a ledge", "stewart1996",
           "A particle slides off a shelf. Behind the edge free space is not convex, and a scheme "
           "that keeps the half-space of the shelf's top would carry it on through the air or push "
-          "it back sideways (MATHEMATICS B20).");
+          "it back sideways (MATHEMATICS B20).",
+          .situation = SITUATION_OTHER);

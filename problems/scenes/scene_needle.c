@@ -37,4 +37,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(needle, "needle with next to no inertia", "lotstedt1982",
           "A flat needle lies on two contacts. As its inertia goes to zero the mass matrix becomes "
           "singular and the contact matrix ill-conditioned, half^2 m/inertia; the weight on the "
-          "floor stays what it is (MATHEMATICS S13).");
+          "floor stays what it is (MATHEMATICS S13).",
+          .situation = SITUATION_OTHER);

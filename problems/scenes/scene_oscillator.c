@@ -50,4 +50,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(oscillator, "spring and dry friction", "denhartog1930",
           "A mass on a spring slides on a rough floor: the amplitude falls by the constant 2F/K "
           "every half period, not by a factor, and the mass stops for good inside |x| <= F/K "
-          "(MATHEMATICS B17).");
+          "(MATHEMATICS B17).",
+          .situation = SITUATION_SLIDING);

@@ -38,4 +38,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(overlap, "initial overlap", "anitescu2004",
           "A ball starts inside the floor. A velocity-level scheme leaves it there, a "
           "position-level one removes the overlap in one step with depth/h and so injects energy: "
-          "both are what the equations say, and the report must show it (MATHEMATICS S15).");
+          "both are what the equations say, and the report must show it (MATHEMATICS S15).",
+          .situation = SITUATION_OTHER);

@@ -98,4 +98,5 @@ KIT_SCENE(
     "The tip of a leaning rod slides on a rough floor. Where p = 1/m + (l^2/I) cos (cos - mu "
     "sin) is negative the acceleration-level problem has no solution (inconsistent) or "
     "several (indeterminate); mu_crit = (1 + 3 cos^2)/(3 sin cos), least 4/3 at tan = 2. Time "
-    "stepping must then stop the tip within one step, for every h (MATHEMATICS B8).");
+    "stepping must then stop the tip within one step, for every h (MATHEMATICS B8).",
+    .situation = SITUATION_OTHER);

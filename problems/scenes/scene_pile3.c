@@ -55,4 +55,5 @@ KIT_SCENE(pile3, "three-cylinder pile", "",
           "Two cylinders on the ground, one on top. It stands if and only if the friction between "
           "cylinders is at least tan 15 degrees = 0.267949 and that on the ground at least a third "
           "of it, 0.089316: rolling, not sliding, decides. A very sharp friction test "
-          "(MATHEMATICS B13).");
+          "(MATHEMATICS B13).",
+          .situation = SITUATION_STACK);

@@ -65,4 +65,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(pit, "ball in a groove or pit", "",
           "A ball rests on several planes. Three walls carry m g/(3 cos beta) each, more are "
           "hyperstatic and only the sum is determined; nearly flat or nearly closed walls (beta "
-          "towards 0 or 90 degrees) make the split as ill-conditioned as wanted (MATHEMATICS S4).");
+          "towards 0 or 90 degrees) make the split as ill-conditioned as wanted (MATHEMATICS S4).",
+          .situation = SITUATION_OTHER);

@@ -49,4 +49,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(plank, "block on a free plank", "newton1687",
           "A block slides on a plank that slides on a smooth floor: both end with m v0/(m+M), "
-          "whatever the friction law, because momentum is kept (MATHEMATICS S8).");
+          "whatever the friction law, because momentum is kept (MATHEMATICS S8).",
+          .situation = SITUATION_SLIDING);

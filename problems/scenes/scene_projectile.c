@@ -38,4 +38,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(projectile, "free flight", "galilei1638",
           "A spinning ball in flight without contact: velocities are exact for every step, the "
           "height is off by exactly g h t/2 in semi-implicit Euler, so an error in the integrator "
-          "shows before any contact does (MATHEMATICS S1).");
+          "shows before any contact does (MATHEMATICS S1).",
+          .situation = SITUATION_OTHER);

@@ -59,4 +59,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(push, "pushed until it slips", "coulomb1785",
           "A block under a slowly growing force, or behind a spring pulled at constant speed, "
           "sticks exactly until mu m g and then moves by a closed form: the threshold of static "
-          "friction in time (MATHEMATICS S3).");
+          "friction in time (MATHEMATICS S3).",
+          .situation = SITUATION_SLIDING);

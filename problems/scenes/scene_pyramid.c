@@ -46,4 +46,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(pyramid, "pyramid of boxes", "tasora2011",
           "A pyramid of cubes at rest, each on two others with four contacts each: the usual large "
-          "box scene of rigid-body engines, here with the exact answer that nothing moves.");
+          "box scene of rigid-body engines, here with the exact answer that nothing moves.",
+          .situation = SITUATION_STACK, .redundant = true);

@@ -81,4 +81,5 @@ KIT_SCENE(
     rocking, "rocking block", "housner1963",
     "A tilted block rocks back and hits with its other corner; angular momentum about the "
     "new corner gives omega+/omega- = 1 - 1.5 sin^2(alpha), which is exactly the solution of "
-    "the complementarity problem for e = 0 when mu >= 3 sin cos/(1 + 3 cos^2) (MATHEMATICS B11).");
+    "the complementarity problem for e = 0 when mu >= 3 sin cos/(1 + 3 cos^2) (MATHEMATICS B11).",
+    .situation = SITUATION_IMPACT);

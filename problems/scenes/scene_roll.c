@@ -77,6 +77,7 @@ const scene scene_roll = {
         "rolling; the final speed v0 - u0 b/(1+b), with u0 = v0 + r omega and I = b m r^2, does "
         "not depend on mu or on the law of friction, because the angular momentum about the "
         "contact line is kept. Enough backspin brings the ball back (MATHEMATICS B4).",
+    .situation = SITUATION_OTHER,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(roll),

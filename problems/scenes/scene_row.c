@@ -51,4 +51,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(row, "row of discs on a ramp, heavy end", "",
           "Discs in a row lean on a stop at the foot of a smooth ramp, the last one a thousand "
           "times heavier: forces follow from statics, sweeps need as many passes as the mass "
-          "ratio. The contact-only twin of a chain with a heavy end (MATHEMATICS S12).");
+          "ratio. The contact-only twin of a chain with a heavy end (MATHEMATICS S12).",
+          .situation = SITUATION_STACK);

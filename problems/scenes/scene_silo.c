@@ -57,4 +57,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(silo, "spheres on a cubic lattice in a box", "janssen1895",
           "A simple cubic packing filling a box: the number of contacts is known in advance (three "
           "per sphere and the walls, to 1e5 and beyond), the state is at rest by symmetry and "
-          "unstable, which an asymmetric solver betrays.");
+          "unstable, which an asymmetric solver betrays.",
+          .situation = SITUATION_OTHER);

@@ -98,6 +98,7 @@ const scene scene_slide = {
         "a parameter: along a facet of a polyhedral cone the answer is exact, between facets the "
         "block goes astray by up to pi/nd and too far by up to 1/cos(pi/nd), while an isotropic "
         "model stays on its line (MATHEMATICS B2, B3).",
+    .situation = SITUATION_SLIDING,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(slide),

@@ -149,4 +149,5 @@ KIT_SCENE(slider_crank, "slider-crank with clearance", "flores2010",
           "A crank at 150 rad/s drives a slider with play in its guide: three coordinates with a "
           "configuration-dependent mass matrix, four corners that hit and slide. No closed form; "
           "energy must not grow beyond the integrator's error and the slider must stay in its "
-          "guide (MATHEMATICS B10).");
+          "guide (MATHEMATICS B10).",
+          .situation = SITUATION_IMPACT);

@@ -61,4 +61,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(sphere_pile, "spheres falling into a box", "tasora2011",
           "Polydisperse spheres on a jittered grid settle in a box with four walls: the standard "
           "scaling scene of granular codes, any size up to a million. Energy never grows, nothing "
-          "leaves the box.");
+          "leaves the box.",
+          .situation = SITUATION_STACK);

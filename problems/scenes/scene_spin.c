@@ -56,4 +56,5 @@ KIT_SCENE(
     "A box spins on the floor about the vertical; friction acts at the four corners, always "
     "across their radius, and stops it after I w0/(mu m g r_c). A polyhedral cone meets every "
     "direction in turn, so its average loss shows: 0.977 against 0.961 rad with eight facets "
-    "(MATHEMATICS B15).");
+    "(MATHEMATICS B15).",
+    .situation = SITUATION_SLIDING);

@@ -87,6 +87,8 @@ const scene scene_stack = {
         "Height and the mass ratio of the top box set the difficulty: Gauss-Seidel sweeps contract "
         "like cos^2(pi/2n) for equal masses and R/(1+R) for two boxes of ratio R "
         "(MATHEMATICS B12).",
+    .situation = SITUATION_STACK,
+    .redundant = true,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .param_size = sizeof(stack),

@@ -39,4 +39,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(tablecloth, "block on an accelerating table", "coulomb1785",
           "A table is pulled away with constant acceleration A: the block on it goes along for A < "
-          "mu g and slips with mu g otherwise, the tablecloth trick (MATHEMATICS S8).");
+          "mu g and slips with mu g otherwise, the tablecloth trick (MATHEMATICS S8).",
+          .situation = SITUATION_SLIDING);

@@ -54,4 +54,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(tip, "box on an incline: rest, slide or tip", "coulomb1785",
           "A box slides when the slope exceeds mu and tips about its lower corner when it exceeds "
           "b/h, whichever comes first; tipping follows the inverted pendulum of the corner "
-          "(MATHEMATICS S6).");
+          "(MATHEMATICS S6).",
+          .situation = SITUATION_IMPACT);

@@ -66,4 +66,5 @@ KIT_SCENE(top, "torque-free rotation", "euler1758",
           "A body spins freely. The omega of a symmetric top turns about the angular momentum with "
           "|L|/I1; about the middle axis of an asymmetric body the motion is unstable and flips. "
           "The only scene that exposes a missing gyroscopic term, and energy growth of an explicit "
-          "one (MATHEMATICS S11).");
+          "one (MATHEMATICS S11).",
+          .situation = SITUATION_OTHER);

@@ -35,4 +35,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(vise, "rigid part between closing jaws", "cottle1992",
           "Two kinematic jaws close on a rigid part: no velocity satisfies both contacts, and the "
           "only right answer is to say so, best with the certificate y = (1, 1). A solver that "
-          "returns any z here without saying 'infeasible' is lying (MATHEMATICS S14).");
+          "returns any z here without saying 'infeasible' is lying (MATHEMATICS S14).",
+          .situation = SITUATION_GRASP);

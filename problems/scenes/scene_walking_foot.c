@@ -50,4 +50,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 KIT_SCENE(walking_foot, "foot on many redundant contacts", "peiret2019",
           "A stiff sole under the weight of a walker, pushed back and forth below the friction "
           "limit. Every contact point is listed many times over, as collision detectors do: totals "
-          "are unique, single forces are not, and the answer must not depend on the copies.");
+          "are unique, single forces are not, and the answer must not depend on the copies.",
+          .situation = SITUATION_OTHER, .redundant = true);

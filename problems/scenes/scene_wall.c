@@ -51,4 +51,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(wall, "brick wall in running bond", "acary2018",
           "A wall of bricks at rest, every brick on two others: hyperstatic, with as many contacts "
-          "as wanted. Nothing moves; the weight must arrive at the ground.");
+          "as wanted. Nothing moves; the weight must arrive at the ground.",
+          .situation = SITUATION_STACK, .redundant = true);

@@ -47,4 +47,5 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 
 KIT_SCENE(wedge, "block on a movable wedge", "lagrange1788",
           "A frictionless block slides down a wedge that is pushed away on a smooth floor; both "
-          "accelerations are constant and momentum along the floor stays zero (MATHEMATICS S8).");
+          "accelerations are constant and momentum along the floor stays zero (MATHEMATICS S8).",
+          .situation = SITUATION_GRASP);

@@ -148,4 +148,5 @@ KIT_SCENE(
     woodpecker, "woodpecker toy", "glocker2005",
     "A woodpecker on a spring slides down a pole in a limit cycle of jamming, slipping and "
     "beak impacts: three generalised coordinates, three frictional contacts with impacts, "
-    "period 0.1461 s and 19.5 mm a cycle. The best comparison with another code (MATHEMATICS B9).");
+    "period 0.1461 s and 19.5 mm a cycle. The best comparison with another code (MATHEMATICS B9).",
+    .situation = SITUATION_IMPACT);

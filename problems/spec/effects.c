@@ -3,11 +3,17 @@
 #include <stdio.h>
 #include <string.h>
 
-#define NAME_(id, text) text,
+#define NAME_(id, text, words)  text,
+#define WORDS_(id, text, words) words,
 static const char *const names[] = {EFFECT_LIST(NAME_)};
+static const char *const plain[] = {EFFECT_LIST(WORDS_)};
 
 const char *effect_name(int bit) {
   return (bit >= 0 && bit < EFFECT_COUNT) ? names[bit] : "unknown";
+}
+
+const char *effect_words(int bit) {
+  return (bit >= 0 && bit < EFFECT_COUNT) ? plain[bit] : "unknown";
 }
 
 void effects_print(unsigned mask, char *buf, size_t cap) {

@@ -152,7 +152,7 @@ def check_fails_what_it_cannot_run(d):
 
 
 def lists_are_bare_names(d):
-    for what in ("problems", "scenes", "formulations", "solvers", "campaigns", "effects"):
+    for what in ("problems", "scenes", "formulations", "solvers", "campaigns", "effects", "situations"):
         names = run("list", what).stdout.splitlines()
         assert names and all(n and " " not in n and "," not in n for n in names), (what, names)
         assert [o["name"] for o in run_json("list", what, "--format", "json")] == names
@@ -163,8 +163,11 @@ def lists_are_bare_names(d):
 def scenes_are_described_in_full(d):
     """What a tool needs to offer every scene: parameters with ranges and units, effects, observables, sourced predictions."""
     effects = set(run("list", "effects").stdout.split())
+    situations = run("list", "situations").stdout.split()
+    assert not next(s for s in run_json("list", "scenes", "--format", "json") if s["name"] == "vise")["solvable"]
     for s in run_json("list", "scenes", "--format", "json"):
         where = s["name"]
+        assert s["situation"] in {"", *situations}, where
         assert len(s["title"]) > 5 and len(s["about"]) > 80 and s["parameters"] and s["predictions"], where
         assert s["dim"] in (2, 3) and s["duration_s"] > 0 and s["step_s"] > 0, where
         assert s["effects"] and set(s["effects"]) <= effects and ("spatial" in s["effects"]) == (s["dim"] == 3), where

@@ -332,10 +332,52 @@ static void answers_obey_the_contact_law(void **state) {
   }
 }
 
+static bool has_option(const formulation *f, const char *name, size_t len) {
+  for (int i = 0; i < f->n_fields; i++) {
+    if (strlen(f->fields[i].name) == len && strncmp(f->fields[i].name, name, len) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Words for a reader, options that exist, and FORM_NORMAL_ONLY exactly where the closed form of the
+ * dimension is the number of contacts. */
+static void says_what_it_is(void **state) {
+  (void)state;
+  int count;
+  const formulation *const *all = formulations(&count);
+  for (int k = 0; k < count; k++) {
+    const formulation *f = all[k];
+    check_sentence(f->name, f->words, NULL);
+    check_sentence(f->name, f->when, NULL);
+    for (int j = 0; j < k; j++) {
+      check_sentence(f->name, f->words, all[j]->words);
+    }
+    for (const char *at = f->apart; at != NULL && *at != '\0';) {
+      const size_t n = strcspn(at, " ");
+      if (!has_option(f, at, n)) {
+        fail_msg("%s: tells '%s' apart, which is no option of it", f->name, at);
+      }
+      at += n + strspn(at + n, " ");
+    }
+    if ((f->model & FORM_NO_LCP) == 0) {
+      void *opt = calloc(1, f->options_size);
+      base_fields_default(f->fields, f->n_fields, opt);
+      const bool one_each = f->dimension(2, 7, opt) == 7 && f->dimension(3, 7, opt) == 7;
+      free(opt);
+      if (one_each != ((f->model & FORM_NORMAL_ONLY) != 0)) {
+        fail_msg("%s: FORM_NORMAL_ONLY and its dimension disagree", f->name);
+      }
+    }
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(shapes_traits_and_zero),
       cmocka_unit_test(answers_obey_the_contact_law),
+      cmocka_unit_test(says_what_it_is),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

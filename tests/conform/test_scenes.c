@@ -5,6 +5,7 @@
 #include "harness/measure/predictions.h"
 #include "problems/read/scene_file.h"
 
+#include <lapacke.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -75,6 +76,71 @@ static void wrong_parameters_are_refused(void **state) {
     assert_int_equal(scene_load(text, &s, &err), BASE_EINVAL);
     assert_non_null(strstr(err.text, "no_such_parameter"));
   }
+}
+
+/* ---- what it stands for --------------------------------------------------------------------- */
+
+/* How many of the normal rows of the contacts at the start depend on the others. */
+static int dependent_rows(const char *name) {
+  scene_spec s;
+  world *w;
+  contact_set set;
+  base_error err = {0};
+  check_ok(scene_load(name, &s, &err), &err);
+  check_ok(world_open(&w, &s, s.effects, &err), &err);
+  check_ok(world_contacts(w, s.h[0], 1e-9, &set, &err), &err);
+  const int m = set.n_contact, n = set.n_dof;
+  double *J = calloc((size_t)m * (size_t)n + 1, sizeof *J);
+  double *sigma = calloc((size_t)m + (size_t)n + 1, sizeof *sigma);
+  double *scratch = calloc((size_t)m + (size_t)n + 1, sizeof *scratch);
+  for (int i = 0; i < m; i++) {
+    const double *row = set.jac + set.jac_start[i];
+    const int n_rows = set.row_start[i + 1] - set.row_start[i];
+    for (int side = 0; side < 2; side++) {
+      const int b = set.body[2 * i + side], dofs = contact_dofs(&set, b);
+      for (int d = 0; d < dofs; d++) {
+        J[i * n + set.dof_start[b] + d] = row[d];
+      }
+      row += n_rows * dofs;
+    }
+  }
+  int rank = 0;
+  if (m > 0 && n > 0) {
+    assert_int_equal(
+        LAPACKE_dgesvd(LAPACK_ROW_MAJOR, 'N', 'N', m, n, J, n, sigma, NULL, 1, NULL, 1, scratch),
+        0);
+    for (int i = 0; i < (m < n ? m : n); i++) {
+      rank += sigma[i] > 1e-10 * sigma[0];
+    }
+  }
+  free(J);
+  free(sigma);
+  free(scratch);
+  world_close(w);
+  spec_free(&s);
+  return m - rank;
+}
+
+static void says_what_it_stands_for(void **state) {
+  (void)state;
+  int n;
+  const scene *const *all = scenes(&n);
+  int count[SITUATION_COUNT] = {0};
+  for (int i = 0; i < n; i++) {
+    assert_in_range(all[i]->situation, 0, SITUATION_COUNT - 1);
+    count[all[i]->situation]++;
+    const int dependent = dependent_rows(all[i]->name);
+    if (all[i]->redundant && dependent == 0) {
+      fail_msg("%s is called redundant, and its contacts are independent", all[i]->name);
+    }
+  }
+  for (int s = SITUATION_OTHER + 1; s < SITUATION_COUNT; s++) {
+    assert_true(count[s] > 0);
+    assert_true(strlen(scene_situation_name((scene_situation)s)) > 0);
+    check_sentence(scene_situation_name((scene_situation)s),
+                   scene_situation_words((scene_situation)s), NULL);
+  }
+  assert_int_equal(dependent_rows("bounce"), 0); /* the count does tell them apart */
 }
 
 /* ---- claims are run ------------------------------------------------------------------------- */
@@ -215,7 +281,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_scene_builds),           cmocka_unit_test(ranges_hold),
       cmocka_unit_test(wrong_parameters_are_refused), cmocka_unit_test(every_claim_holds),
-      cmocka_unit_test(false_claims_are_found),
+      cmocka_unit_test(says_what_it_stands_for),      cmocka_unit_test(false_claims_are_found),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

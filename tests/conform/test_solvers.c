@@ -282,6 +282,19 @@ static void grows_and_refuses_misuse(void **state) {
   }
 }
 
+static void says_what_it_is(void **state) {
+  (void)state;
+  int n;
+  const lcp_solver *const *s = lcp_solvers(&n);
+  for (int i = 0; i < n; i++) {
+    check_sentence(s[i]->name, s[i]->words, NULL);
+    check_sentence(s[i]->name, s[i]->when, NULL);
+    for (int j = 0; j < i; j++) {
+      check_sentence(s[i]->name, s[i]->words, s[j]->words);
+    }
+  }
+}
+
 /* usage: test_solvers [STRIDE]: every solver on every STRIDE-th problem, a different share for each. */
 int main(int argc, char **argv) {
   int stride = 1;
@@ -290,7 +303,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   static pair pairs[CASE_MAX];
-  static struct CMUnitTest tests[CASE_MAX + 4]; /* unused entries are skipped by cmocka */
+  static struct CMUnitTest tests[CASE_MAX + 5]; /* unused entries are skipped by cmocka */
   int ns;
   int ng;
   int nt = 0;
@@ -312,5 +325,6 @@ int main(int argc, char **argv) {
   tests[nt++] =
       (struct CMUnitTest)cmocka_unit_test(prepare_and_solve_survive_every_failed_allocation);
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(grows_and_refuses_misuse);
+  tests[nt++] = (struct CMUnitTest)cmocka_unit_test(says_what_it_is);
   return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }

@@ -14,6 +14,7 @@
 #include <cmocka.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* |got - want| <= tol, with NaN failing; prints 17 digits. */
 #define check_close(got, want, tol) check_close_at((got), (want), (tol), #got, __FILE__, __LINE__)
@@ -29,6 +30,17 @@ static inline void check_close_at(double got, double want, double tol, const cha
   if (!(fabs(got - want) <= tol * check_tol_scale())) {
     print_error("%s = %.17g, want %.17g +- %.3g\n", what, got, want, tol);
     _fail(file, line);
+  }
+}
+
+/* A descriptor's words for a reader: one sentence, and not what another one says. */
+static inline void check_sentence(const char *name, const char *text, const char *before) {
+  const size_t n = (text != NULL) ? strlen(text) : 0;
+  if (n < 12 || n > 140 || text[n - 1] != '.' || text[0] < 'A' || text[0] > 'Z') {
+    fail_msg("%s: '%s' is no sentence of 12 to 140 characters", name, n > 0 ? text : "");
+  }
+  if (before != NULL && strcmp(text, before) == 0) {
+    fail_msg("%s: another component says '%s' too", name, text);
   }
 }
 
