@@ -3,9 +3,9 @@
 
 usage: versions.py OUT COMPILER OPTIONS NAME=FILE...
 
-A component is its file and, where there is one, the folder of its name beside it: lcp/solvers/solver_ppm.c and
-lcp/solvers/ppm/. What all rows depend on is every other file of the folders in SHARED; with compiler and options
-it makes one hash, the base.
+A component is its file and, where there is one that nobody else includes from, the folder of its name beside it:
+lcp/solvers/solver_ppm.c and lcp/solvers/ppm/, but not lcp/solvers/lemke/, whose paths pgs runs too. What all rows
+depend on is every other file of the folders in SHARED; with compiler and options it makes one hash, the base.
 """
 import hashlib
 import subprocess
@@ -34,8 +34,13 @@ def digest(paths):
 
 
 def own_files(key, path):
-    """The component's file and the folder of its name beside it."""
-    return [path, *(path.parent / key.split("_", 1)[1]).rglob("*.[ch]")]
+    """The component's file and the folder of its name beside it, unless a file elsewhere includes from there."""
+    folder = path.parent / key.split("_", 1)[1]
+    if not folder.is_dir():
+        return [path]
+    prefix = f'#include "{folder.relative_to(ROOT).as_posix()}/'
+    lent = any(prefix in f.read_text(encoding="utf-8") for f in shared_files([path]) if folder not in f.parents)
+    return [path] if lent else [path, *folder.rglob("*.[ch]")]
 
 
 def shared_files(owned):

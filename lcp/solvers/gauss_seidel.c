@@ -1,18 +1,17 @@
 #include "lcp/solvers/gauss_seidel.h"
 
 #include "lcp/solvers/sets.h"
-#include "lcp/solvers/small_lemke.h"
 
 void lcp_gs_layout(lcp_gs *s, const lcp_capacity *cap, base_arena *a) {
   lcp_sweep_layout(&s->sweep, cap, a);
   s->lo = BASE_ARRAY(a, double, cap->n);
   s->hi = BASE_ARRAY(a, double, cap->n);
   s->whole = BASE_ARRAY(a, unsigned char, cap->n_block);
-  const size_t m = (cap->n < LCP_SMALL_MAX) ? (size_t)cap->n : (size_t)LCP_SMALL_MAX;
+  const size_t m = (cap->n < LEMKE_BLOCK_MAX) ? (size_t)cap->n : (size_t)LEMKE_BLOCK_MAX;
   s->Mbb = BASE_ARRAY(a, double, m *m);
   s->qb = BASE_ARRAY(a, double, m);
   s->xb = BASE_ARRAY(a, double, m);
-  s->work = BASE_ARRAY(a, double, lcp_small_work((int)m));
+  lemke_block_layout(&s->lemke, (int)m, a);
 }
 
 /* Which blocks must be solved as a whole; refuses what neither form is defined on. */
@@ -24,10 +23,10 @@ static base_status choose(lcp_gs *s, const lcp_problem *p, base_error *err) {
     for (int i = k->start; i < k->start + k->size; i++) {
       s->whole[b] |= (unsigned char)(s->sweep.d[i] == 0.0);
     }
-    if (s->whole[b] && (k->set != LCP_ORTHANT || k->size < 2 || k->size > LCP_SMALL_MAX)) {
+    if (s->whole[b] && (k->set != LCP_ORTHANT || k->size < 2 || k->size > LEMKE_BLOCK_MAX)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED,
                        "zero diagonal in block %d: need an orthant block of 2 to %d rows", b,
-                       (int)LCP_SMALL_MAX);
+                       (int)LEMKE_BLOCK_MAX);
     }
     s->by_block = s->by_block || s->whole[b];
   }
@@ -76,7 +75,7 @@ static void block(lcp_gs *s, const lcp_problem *p, double omega, const lcp_block
       s->qb[i] -= s->Mbb[i + j * m] * zb[j];
     }
   }
-  if (!lcp_small_lemke(m, s->Mbb, s->qb, s->xb, s->work)) {
+  if (!lemke_block_solve(&s->lemke, m, s->Mbb, s->qb, s->xb)) {
     res->work.fallbacks++;
     return;
   }

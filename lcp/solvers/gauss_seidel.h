@@ -8,20 +8,22 @@
 #pragma once
 
 #include "lcp/lcp_solver.h"
+#include "lcp/solvers/lemke/block.h"
 #include "lcp/solvers/sweep.h"
 
 typedef struct lcp_gs {
   lcp_sweep sweep;
-  double *lo, *hi;              /* n */
-  unsigned char *whole;         /* n_block: solved block by block */
-  double *Mbb, *qb, *xb, *work; /* of one block */
-  bool by_block;                /* some block is solved as a whole */
+  double *lo, *hi;       /* n */
+  unsigned char *whole;  /* n_block: solved block by block */
+  double *Mbb, *qb, *xb; /* of one block */
+  lemke_block lemke;     /* solves it */
+  bool by_block;         /* some block is solved as a whole */
 } lcp_gs;
 
 void lcp_gs_layout(lcp_gs *s, const lcp_capacity *cap, base_arena *a);
 
 /* BASE_EUNSUPPORTED for a negative diagonal, and for a zero diagonal outside orthant blocks of 2 to
- * LCP_SMALL_MAX rows. */
+ * LEMKE_BLOCK_MAX rows. */
 base_status lcp_gs_prepare(lcp_gs *s, const lcp_problem *p, base_error *err);
 
 /* Clips z into K and makes w current; counts the product. */

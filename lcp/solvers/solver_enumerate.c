@@ -4,16 +4,16 @@
  *
  * A nonsingular basis holds at most one solution; it is counted where its support is the basis, so
  * that degenerate points count once. Bases with M_BB singular hold none, or a face of solutions:
- * they are asked, by an exact-rule simplex (Bland 1977), only when the others hold none. `variant`
+ * they are asked, by phase one of the simplex method (lemke/phase_one.h), only when the others hold none. `variant`
  * tells "isolated" (all bases that matter were nonsingular), "faces" (a singular basis was
  * consistent, further solutions are possible) and "no_solution". */
 #include "lcp/base/clock.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/solvers/data_test.h"
-#include "lcp/solvers/small_simplex.h"
+#include "lcp/solvers/lemke/proof.h"
 
-enum { N_MAX = LCP_SMALL_N, COLUMNS_MAX = 2 * N_MAX };
+enum { N_MAX = 16 };
 
 typedef long double real;
 
@@ -26,26 +26,33 @@ typedef struct enumerate {
   int n;
   real M[N_MAX][N_MAX], q[N_MAX]; /* R M C, R q: powers of two */
   double row[N_MAX], col[N_MAX];
-  real z[N_MAX]; /* of the basis at hand, scaled */
+  int row_exp[N_MAX], col_exp[N_MAX]; /* their exponents */
+  real z[N_MAX];                      /* of the basis at hand, scaled */
   double answer[N_MAX], farkas[N_MAX], dense[N_MAX * N_MAX];
   unsigned char basis[N_MAX];
   long solutions, faces;
+  lemke_path path; /* phase one of the simplex method, as the next two */
+  lemke_table table;
+  lemke_system system;
 } enumerate;
 
 /* Shares of the terms of a sum below which it is zero: 64-bit mantissas, condition up to 1e5 spare. */
-static const real zero_share = LCP_SMALL_ZERO;
+static const real zero_share = 1e-14L;
 static const real singular_below = 1e-15L;
 
 static void layout(void *state, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   enumerate *s = state;
+  const int n = (cap->n < N_MAX) ? cap->n : N_MAX;
   lcp_stop_layout(&s->stop, cap, a);
+  lemke_path_layout(&s->path, n, a);
+  lemke_table_layout(&s->table, n, a);
 }
 
-static double power_below(double x) {
+static int power_below(double x) {
   int e = 0;
   (void)frexp(x, &e);
-  return (x > 0) ? ldexp(1, -e) : 1;
+  return (x > 0) ? -e : 0;
 }
 
 /* Rows, then columns, to a largest entry in [1/2, 1). */
@@ -63,7 +70,8 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
     for (int j = 0; j < n; j++) {
       top = fmax(top, fabs(s->dense[j * n + i]));
     }
-    s->row[i] = power_below(top);
+    s->row_exp[i] = power_below(top);
+    s->row[i] = ldexp(1, s->row_exp[i]);
     s->q[i] = (real)p->q[i] * s->row[i];
   }
   for (int j = 0; j < n; j++) {
@@ -71,7 +79,8 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
     for (int i = 0; i < n; i++) {
       top = fmax(top, fabs(s->dense[j * n + i]) * s->row[i]);
     }
-    s->col[j] = power_below(top);
+    s->col_exp[j] = power_below(top);
+    s->col[j] = ldexp(1, s->col_exp[j]);
     for (int i = 0; i < n; i++) {
       s->M[i][j] = (real)s->dense[j * n + i] * s->row[i] * s->col[j];
     }
@@ -204,44 +213,35 @@ static void keep(enumerate *s, const int *b, int m, const real *zb) {
   }
 }
 
-static bool face_solution(enumerate *s, lcp_small_simplex *x, unsigned mask) {
-  int var[N_MAX];
-  for (int i = 0; i < s->n; i++) {
-    var[i] = ((mask >> i) & 1u) != 0 ? s->n + i : i;
+static bool pose(enumerate *s, const lcp_problem *p) {
+  return lemke_system_over(&s->system, s->n, p->M.val, p->q, s->row_exp, s->col_exp);
+}
+
+static bool face_solution(enumerate *s, const lcp_problem *p, unsigned mask) {
+  const int n = s->n;
+  lemke_engine *e = &s->table.engine;
+  unsigned char allowed[2 * N_MAX];
+  double proof[N_MAX];
+  for (int i = 0; i < n; i++) {
+    s->basis[i] = ((mask >> i) & 1u) != 0;
+    allowed[i] = !s->basis[i];
+    allowed[n + i] = s->basis[i];
   }
-  lcp_small_simplex_start(x, s->n, s->M, s->q, var, s->n);
-  if (!lcp_small_simplex_feasible(x)) {
+  if (!pose(s, p) || lemke_phase_one(&s->path, &s->table, &s->system,
+                                     (lemke_phase){.allowed = allowed}, proof) != LEMKE_SOLVED) {
     return false;
   }
-  for (int i = 0; i < s->n; i++) {
-    s->answer[i] = 0;
-    s->basis[i] = ((mask >> i) & 1u) != 0;
-  }
-  for (int i = 0; i < s->n; i++) {
-    const int v = (x->basic[i] < s->n) ? var[x->basic[i]] : -1;
-    if (v >= s->n) {
-      s->answer[v - s->n] = (double)fmaxl(x->t[i][x->width], 0) * s->col[v - s->n];
-    }
+  lemke_path_refine(&s->path, e, &s->system);
+  for (int i = 0; i < n; i++) {
+    const int at = e->where[n + i];
+    const double z = (at < 0) ? 0 : fmax(e->x[at], 0);
+    s->answer[i] = ldexp(z, s->system.q_exp + s->col_exp[i]);
   }
   return true;
 }
 
-/* Multipliers of the infeasible phase one: reduced costs of the artificials. */
-static bool infeasible(enumerate *s, lcp_small_simplex *x, const lcp_problem *p) {
-  int var[COLUMNS_MAX];
-  for (int i = 0; i < 2 * s->n; i++) {
-    var[i] = i;
-  }
-  lcp_small_simplex_start(x, s->n, s->M, s->q, var, 2 * s->n);
-  if (lcp_small_simplex_feasible(x)) {
-    return false;
-  }
-  for (int i = 0; i < s->n; i++) {
-    const real sign = (s->q[i] < 0) ? -1 : 1;
-    const real y = sign * (x->cost[x->columns + i] - 1);
-    s->farkas[i] = (y > zero_share) ? (double)y * s->row[i] : 0;
-  }
-  return lcp_farkas_prove(&p->M, p->q, NULL, NULL, s->farkas);
+static bool infeasible(enumerate *s, const lcp_problem *p) {
+  return pose(s, p) && lemke_search_proof(&s->path, &s->table, &s->system, p, s->farkas);
 }
 
 static int members(unsigned mask, int n, int *b) {
@@ -284,13 +284,13 @@ static bool visit_all(enumerate *s, const lcp_stop *stop, bool *found, lcp_resul
   return true;
 }
 
-static bool search_faces(enumerate *s, lcp_small_simplex *x, lcp_work *work) {
+static bool search_faces(enumerate *s, const lcp_problem *p, lcp_work *work) {
   for (unsigned mask = 0; mask < 1u << s->n; mask++) {
     int b[N_MAX];
     const int m = members(mask, s->n, b);
     if (solve_basis(s, b, m, s->z) == FACE) {
       work->fallbacks++;
-      if (face_solution(s, x, mask)) {
+      if (face_solution(s, p, mask)) {
         return true;
       }
     }
@@ -303,9 +303,11 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   (void)trace; /* a search has no residual */
   enumerate *s = state;
   const lcp_stop *stop = &((const options *)opt)->stop;
-  lcp_small_simplex x;
   bool found = false;
   lcp_stop_begin(&s->stop, p);
+  s->path.pivots = 0;
+  s->path.pivot_limit = stop->max_iter;
+  s->path.deadline = s->stop.started + stop->max_seconds;
   s->solutions = 0;
   s->faces = 0;
   for (int i = 0; i < s->n; i++) {
@@ -314,10 +316,10 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   if (!visit_all(s, stop, &found, res)) {
     return BASE_OK;
   }
-  found = found || (s->faces > 0 && search_faces(s, &x, &res->work));
+  found = found || (s->faces > 0 && search_faces(s, p, &res->work));
   res->variant = (s->faces > 0) ? "faces" : "isolated";
   res->solutions = (found && s->solutions == 0) ? 1 : s->solutions;
-  if (!found && infeasible(s, &x, p)) {
+  if (!found && infeasible(s, p)) {
     res->outcome = LCP_INFEASIBLE;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->farkas};
     return BASE_OK;

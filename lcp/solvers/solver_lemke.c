@@ -1,7 +1,9 @@
 /* solver_lemke.c - Lemke's method (Lemke 1965; Cottle, Pang & Stone 1992, algorithms 4.4.5 and 4.9.3):
  * covering vector, complementary pivots, lexicographic ratio test. See README.md, "lemke". */
 #include "lcp/base/clock.h"
-#include "lcp/solvers/lemke_sift.h"
+#include "lcp/lcp_solver.h"
+#include "lcp/solvers/lemke/proof.h"
+#include "lcp/solvers/lemke/sift.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,14 +29,18 @@ static const base_field field_table[] = {
 };
 
 typedef struct lemke_state {
-  lemke_system system;
+  lemke_system system; /* a view of a small problem, until it has to be built */
+  lemke_store store;
   lemke_path path;
+  lemke_table table; /* the two engines */
+  lemke_basis basis;
   lemke_sift sift;
   double *best;                    /* n: point with the smallest residual so far */
   double *trial;                   /* rows, scaled */
   double *proof;                   /* n: Farkas vector or ray */
   unsigned char *used, *ray_basis; /* n */
-  unsigned char *basis;            /* n */
+  unsigned char *answer;           /* n: basis of `best` */
+  bool small;                      /* a cold path runs on the table */
 } lemke_state;
 
 /* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
@@ -60,72 +66,110 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   const size_t n = (size_t)cap->n;
   const int sifted = lemke_sift_table_rows(cap, ((const lemke_options *)opt)->table);
   const int small = (cap->n < SMALL_FULL) ? cap->n : SMALL_FULL;
-  lemke_system_layout(&k->system, cap, a);
-  lemke_path_layout(&k->path, cap->n + cap->n_dof, cap->nnz + 2 * cap->n_jac + cap->n_dof,
-                    (sifted > small) ? sifted : small, a);
+  const int rows = cap->n + cap->n_dof;
+  lemke_system_layout(&k->system, &k->store, cap, a);
+  lemke_path_layout(&k->path, rows, a);
+  lemke_table_layout(&k->table, (sifted > small) ? sifted : small, a);
+  lemke_basis_layout(&k->basis, rows, cap->nnz + 2 * cap->n_jac + cap->n_dof, a);
   lemke_sift_layout(&k->sift, cap, sifted, a);
   k->best = BASE_ARRAY(a, double, n);
-  k->trial = BASE_ARRAY(a, double, n + (size_t)cap->n_dof);
+  k->trial = BASE_ARRAY(a, double, rows);
   k->proof = BASE_ARRAY(a, double, n);
   k->used = BASE_ARRAY(a, unsigned char, n);
   k->ray_basis = BASE_ARRAY(a, unsigned char, n);
-  k->basis = BASE_ARRAY(a, unsigned char, n);
+  k->answer = BASE_ARRAY(a, unsigned char, n);
+}
+
+static bool is_orthant(const lcp_problem *p) {
+  bool orthant = true;
+  for (int b = 0; b < p->n_block && p->block != NULL; ++b) {
+    orthant = orthant && p->block[b].set == LCP_ORTHANT;
+  }
+  return orthant;
+}
+
+/* The path from the basis of all w is faster on a tableau: few rows, none of them free. */
+static bool is_small(const lcp_problem *p) {
+  const lcp_matrix *M = &p->M;
+  const size_t n = (size_t)M->n;
+  const bool full = M->storage == LCP_DENSE || 2 * (size_t)M->csc.colptr[n] > n * n;
+  return M->n <= (full ? SMALL_FULL : SMALL) && is_orthant(p);
 }
 
 static base_status prepare(void *state, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
   (void)err;
   lemke_state *k = state;
-  lemke_system_build(&k->system, p);
-  lemke_sift_prepare(&k->sift, &k->system, p);
+  k->sift.f = NULL;
+  k->small = p->M.storage != LCP_FACTORED && is_small(p);
+  if (!k->small || !lemke_system_view(&k->system, &k->store, p)) {
+    lemke_system_build(&k->system, &k->store, p);
+    lemke_sift_prepare(&k->sift, &k->system, p);
+  }
   return BASE_OK;
 }
 
-/* Point of the settled basis, scaled. Components a round-off below zero are zero; the residual test
- * that follows sees what that costs. */
-static void read_point(const lemke_state *k, double *z) {
+/* The system for a factored basis: built where a view was enough until now. */
+static const lemke_system *whole(lemke_state *k, const lcp_problem *p) {
+  if (k->system.view) {
+    lemke_system_build(&k->system, &k->store, p);
+  }
+  return &k->system;
+}
+
+/* ---- points ----------------------------------------------------------------------------------- */
+
+/* z of the basis that the engine holds, by row; of a view in the units of the problem. Components a round-off below
+ * zero are zero; the residual test that follows sees what that costs. */
+static void read_point(const lemke_state *k, const lemke_engine *e, double *z) {
   const lemke_system *s = &k->system;
-  const lemke_path *t = &k->path;
   for (int i = 0; i < s->rows; ++i) {
-    const int at = t->basis.where[s->rows + i];
-    const double v = (at < 0) ? 0 : t->x[at];
-    z[i] = (s->is_free[i] || v > 0) ? v : 0;
+    const int at = e->where[s->rows + i];
+    const double v = (at < 0) ? 0 : e->x[at];
+    const double unit = s->view ? lemke_power(s->q_exp) * lemke_power(s->col_exp[i]) : 1;
+    z[i] = (lemke_is_free(s, i) || v > 0) ? unit * v : 0;
   }
 }
 
-/* Judges the point in k->trial, of the basis path.in_z; keeps it when it is the best so far. True when no
- * other attempt is needed. */
-static bool judge(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
+/* Judges the point in k->trial, of the basis path.in_z, found by `word`; keeps it when it is the best so far. True
+ * when no other attempt is needed. */
+static bool judge(lemke_state *k, const lcp_stop *stop, const char *word, lcp_result *res) {
+  const lemke_system *s = &k->system;
   double defect = 0;
-  const double rho = lemke_residual(&k->system, k->trial, &defect);
+  const double rho = lemke_residual(s, k->trial, &defect);
   res->work.matvecs++;
   if (rho < res->residual && defect <= data_share) {
     res->residual = rho;
-    for (int i = 0; i < k->system.n; ++i) {
-      k->best[i] = ldexp(k->trial[i], k->system.q_exp + k->system.col_exp[i]);
+    res->variant = word;
+    for (int i = 0; i < s->n; ++i) {
+      k->best[i] = s->view ? k->trial[i] : ldexp(k->trial[i], s->q_exp + s->col_exp[i]);
     }
-    memcpy(k->basis, k->path.in_z, (size_t)k->system.n);
+    memcpy(k->answer, k->path.in_z, (size_t)s->n);
   }
   return rho <= fmin(stop->tol, round_off) && defect <= data_share;
 }
 
-/* The same for the basis the path ended in, factored afresh. */
-static bool accept(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
-  if (!lemke_path_settle(&k->path, &k->system)) {
+/* The same for the basis of path.in_z, its values corrected by the data: from what the table holds, or factored
+ * afresh. */
+static bool accept(lemke_state *k, lemke_engine *e, const lcp_stop *stop, const char *word,
+                   lcp_result *res) {
+  if (!lemke_path_settle(&k->path, e, &k->system, 2)) {
     return false;
   }
-  read_point(k, k->trial);
-  return judge(k, stop, res);
+  read_point(k, e, k->trial);
+  return judge(k, stop, word, res);
 }
+
+/* ---- first bases ------------------------------------------------------------------------------ */
 
 /* True when the start point names a basis other than that of a cold start. */
 static bool start_basis(lemke_state *k, const double *z) {
   const lemke_system *s = &k->system;
   bool warm = false;
   for (int i = 0; i < s->rows; ++i) {
-    const bool active = i < s->n && !s->is_free[i] && z[i] > 0;
+    const bool active = i < s->n && !lemke_is_free(s, i) && z[i] > 0;
     warm = warm || active;
-    k->path.in_z[i] = s->is_free[i] || active;
+    k->path.in_z[i] = lemke_is_free(s, i) || active;
   }
   return warm;
 }
@@ -133,20 +177,19 @@ static bool start_basis(lemke_state *k, const double *z) {
 /* Contacts slide against their free velocity: for each unknown s without a diagonal whose column is
  * positive (a slip speed) the row i of the column with the least q_i < 0 is made basic with s.
  * True when there is one. */
-static bool start_sliding(lemke_state *k) {
-  const lemke_system *s = &k->system;
+static bool start_sliding(const lemke_system *s, unsigned char *in_z) {
   bool any = false;
   for (int j = 0; j < s->n; ++j) {
     int best = -1;
-    bool slip = s->diagonal[j] == 0 && !s->is_free[j];
-    for (int p = s->colptr[j]; p < s->colptr[j + 1] && slip; ++p) {
-      const int i = s->rowind[p];
-      slip = s->val[p] > 0 && i < s->n && s->diagonal[i] > 0;
+    bool slip = s->diagonal[j] == 0 && !lemke_is_free(s, j);
+    for (int k = s->colptr[j]; k < s->colptr[j + 1] && slip; ++k) {
+      const int i = s->rowind[k];
+      slip = s->val[k] > 0 && i < s->n && s->diagonal[i] > 0;
       best = (best < 0 || s->q[i] < s->q[best]) ? i : best;
     }
     if (slip && best >= 0 && s->q[best] < 0) {
-      k->path.in_z[j] = 1;
-      k->path.in_z[best] = 1;
+      in_z[j] = 1;
+      in_z[best] = 1;
       any = true;
     }
   }
@@ -176,7 +219,7 @@ static void certify_ray(lemke_state *k, const lcp_problem *p, bool cold, lcp_res
   if (res->certificate.kind != LCP_CERT_NONE) {
     return;
   }
-  if (lemke_farkas(&k->path, &k->system, p, k->proof)) {
+  if (lemke_ray_proves(&k->path, &k->system, p, k->proof)) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = k->proof};
   } else if (cold) {
     res->certificate = (lcp_certificate){.kind = LCP_CERT_RAY, .vector = k->proof};
@@ -226,11 +269,10 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
     k->path.in_z[pair] = 1;
     k->path.in_z[j] = 1;
     res->work.fallbacks++;
-    res->variant = "restart";
-    const lemke_end end = lemke_path_run(&k->path, s, attempts[0]);
+    const lemke_end end = lemke_path_run(&k->path, &k->basis.engine, s, attempts[0]);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     res->outcome = last ? outcome_of(end) : res->outcome;
-    if (accept(k, &o->stop, res) || last) {
+    if (accept(k, &k->basis.engine, &o->stop, "restarted", res) || last) {
       return true;
     }
   }
@@ -240,12 +282,14 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
 /* The basis a path ended in is right up to the tolerance for ties, which lets a contact penetrate by
  * as much; a few pivots from there with the sharp one put that right: on a local path, and where that
  * ends on a ray with the cover of all rows. */
-static bool polish(lemke_state *k, const lemke_options *o, lcp_result *res) {
+static bool polish(lemke_state *k, const lcp_problem *p, const lemke_options *o, lcp_result *res) {
+  const lemke_system *s = whole(k, p);
+  lemke_engine *e = &k->basis.engine;
   for (int way = 0; way < BASE_COUNT(polishing); ++way) {
     res->work.refinements++;
-    memcpy(k->path.in_z, k->basis, (size_t)k->system.n);
-    if (lemke_path_run(&k->path, &k->system, polishing[way]) == LEMKE_SOLVED &&
-        accept(k, &o->stop, res)) {
+    memcpy(k->path.in_z, k->answer, (size_t)s->n);
+    if (lemke_path_run(&k->path, e, s, polishing[way]) == LEMKE_SOLVED &&
+        accept(k, e, &o->stop, "polished", res)) {
       return true;
     }
   }
@@ -257,30 +301,34 @@ static bool ray_is_final(const lcp_problem *p) {
   return (p->traits & (LCP_PSD | LCP_PD | LCP_COPOSITIVE_PLUS)) != 0;
 }
 
+/* ---- attempts --------------------------------------------------------------------------------- */
+
 /* The basis that sifting ended in, from what the table still knows or factored. */
 static bool accept_sifted(lemke_state *k, const lcp_stop *stop, lcp_result *res) {
   if (!k->sift.tabular) {
-    return accept(k, stop, res);
+    return accept(k, &k->basis.engine, stop, "sifted_basis", res);
   }
-  lemke_sift_point(&k->sift, &k->path, &k->system, k->trial);
-  return judge(k, stop, res);
+  lemke_sift_point(&k->sift, &k->system, k->trial);
+  return judge(k, stop, "sifted_table", res);
 }
 
 /* From a sifted basis, polished like any other: the sharp tolerances see a contact left out that is
  * violated by little more than round-off. True when no other attempt is needed. */
-static bool sift_attempt(lemke_state *k, const lemke_options *o, const double *z, lcp_result *res) {
+static bool sift_attempt(lemke_state *k, const lcp_problem *p, const lemke_options *o,
+                         const double *z, lcp_result *res) {
   (void)start_basis(k, z);
-  res->variant = "sifted";
-  const lemke_sift_end sifted = lemke_sift_run(&k->sift, &k->path, &k->system, attempts[0]);
+  const lemke_sift_end sifted =
+      lemke_sift_run(&k->sift, &k->path, &k->table, &k->basis, &k->system, attempts[0]);
   lemke_end end = LEMKE_SOLVED;
   bool right = sifted == LEMKE_SIFT_DONE && accept_sifted(k, &o->stop, res);
+  res->work.fallbacks += k->sift.retreats;
   if (sifted == LEMKE_SIFT_WIDE) {
-    end = lemke_path_run(&k->path, &k->system, attempts[0]);
-    right = accept(k, &o->stop, res);
+    end = lemke_path_run(&k->path, &k->basis.engine, &k->system, attempts[0]);
+    right = accept(k, &k->basis.engine, &o->stop, "sifted_basis", res);
   }
   res->outcome = outcome_of(end);
   if (!right && end == LEMKE_SOLVED && res->residual < HUGE_VAL) {
-    right = polish(k, o, res);
+    right = polish(k, p, o, res);
   }
   if (right || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT || res->residual <= o->stop.tol) {
     return true;
@@ -289,34 +337,32 @@ static bool sift_attempt(lemke_state *k, const lemke_options *o, const double *z
   return false;
 }
 
-/* The path from the basis of all w is faster on a tableau: few rows, none of them free. */
-static bool is_small(const lemke_system *s) {
-  const size_t n = (size_t)s->n;
-  const bool full = 2 * (size_t)s->colptr[n] > n * n;
-  return s->rows == s->n && s->n <= (full ? SMALL_FULL : SMALL) && memchr(s->is_free, 1, n) == NULL;
-}
-
-/* The path from in_z, all w where it is cold. What a tableau cannot end, or ends on a ray, is left to a
- * factored basis. */
-static lemke_end run(lemke_state *k, bool cold, lemke_tolerance tol) {
-  if (cold && is_small(&k->system)) {
-    const lemke_end end = lemke_path_run_small(&k->path, &k->system, tol);
+/* The path from in_z, all w where it is cold: on the table, if it is small, and on the basis from the same start where
+ * the table cannot end it. *e is the engine that ended it. */
+static lemke_end run(lemke_state *k, const lcp_problem *p, bool cold, lemke_tolerance tol,
+                     lemke_engine **e, lcp_result *res) {
+  if (cold && k->small) {
+    *e = &k->table.engine;
+    const lemke_end end = lemke_path_run(&k->path, *e, &k->system, tol);
     if (end == LEMKE_SOLVED || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
       return end;
     }
+    res->work.fallbacks++;
     memset(k->path.in_z, 0, (size_t)k->system.n);
   }
-  return lemke_path_run(&k->path, &k->system, tol);
+  *e = &k->basis.engine;
+  return lemke_path_run(&k->path, *e, whole(k, p), tol);
 }
 
 /* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
   bool warm = start_basis(k, z);
-  warm = warm || (o->start == START_SLIDING && start_sliding(k));
-  res->variant = "";
+  warm = warm || (o->start == START_SLIDING && start_sliding(whole(k, p), k->path.in_z));
+  const char *word = NULL; /* of a first attempt, its engine's */
   for (int a = 0; a < BASE_COUNT(attempts);) {
-    const lemke_end end = run(k, !warm, attempts[a]);
+    lemke_engine *e = NULL;
+    const lemke_end end = run(k, p, !warm, attempts[a], &e, res);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     if (end == LEMKE_RAY) {
       certify_ray(k, p, !warm, res);
@@ -324,17 +370,18 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
     if (last || a == 0) {
       res->outcome = outcome_of(end);
     }
-    if (accept(k, &o->stop, res) || last || res->certificate.kind == LCP_CERT_FARKAS) {
+    if (accept(k, e, &o->stop, (word == NULL) ? e->kind->word : word, res) || last ||
+        res->certificate.kind == LCP_CERT_FARKAS) {
       break;
     }
-    if (end == LEMKE_SOLVED && a == 0 && res->residual < HUGE_VAL && polish(k, o, res)) {
+    if (end == LEMKE_SOLVED && a == 0 && res->residual < HUGE_VAL && polish(k, p, o, res)) {
       break;
     }
     if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) && restart_after_ray(k, o, res)) {
       break;
     }
-    res->variant = warm ? "cold" : "tolerances";
     a += !warm;
+    word = warm ? "cold" : (a == 1) ? "sharper" : "blunter";
     warm = false;
     memset(z, 0, sizeof(double) * (size_t)p->M.n);
     (void)start_basis(k, z);
@@ -345,7 +392,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
 static void conclude(const lemke_state *k, const lemke_options *o, lcp_result *res) {
   if (res->residual <= o->stop.tol) {
     res->outcome = LCP_SOLVED;
-    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = k->basis};
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = k->answer};
   } else if (res->certificate.kind == LCP_CERT_FARKAS) {
     res->outcome = LCP_INFEASIBLE;
   }
@@ -361,18 +408,20 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   t->pivots = 0;
   t->pivot_limit = o->stop.max_iter;
   t->deadline = base_seconds() + o->stop.max_seconds;
-  t->basis.factorizations = 0;
-  t->basis.backsolves = 0;
+  lemke_engine_forget(&k->table.engine);
+  lemke_engine_forget(&k->basis.engine);
+  k->basis.basis.factorizations = 0;
+  k->basis.basis.backsolves = 0;
   const bool sift = o->start == START_SIFT && k->sift.f != NULL;
-  if (!sift || !sift_attempt(k, o, z, res)) {
+  if (!sift || !sift_attempt(k, p, o, z, res)) {
     run_attempts(k, p, o, z, res);
   }
   conclude(k, o, res);
   memcpy(z, k->best, sizeof(double) * (size_t)p->M.n);
   res->work.iterations = t->pivots;
   res->work.pivots = t->pivots;
-  res->work.factorizations = t->basis.factorizations;
-  res->work.backsolves = t->basis.backsolves;
+  res->work.factorizations = k->basis.basis.factorizations;
+  res->work.backsolves = k->basis.basis.backsolves;
   if (trace != NULL && trace->len < trace->cap) {
     trace->iteration[trace->len] = t->pivots;
     trace->residual[trace->len++] = res->residual;

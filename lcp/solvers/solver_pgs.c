@@ -5,7 +5,7 @@
  *
  * with w = M z + q current at every change. Point: Cryer 1971; Cottle, Pang & Stone 1992, alg.
  * 5.2.1. Block: where a block of the problem has a zero on its diagonal (sigma of the polyhedral
- * contact LCP) the block is one LCP of its own, solved exactly (small_lemke.h). Converges for
+ * contact LCP) the block is one LCP of its own, solved exactly (lemke/block.h). Converges for
  * symmetric positive semidefinite M and 0 < omega < 2 (w does; z where it is unique); on others it
  * may cycle, which ends as `stalled`.
  *

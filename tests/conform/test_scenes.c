@@ -205,7 +205,7 @@ enum {
  * not, with gravity turned by a tenth? */
 static unsigned idle_until_tilted(const scene_spec *s, unsigned unseen, const char *form,
                                   const char *solver) {
-  static const char *const resting[] = {"pyramid", "silo", "stack", "wall"};
+  static const char *const resting[] = {"needle", "pyramid", "silo", "stack", "wall"};
   bool rests = false;
   for (int i = 0; i < BASE_COUNT(resting); i++) {
     rests = rests || strcmp(s->id, resting[i]) == 0;

@@ -328,7 +328,7 @@ static void bimatrix_game_is_solved(void **state) {
   memset(s.z, 0, sizeof s.z);
   run(&s);
   check_solved(&s);
-  assert_string_equal(s.res.variant, "restart");
+  assert_string_equal(s.res.variant, "restarted");
   assert_true(s.res.work.fallbacks > 0);
 }
 

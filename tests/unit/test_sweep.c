@@ -7,7 +7,7 @@
 #include "lcp/lcp_judge.h"
 #include "lcp/solvers/cone_block.h"
 #include "lcp/solvers/contact_sweep.h"
-#include "lcp/solvers/small_lemke.h"
+#include "lcp/solvers/lemke/block.h"
 #include "tests/support/plain_sweep.h"
 
 #include <string.h>
@@ -237,14 +237,26 @@ static void the_cone_block_obeys_coulomb(void **state) {
   assert_true(modes[0] > 100 && modes[1] > 30 && modes[2] > 100);
 }
 
-/* Planted: z and w >= 0 with z'w = 0 chosen first, M positive definite, q = w - M z. */
-static void small_lemke_finds_planted_solutions(void **state) {
+static lemke_block block_open(int rows, void **memory) {
+  lemke_block k;
+  base_arena a = base_arena_measuring();
+  lemke_block_layout(&k, rows, &a);
+  *memory = base_alloc(a.used);
+  assert_non_null(*memory);
+  a = base_arena_over(*memory, a.used);
+  lemke_block_layout(&k, rows, &a);
+  return k;
+}
+
+/* Planted: z and w >= 0 with z'w = 0 chosen first, M positive definite, q = w - M z; then the same in other units. */
+static void blocks_have_their_planted_solutions(void **state) {
   (void)state;
   base_rng r = base_rng_seeded(5);
-  double work[1000];
-  assert_true(lcp_small_work(LCP_CONE_MAX) <= 1000);
+  void *memory = NULL;
+  lemke_block k = block_open(LCP_CONE_MAX, &memory);
   for (int c = 0; c < 2000; c++) {
     const int n = 1 + c % LCP_CONE_MAX;
+    const double unit = ldexp(1, (c % 3 - 1) * 60);
     double A[LCP_CONE_MAX * LCP_CONE_MAX], q[LCP_CONE_MAX], want[LCP_CONE_MAX], z[LCP_CONE_MAX];
     random_spd(&r, n, A);
     for (int i = 0; i < n; i++) {
@@ -256,19 +268,26 @@ static void small_lemke_finds_planted_solutions(void **state) {
         q[i] -= A[i + j * n] * want[j];
       }
     }
-    assert_true(lcp_small_lemke(n, A, q, z, work));
+    for (int i = 0; i < n * n; i++) {
+      A[i] *= unit;
+    }
+    assert_true(lemke_block_solve(&k, n, A, q, z));
     for (int i = 0; i < n; i++) {
-      check_close(z[i], want[i], 1e-10); /* condition up to 1e3 or so */
+      check_close(z[i] * unit, want[i], 1e-10); /* condition up to 1e3 or so */
     }
   }
+  free(memory);
 }
 
-static void small_lemke_reports_rays(void **state) {
+static void a_block_reports_a_ray(void **state) {
   (void)state;
   const double M[4] = {1, -1, -1, 1}, q[2] = {-1, -1};
-  double z[2] = {2.385, 2.385}, work[64];
-  assert_false(lcp_small_lemke(2, M, q, z, work));
+  double z[2] = {2.385, 2.385};
+  void *memory = NULL;
+  lemke_block k = block_open(2, &memory);
+  assert_false(lemke_block_solve(&k, 2, M, q, z));
   check_close(z[0], 2.385, 0.0);
+  free(memory);
 }
 
 /* ---- the matrix-free sweep ------------------------------------------------------------------- */
@@ -431,8 +450,8 @@ int main(void) {
       cmocka_unit_test(zero_diagonals_are_refused_without_blocks),
       cmocka_unit_test(pgs_solves_a_contact_block_in_one_sweep),
       cmocka_unit_test(the_cone_block_obeys_coulomb),
-      cmocka_unit_test(small_lemke_finds_planted_solutions),
-      cmocka_unit_test(small_lemke_reports_rays),
+      cmocka_unit_test(blocks_have_their_planted_solutions),
+      cmocka_unit_test(a_block_reports_a_ray),
       cmocka_unit_test(batches_sweep_as_a_plain_loop_does),
       cmocka_unit_test(plain_sweeps_agree),
       cmocka_unit_test(pgs_on_the_factored_form_solves_the_bed),

@@ -1,6 +1,6 @@
 /* Proof of infeasibility from a ray. For M positive semidefinite, or copositive-plus, the z-part of
  * a terminating ray is a Farkas vector (Cottle, Pang & Stone 1992, theorem 4.4.11). */
-#include "lcp/solvers/lemke.h"
+#include "lcp/solvers/lemke/proof.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,11 +9,11 @@
 static bool hopeless_row(const lemke_system *s, const lcp_problem *p, double *y) {
   memset(y, 0, sizeof(double) * (size_t)p->M.n);
   for (int i = 0; i < p->M.n; ++i) {
-    s->row_top[i] = s->is_free[i] ? 0 : -1; /* sign of the largest entry */
+    s->row_top[i] = lemke_is_free(s, i) ? 0 : -1; /* sign of the largest entry */
   }
   for (int j = 0; j < p->M.n; ++j) {
     for (int k = s->colptr[j]; k < s->colptr[j + 1]; ++k) {
-      if (s->val[k] > 0 || s->is_free[j]) {
+      if (s->val[k] > 0 || lemke_is_free(s, j)) {
         s->row_top[s->rowind[k]] = 1;
       }
     }
@@ -31,13 +31,13 @@ static bool hopeless_row(const lemke_system *s, const lcp_problem *p, double *y)
 static void read_ray(const lemke_path *t, const lemke_system *s, double *y) {
   for (int i = 0; i < s->n; ++i) {
     const int var = s->rows + i;
-    const int at = t->basis.where[var];
+    const int at = t->engine->where[var];
     const double v = (var == t->entering) ? 1 : (at < 0) ? 0 : -t->d[at];
-    y[i] = ldexp((v > 0 || s->is_free[i]) ? v : 0, s->col_exp[i]);
+    y[i] = ldexp((v > 0 || lemke_is_free(s, i)) ? v : 0, s->col_exp[i]);
   }
 }
 
-bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y) {
+bool lemke_ray_proves(const lemke_path *t, const lemke_system *s, const lcp_problem *p, double *y) {
   if (p->M.storage != LCP_FACTORED && hopeless_row(s, p, y)) {
     return true;
   }
@@ -46,5 +46,25 @@ bool lemke_farkas(const lemke_path *t, const lemke_system *s, const lcp_problem 
     return true;
   }
   read_ray(t, s, y); /* undo the rounding */
+  return false;
+}
+
+/* A proof with a margin survives the rounding of y; one that needs its zeros exact may still be made of plain numbers. */
+static const double lifts[] = {0x1p-16, 0x1p-28, 0x1p-40, 0};
+
+bool lemke_search_proof(lemke_path *t, lemke_table *table, const lemke_system *s,
+                        const lcp_problem *p, double *y) {
+  for (int k = 0; k < BASE_COUNT(lifts); ++k) {
+    const lemke_end end = lemke_phase_one(t, table, s, (lemke_phase){.lift = lifts[k]}, y);
+    for (int i = 0; i < s->n && s->row_exp != NULL && end == LEMKE_RAY; ++i) {
+      y[i] = ldexp(y[i], s->row_exp[i]);
+    }
+    if (end == LEMKE_RAY && lcp_farkas_prove(&p->M, p->q, NULL, s->force, y)) {
+      return true;
+    }
+    if (end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+      return false;
+    }
+  }
   return false;
 }

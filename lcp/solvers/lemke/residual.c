@@ -5,7 +5,7 @@
  * are. There tau uses |P_ii z_i| + |g_i - P_ii z_i| <= sum_j |P_ij||z_j|, so rho comes out larger,
  * never smaller, than with P formed. Rows that this makes look bad have their row of P formed. */
 #include "lcp/linear/extended.h"
-#include "lcp/solvers/lemke.h"
+#include "lcp/solvers/lemke/system.h"
 
 #include <math.h>
 #include <string.h>
@@ -41,14 +41,12 @@ static void add_velocities(const lemke_system *s, const double *z) {
 
 /* sum_i += |M_ij t| over the rows of the problem, which come first. */
 static void add_sizes(const lemke_system *s, int j, double t, double *restrict sum) {
-  const int first = s->colptr[j];
-  const int count = s->colptr[j + 1] - first;
-  const double *restrict val = s->val + first;
-  const int *row = s->rowind + first;
-  for (int p = 0; p < count && count < s->rows && row[p] < s->n; ++p) {
-    sum[row[p]] += fabs(val[p] * t);
+  const lemke_column c = lemke_system_column(s, j);
+  const double *restrict val = c.val;
+  for (int p = 0; p < c.count && c.row != NULL && c.row[p] < s->n; ++p) {
+    sum[c.row[p]] += fabs(val[p] * t);
   }
-  for (int i = 0; i < count && count == s->rows; ++i) { /* a full column needs no index */
+  for (int i = 0; i < s->n && c.row == NULL; ++i) { /* a full column needs no index */
     sum[i] += fabs(val[i] * t);
   }
 }
@@ -61,10 +59,9 @@ static void products(const lemke_system *s, const double *z) {
   }
   lin_extended w = {.n = s->rows, .sum = s->w};
   for (int j = 0; j < s->n; ++j) {
-    const int first = s->colptr[j];
     if (z[j] != 0) {
-      lin_extended_add(&w, (long double)z[j], s->val + first, s->rowind + first,
-                       s->colptr[j + 1] - first);
+      const lemke_column c = lemke_system_column(s, j);
+      lin_extended_add(&w, (long double)z[j], c.val, c.row, c.count);
       add_sizes(s, j, z[j], s->tau0);
     }
   }
@@ -75,17 +72,25 @@ static void products(const lemke_system *s, const double *z) {
   }
 }
 
+/* zref of an unknown without a diagonal; 1 where nothing depends on it. */
+static double reference(const lemke_system *s, int j) {
+  const lemke_column c = lemke_system_column(s, j);
+  double ref = 0;
+  bool any = false;
+  for (int p = 0; p < c.count; ++p) {
+    const int i = (c.row == NULL) ? p : c.row[p];
+    any = any || c.val[p] != 0;
+    ref = (i < s->n && c.val[p] != 0) ? fmax(ref, s->tau0[i] / fabs(c.val[p])) : ref;
+  }
+  return any ? ref : 1;
+}
+
 /* zref and tau; tau0 is turned into tau. */
 static void scales(const lemke_system *s) {
   for (int j = 0; j < s->n; ++j) { /* P_jj zref_j is added below, while zref still holds P_jj */
     const double own = (s->rows > s->n) ? s->zref[j] : 0;
-    double ref = (s->diagonal[j] != 0) ? s->tau0[j] / fabs(s->diagonal[j]) : 0;
-    for (int p = s->colptr[j]; s->diagonal[j] == 0 && p < s->colptr[j + 1] && s->rowind[p] < s->n;
-         ++p) {
-      ref = fmax(ref, s->tau0[s->rowind[p]] / fabs(s->val[p]));
-    }
-    s->zref[j] = (s->colptr[j] == s->colptr[j + 1]) ? 1 : ref;
-    s->row_sum[j] = (long double)(own * ref);
+    s->zref[j] = (s->diagonal[j] != 0) ? s->tau0[j] / fabs(s->diagonal[j]) : reference(s, j);
+    s->row_sum[j] = (long double)(own * s->zref[j]);
   }
   for (int i = 0; i < s->n; ++i) {
     s->tau0[i] = fabs(s->q[i]) + (double)s->row_sum[i];
@@ -138,10 +143,11 @@ static double row_size(const lemke_system *s, int i, const double *z, int suppor
 static double row_residual(const lemke_system *s, int i, double z, double zref, double tau) {
   const double x = over(z, zref);
   const double y = over((double)s->w[i], tau);
-  return s->is_free[i] ? fabs(y) : fabs(fmin(x, y));
+  return lemke_is_free(s, i) ? fabs(y) : fabs(fmin(x, y));
 }
 
 double lemke_residual(const lemke_system *s, const double *z, double *defect) {
+  const double q_unit = s->view ? lemke_power(-s->q_exp) : 1;
   double rho = 0;
   *defect = 0;
   products(s, z);
@@ -159,9 +165,10 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
     if (!(r < HUGE_VAL)) {
       return HUGE_VAL;
     }
-    rho = fmax(rho, r);
-    const double w = (double)s->w[i];
-    *defect = fmax(*defect, s->is_free[i] ? fabs(w) : fabs(fmin(z[i], w)));
+    rho = lemke_larger(r, rho);
+    const double w = q_unit * (double)s->w[i];
+    const double x = s->view ? q_unit * lemke_power(-s->col_exp[i]) * z[i] : z[i];
+    *defect = lemke_larger(fabs(lemke_is_free(s, i) ? w : fmin(x, w)), *defect);
   }
   return rho;
 }

@@ -1,0 +1,219 @@
+#include "lcp/linear/tableau.h"
+
+#include "lcp/base/clones.h"
+
+#include <assert.h>
+#include <string.h>
+
+enum { LANES = 4 };
+
+static int padded(int n) {
+  return (n + LANES - 1) / LANES * LANES;
+}
+
+void lin_tableau_layout(lin_tableau *b, int cap, base_arena *a) {
+  const size_t n = (size_t)cap;
+  *b = (lin_tableau){.cap = cap};
+  b->a = BASE_ARRAY(a, double, (size_t)padded(cap) * (n + 1));
+  b->var = BASE_ARRAY(a, int, n + 1);
+  b->column = BASE_ARRAY(a, int, 2 * n + 1);
+  b->head = BASE_ARRAY(a, int, n);
+  b->where = BASE_ARRAY(a, int, 2 * n + 1);
+  b->entry = BASE_ARRAY(a, double, n);
+  b->at = BASE_ARRAY(a, int, n);
+  b->rhs = BASE_ARRAY(a, double, n);
+}
+
+/* Every variable is either in a position or in a column, and the lists name each other. */
+static bool consistent(const lin_tableau *b) {
+  const int n = b->n;
+  bool good = true;
+  for (int i = 0; i < n; ++i) {
+    const int v = b->head[i];
+    good = good && v >= 0 && v <= 2 * n && b->where[v] == i && b->column[v] < 0;
+  }
+  for (int c = 0; c < n + b->covered; ++c) {
+    const int v = b->var[c];
+    good = good && v >= 0 && v <= 2 * n && b->column[v] == c && b->where[v] < 0;
+    for (int i = n; i < b->stride && i < padded(n); ++i) {
+      good = good && lin_tableau_entries(b, c)[i] == 0;
+    }
+  }
+  return good && (b->covered || (b->where[2 * n] < 0 && b->column[2 * n] < 0));
+}
+
+/* Clears what stands beyond row n of column c. */
+static void clear_tail(const lin_tableau *b, int c) {
+  memset(lin_tableau_entries(b, c) + b->n, 0, sizeof *b->a * (size_t)(b->stride - b->n));
+}
+
+void lin_tableau_start(lin_tableau *b, int n) {
+  assert(n <= b->cap);
+  b->n = n;
+  b->stride = padded((n > 0) ? n : b->cap);
+  b->covered = false;
+  for (int j = 0; j < n; ++j) {
+    clear_tail(b, j);
+    b->var[j] = n + j;
+    b->column[j] = -1;
+    b->column[n + j] = j;
+    b->head[j] = j;
+    b->where[j] = j;
+    b->where[n + j] = -1;
+  }
+  b->column[2 * n] = -1;
+  b->where[2 * n] = -1;
+}
+
+static void uncover(lin_tableau *b) {
+  const int n = b->n;
+  const int c = b->column[2 * n];
+  assert(c >= 0);
+  if (c < n) {
+    memcpy(lin_tableau_entries(b, c), lin_tableau_entries(b, n), sizeof *b->a * (size_t)b->stride);
+    b->var[c] = b->var[n];
+    b->column[b->var[n]] = c;
+  }
+  b->column[2 * n] = -1;
+  b->covered = false;
+}
+
+/* One more row moves the numbers of all z by one. */
+static void renumber(lin_tableau *b) {
+  const int n = b->n;
+  for (int c = 0; c < n; ++c) {
+    b->var[c] += b->var[c] >= n;
+    b->head[c] += b->head[c] >= n;
+  }
+  memmove(b->column + n + 1, b->column + n, sizeof *b->column * (size_t)n);
+  memmove(b->where + n + 1, b->where + n, sizeof *b->where * (size_t)n);
+  b->column[2 * n + 2] = -1;
+  b->where[2 * n + 2] = -1;
+}
+
+/* Lists the basic z_i with a nonzero entry of the new row: positions in at, entries in entry. */
+static int list_basic(lin_tableau *b, const double *row) {
+  int count = 0;
+  for (int i = 0; i < b->n; ++i) {
+    const int at = b->where[b->n + 1 + i];
+    if (row[i] != 0 && at >= 0) {
+      b->at[count] = at;
+      b->entry[count++] = row[i];
+    }
+  }
+  return count;
+}
+
+static double dot(const lin_tableau *b, int count, const double *x) {
+  double sum[2] = {0, 0}; /* two chains run side by side */
+  int k = 0;
+  for (; k + 1 < count; k += 2) {
+    sum[0] += b->entry[k] * x[b->at[k]];
+    sum[1] += b->entry[k + 1] * x[b->at[k + 1]];
+  }
+  return sum[0] + sum[1] + ((k < count) ? b->entry[k] * x[b->at[k]] : 0);
+}
+
+/* x <- x + B^-1 r over the first n rows. */
+static void add_solution(const lin_tableau *b, int n, const double *r, double *x) {
+  for (int i = 0; i < n; ++i) {
+    const int at = b->where[i];
+    if (r[i] == 0) {
+      continue;
+    }
+    if (at >= 0) { /* a unit vector */
+      x[at] += r[i];
+      continue;
+    }
+    const double *unit = lin_tableau_column(b, i);
+    for (int p = 0; p < n; ++p) {
+      x[p] += r[i] * unit[p];
+    }
+  }
+}
+
+void lin_tableau_correct(const lin_tableau *b, const double *r, double *x) {
+  add_solution(b, b->n, r, x);
+}
+
+double lin_tableau_append(lin_tableau *b, const double *column, const double *row,
+                          const double *x) {
+  if (b->covered) {
+    uncover(b);
+  }
+  const int n = b->n;
+  assert(n < b->cap && b->stride >= b->cap);
+  renumber(b);
+  const int count = list_basic(b, row);
+  for (int c = 0; c < n; ++c) { /* the row of w_n: 0 = w_n - sum M_ni z_i */
+    const int var = b->var[c];
+    double *a = lin_tableau_entries(b, c);
+    a[n] = dot(b, count, a) - ((var > n) ? row[var - n - 1] : 0);
+  }
+  double *y = lin_tableau_entries(b, n);
+  memset(y, 0, sizeof *y * (size_t)b->stride);
+  for (int i = 0; i < n; ++i) {
+    b->rhs[i] = -column[i];
+  }
+  add_solution(b, n, b->rhs, y);
+  y[n] = dot(b, count, y) - column[n];
+  b->var[n] = 2 * n + 1;
+  b->column[2 * n + 1] = n;
+  b->column[n] = -1;
+  b->head[n] = n;
+  b->where[n] = n;
+  b->where[2 * n + 1] = -1;
+  b->n = n + 1;
+  assert(consistent(b));
+  return dot(b, count, x);
+}
+
+void lin_tableau_cover(lin_tableau *b, const double *d) {
+  if (b->covered) {
+    uncover(b);
+  }
+  const int n = b->n;
+  assert(b->where[2 * n] < 0);
+  memcpy(lin_tableau_entries(b, n), d, sizeof *d * (size_t)n);
+  clear_tail(b, n);
+  b->var[n] = 2 * n;
+  b->column[2 * n] = n;
+  b->covered = true;
+}
+
+/* Entry p of all columns but `skip` becomes a_p / d_p, the others a_i - d_i a_p / d_p. */
+BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, int n, int skip,
+                                  int p, const double *restrict d) {
+  for (int c = 0; c < columns; ++c, a += stride) {
+    if (c == skip || a[p] == 0) {
+      continue;
+    }
+    const double share = a[p] / d[p];
+    for (int i = 0; i < n; i += LANES) {
+      for (int k = 0; k < LANES; ++k) {
+        a[i + k] -= d[i + k] * share;
+      }
+    }
+    a[p] = share;
+  }
+}
+
+void lin_tableau_replace(lin_tableau *b, int p, int entering) {
+  const int n = b->n;
+  const int c = b->column[entering];
+  const int left = b->head[p];
+  double *own = lin_tableau_entries(b, c);
+  const double pivot = own[p];
+  eliminate(b->a, b->stride, n + b->covered, padded(n), c, p, own);
+  for (int i = 0; i < n; ++i) {
+    own[i] = -own[i] / pivot;
+  }
+  own[p] = 1 / pivot;
+  b->var[c] = left;
+  b->column[left] = c;
+  b->column[entering] = -1;
+  b->where[left] = -1;
+  b->head[p] = entering;
+  b->where[entering] = p;
+  assert(consistent(b));
+}

@@ -1,0 +1,106 @@
+/* The engine `table`: every nonbasic column is kept, so that a column is read and not solved for. */
+#include "lcp/solvers/lemke/engine.h"
+
+static lemke_table *table_of(lemke_engine *e) {
+  return (lemke_table *)e;
+}
+
+/* Column j of -M'. */
+static void write_column(const lemke_system *s, int j, double *restrict a) {
+  const lemke_column c = lemke_system_column(s, j);
+  const double unit = s->view ? -lemke_power(s->col_exp[j]) : -1;
+  if (c.row == NULL) {
+    const double *restrict val = c.val;
+    for (int i = 0; i < s->rows; ++i) {
+      a[i] = unit * val[i];
+    }
+    return;
+  }
+  memset(a, 0, sizeof *a * (size_t)s->rows);
+  for (int p = 0; p < c.count; ++p) {
+    a[c.row[p]] = unit * c.val[p];
+  }
+}
+
+static bool fill(lemke_engine *e, const lemke_system *s, unsigned char *in_z) {
+  lin_tableau *t = &table_of(e)->tableau;
+  if (lemke_engine_holds(e, s, in_z)) {
+    return true;
+  }
+  if (s->any_free || s->rows > t->cap || memchr(in_z, 1, (size_t)s->rows) != NULL) {
+    return false;
+  }
+  const double q_unit = s->view ? lemke_power(-s->q_exp) : 1;
+  lin_tableau_start(t, s->rows);
+  e->system = s;
+  e->edition = s->edition;
+  e->n = s->rows;
+  for (int j = 0; j < e->n; ++j) {
+    write_column(s, j, lin_tableau_entries(t, j));
+    e->x[j] = q_unit * s->q[j];
+  }
+  for (int i = 0; i < e->n && s->view && s->row_exp != NULL; ++i) {
+    const double unit = lemke_power(s->row_exp[i]);
+    for (int j = 0; j < e->n; ++j) {
+      lin_tableau_entries(t, j)[i] *= unit;
+    }
+    e->x[i] *= unit;
+  }
+  return true;
+}
+
+static void open(lemke_engine *e, const double *d) {
+  lin_tableau_cover(&table_of(e)->tableau, d);
+}
+
+static const double *column(lemke_engine *e, int var, double *room) {
+  (void)room;
+  return lin_tableau_column(&table_of(e)->tableau, var);
+}
+
+static bool replace(lemke_engine *e, int p, int entering, const double *d) {
+  lemke_engine_step(e->n, e->x, p, d);
+  if (e->generic) {
+    lemke_engine_step(e->n, e->delta, p, d);
+  }
+  lin_tableau_replace(&table_of(e)->tableau, p, entering);
+  return true;
+}
+
+static lemke_renewal renew(lemke_engine *e) {
+  (void)e;
+  return LEMKE_STALE;
+}
+
+static void append(lemke_engine *e, const double *column_n, const double *row, double q) {
+  lin_tableau *t = &table_of(e)->tableau;
+  const double moved = lin_tableau_append(t, column_n, row, e->x);
+  e->x[e->n++] = q + moved;
+}
+
+static void settle(lemke_engine *e, double *r) {
+  lin_tableau_correct(&table_of(e)->tableau, r, e->x);
+}
+
+static const lemke_engine_kind table_kind = {.word = "table",
+                                             .fill = fill,
+                                             .open = open,
+                                             .column = column,
+                                             .replace = replace,
+                                             .renew = renew,
+                                             .append = append,
+                                             .settle = settle};
+
+void lemke_table_layout(lemke_table *t, int rows, base_arena *a) {
+  lin_tableau_layout(&t->tableau, rows, a);
+  t->engine =
+      (lemke_engine){.kind = &table_kind, .head = t->tableau.head, .where = t->tableau.where};
+  t->engine.x = BASE_ARRAY(a, double, rows);
+  t->engine.delta = BASE_ARRAY(a, double, rows);
+}
+
+void lemke_table_clear(lemke_table *t) {
+  lin_tableau_start(&t->tableau, 0);
+  t->engine.n = 0;
+  lemke_engine_forget(&t->engine);
+}
