@@ -9,6 +9,7 @@
 
 typedef struct target {
   hid_t file;
+  hid_t dataset; /* properties of a dataset: without the time of writing */
   bool failed;
 } target;
 
@@ -24,7 +25,7 @@ static void put(target *t, const char *group, const char *name, hid_t file_type,
   (void)snprintf(path, sizeof path, "%s/%s", group, name);
   const hid_t space = H5Screate_simple(1, dims, NULL);
   const hid_t id =
-      H5Dcreate2(t->file, path, file_type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+      H5Dcreate2(t->file, path, file_type, space, H5P_DEFAULT, t->dataset, H5P_DEFAULT);
   t->failed =
       t->failed || id < 0 || (n > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0);
   if (id >= 0) {
@@ -112,11 +113,14 @@ base_status friction_write_fclib(const char *path, const friction_problem *p, ba
   void *data;
   (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
-  target t = {H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), false};
+  target t = {H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+              H5Pcreate(H5P_DATASET_CREATE), false};
+  t.failed = t.dataset < 0 || H5Pset_obj_track_times(t.dataset, false) < 0;
   if (t.file >= 0) {
     put_problem(&t, p);
     t.failed = H5Fclose(t.file) < 0 || t.failed;
   }
+  (void)H5Pclose(t.dataset);
   (void)H5Eset_auto2(H5E_DEFAULT, print, data);
   if (t.file < 0 || t.failed) {
     return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);

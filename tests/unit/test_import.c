@@ -9,6 +9,7 @@
 #include "tests/support/scratch.h"
 
 #include <string.h>
+#include <time.h>
 
 static const char *data(const char *name) {
   char path[256];
@@ -229,6 +230,33 @@ static friction_problem welded(bool global) {
   return p;
 }
 
+static size_t bytes_of(const char *path, unsigned char *bytes, size_t n) {
+  FILE *f = fopen(path, "rb");
+  assert_non_null(f);
+  const size_t size = fread(bytes, 1, n, f);
+  (void)fclose(f);
+  return size;
+}
+
+/* Two exports of one problem are the same bytes, also in different seconds. */
+static void exports_hold_no_time(void **state) {
+  (void)state;
+  static unsigned char first[65536], second[65536];
+  base_error err = {0};
+  friction_problem p = welded(true);
+  check_ok(friction_write_fclib(scratch(".hdf5"), &p, &err), &err);
+  const size_t size = bytes_of(scratch(".hdf5"), first, sizeof first);
+  const time_t written = time(NULL);
+  while (time(NULL) <= written) {
+    (void)nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+  }
+  check_ok(friction_write_fclib(scratch(".hdf5"), &p, &err), &err);
+  assert_true(size > 1000 && size < sizeof first);
+  assert_int_equal(bytes_of(scratch(".hdf5"), second, sizeof second), size);
+  assert_memory_equal(first, second, size);
+  friction_free(&p);
+}
+
 static void joints_are_eliminated(void **state) {
   (void)state;
   for (int global = 0; global < 2; global++) {
@@ -360,6 +388,7 @@ int main(void) {
       cmocka_unit_test(lcp_text_holds_what_it_can),
       cmocka_unit_test(facets_follow_the_formula),
       cmocka_unit_test(joints_are_eliminated),
+      cmocka_unit_test(exports_hold_no_time),
       cmocka_unit_test(elimination_leaves_the_velocities),
       cmocka_unit_test(dependent_joints_are_refused),
       cmocka_unit_test(ambiguous_text_is_not_written),
