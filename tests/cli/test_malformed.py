@@ -180,6 +180,8 @@ def result_rows(d):
     run("run", SEEDS / "campaign.yaml", "--filter", "part=families", "--out", d / "run")
     path = d / "run" / "results.csv"
     refused(path, path.read_text(), ROWS, ("status", d / "run"), ["results.csv"])
+    path.write_text((SEEDS / "rows.csv").read_text())
+    assert "2 rows" in run("status", d / "run").stdout, "scripts/fuzz begins with rows that are no longer read: take new ones"
 
 
 tap([scenes_in_json, scenes_in_yaml, case_files, campaigns, siconos_text, matrix_market, a_file_that_crashes_its_library, result_rows])
