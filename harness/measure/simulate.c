@@ -183,6 +183,20 @@ static void summarise(sim *s, const series *record) {
   r->energy_drift_rel = (energy[0] != 0.0) ? (energy[last] - energy[0]) / fabs(energy[0]) : 0.0;
 }
 
+/* What was not computed is no number: a formulation that steps by itself is not held against the exact cone, and one
+ * that posed no problem has no residual of one. */
+static void forget_unmeasured(sim *s) {
+  sim_result *r = s->out;
+  if ((s->q->form->form->model & FORM_NO_LCP) == 0) {
+    return;
+  }
+  r->ncp_max = r->ncp_rel_max = r->cone_rel_max = r->dissipation_max = (double)NAN;
+  if (r->n_solves == 0) {
+    r->rho_max = r->natural_max = r->natural_rel_max = (double)NAN;
+    r->feas_z_max = r->feas_w_max = r->comp_max = (double)NAN;
+  }
+}
+
 static base_status run_opened(sim *s, series *record, base_error *err) {
   const sim_request *q = s->q;
   sim_result *r = s->out;
@@ -196,6 +210,7 @@ static base_status run_opened(sim *s, series *record, base_error *err) {
   r->n_dof = world_n_dof(s->w);
   r->n_body = world_n_body(s->w);
   const base_status done = run_steps(s, record, err);
+  forget_unmeasured(s);
   if (done == BASE_OK) {
     const double gap = world_min_gap(s->w);
     double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];

@@ -326,6 +326,18 @@ def mechanisms_are_refused_where_they_are_not_simulated(d):
     assert o["status"] == "ok", o["note"]
 
 
+def what_is_not_computed_is_empty(d):
+    """A compliant or event-driven step is not held against the cone of a time step: no number, and no 0."""
+    cone = ("res_ncp_max", "res_ncp_rel_max", "res_cone_rel_max", "dissipation_gap_max_J")
+    scene = ("simulate", "drop", "--solver", "lemke", "--formulation")
+    o = run_json(*scene, "penalty", code=None)
+    assert all(o[name] is None for name in (*cone, "rho_max", "res_natural_max")), o
+    o = run_json(*scene, "event", code=None)
+    assert all(o[name] is None for name in cone) and o["rho_max"] is not None, o
+    o = run_json(*scene, "velocity", code=None)
+    assert all(o[name] is not None for name in (*cone, "rho_max", "res_natural_max")), o
+
+
 def environment_gives_options(d):
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
@@ -340,5 +352,5 @@ def environment_gives_options(d):
 tap([usage_errors, options_out_of_range_are_refused, options_without_a_meaning_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
      check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
      solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations,
-     mechanisms_are_refused_where_they_are_not_simulated, environment_gives_options,
+     mechanisms_are_refused_where_they_are_not_simulated, what_is_not_computed_is_empty, environment_gives_options,
      certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])
