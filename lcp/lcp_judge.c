@@ -165,12 +165,30 @@ static void judge_all(const judge *j, lcp_verdict *v) {
   v->natural_rel = v->natural / (1.0 + q_max);
 }
 
+/* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, where
+ * fmin and fmax would drop a NaN and call it zero. */
+static const lcp_verdict hopeless = {.rho = HUGE_VAL,
+                                     .natural = HUGE_VAL,
+                                     .natural_rel = HUGE_VAL,
+                                     .min_map = HUGE_VAL,
+                                     .infeasible_z = HUGE_VAL,
+                                     .infeasible_w = HUGE_VAL,
+                                     .comp = HUGE_VAL};
+
+static bool in_range(const judge *j) {
+  for (int i = 0; i < j->p->M.n; i++) {
+    if (!isfinite((double)j->w[i])) {
+      return false;
+    }
+  }
+  return true;
+}
+
 base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, base_error *err) {
   *out = (lcp_verdict){.finite = true};
   for (int i = 0; i < p->M.n; i++) {
     if (!isfinite(z[i])) {
-      *out = (lcp_verdict){HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL,
-                           HUGE_VAL, HUGE_VAL, HUGE_VAL, false};
+      *out = hopeless;
       return BASE_OK;
     }
   }
@@ -183,7 +201,12 @@ base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, b
   }
   if (s == BASE_OK) {
     measure(&j);
-    judge_all(&j, out);
+    if (in_range(&j)) {
+      judge_all(&j, out);
+    } else {
+      *out = hopeless;
+      out->finite = true;
+    }
   }
   judge_close(&j);
   return s;

@@ -38,5 +38,6 @@ typedef struct lcp_verdict {
 #define LCP_VERIFY_ITERATIVE 1e-6 /* the others */
 
 /* Judges z[n]. Allocates scratch (it is never inside a timed bracket). A point with NaN or Inf
- * has finite = false and all residuals HUGE_VAL. */
+ * has finite = false and all residuals HUGE_VAL; so does, but for finite, one whose w = M z + q leaves the
+ * range of double. */
 base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, base_error *err);

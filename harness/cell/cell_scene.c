@@ -36,16 +36,20 @@ static void fill_verdict(const sim_result *q, record *r) {
   SET_TEXT(r->status_claimed, run_status_name(q->claimed));
   SET_TEXT(r->note, q->note);
   r->verified = (q->verified && q->status == RUN_OK) ? 1 : 0;
-  r->rho = q->rho_max;
-  r->res_natural = q->natural_max;
-  r->res_natural_rel = q->natural_rel_max;
-  r->res_feas_z = q->feas_z_max;
-  r->res_feas_w = q->feas_w_max;
-  r->res_comp = q->comp_max;
-  r->res_ncp = q->ncp_max;
-  r->res_ncp_rel = q->ncp_rel_max;
-  r->res_cone = q->cone_rel_max;
-  r->dissipation_gap_J = q->dissipation_max;
+  if (q->n_solves > 0) {
+    r->rho = q->rho_max;
+    r->res_natural = q->natural_max;
+    r->res_natural_rel = q->natural_rel_max;
+    r->res_feas_z = q->feas_z_max;
+    r->res_feas_w = q->feas_w_max;
+    r->res_comp = q->comp_max;
+  }
+  if (q->n_judged > 0) {
+    r->res_ncp = q->ncp_max;
+    r->res_ncp_rel = q->ncp_rel_max;
+    r->res_cone = q->cone_rel_max;
+    r->dissipation_gap_J = q->dissipation_max;
+  }
   r->penetration_m = q->penetration_max;
   r->energy_defect_J = q->energy_defect;
   r->energy_drift_rel = q->energy_drift_rel;

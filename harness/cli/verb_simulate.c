@@ -127,14 +127,16 @@ static void put_counts(json_t *o, const sim_result *r) {
   json_out_int(o, "n_fallback", r->n_fallbacks + r->work.fallbacks);
 }
 
+/* null: not measured, no problem was posed or no step has impulses to judge. */
 static void put_errors(json_t *o, const sim_result *r) {
+  const bool solved = r->n_solves > 0, judged = r->n_judged > 0;
   json_out_bool(o, "verified", r->verified);
-  json_out_real(o, "rho_max", r->rho_max);
-  json_out_real(o, "res_natural_max", r->natural_max);
-  json_out_real(o, "res_ncp_max", r->ncp_max);
-  json_out_real(o, "res_ncp_rel_max", r->ncp_rel_max);
-  json_out_real(o, "res_cone_rel_max", r->cone_rel_max);
-  json_out_real(o, "dissipation_gap_max_J", r->dissipation_max);
+  json_out_real(o, "rho_max", solved ? r->rho_max : HUGE_VAL);
+  json_out_real(o, "res_natural_max", solved ? r->natural_max : HUGE_VAL);
+  json_out_real(o, "res_ncp_max", judged ? r->ncp_max : HUGE_VAL);
+  json_out_real(o, "res_ncp_rel_max", judged ? r->ncp_rel_max : HUGE_VAL);
+  json_out_real(o, "res_cone_rel_max", judged ? r->cone_rel_max : HUGE_VAL);
+  json_out_real(o, "dissipation_gap_max_J", judged ? r->dissipation_max : HUGE_VAL);
   json_out_real(o, "stiffness_ratio_min", r->stiffness_ratio); /* null: nothing regularised */
   json_out_real(o, "v_slip_max", r->v_slip);
   json_out_real(o, "deflection_max_m", r->deflection);

@@ -68,6 +68,7 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
   contact_merit m;
   BASE_TRY(contact_merit_at(set, a->impulse, a->v_next, a->bias, &m, err));
   sim_result *r = s->out;
+  r->n_judged++;
   r->ncp_max = fmax(r->ncp_max, m.ncp);
   r->ncp_rel_max = fmax(r->ncp_rel_max, m.ncp_rel);
   r->cone_rel_max = fmax(r->cone_rel_max, m.cone_rel);

@@ -57,13 +57,14 @@ typedef struct sim_result {
   double rho_max;                          /* [1] */
   double natural_max, natural_rel_max;     /* [m/s], [1] */
   double feas_z_max, feas_w_max, comp_max; /* [N s], [m/s], [J] */
-  double ncp_max, ncp_rel_max;             /* [m/s], [1] */
-  double cone_rel_max, dissipation_max;    /* [1], [J] */
-  double penetration_max;                  /* [m] */
-  double energy_defect, energy_drift_rel;  /* largest increase in one step [J]; [1] */
-  double stiffness_ratio;                  /* least G/m_t [1], HUGE_VAL: nothing regularised */
-  double v_slip, deflection;               /* regularisation: [m/s], [m] */
-  double own_residual_max;                 /* the formulation's own [1] */
+  long n_judged; /* steps judged on the exact cone: none where a formulation steps by itself */
+  double ncp_max, ncp_rel_max;            /* [m/s], [1] */
+  double cone_rel_max, dissipation_max;   /* [1], [J] */
+  double penetration_max;                 /* [m] */
+  double energy_defect, energy_drift_rel; /* largest increase in one step [J]; [1] */
+  double stiffness_ratio;                 /* least G/m_t [1], HUGE_VAL: nothing regularised */
+  double v_slip, deflection;              /* regularisation: [m/s], [m] */
+  double own_residual_max;                /* the formulation's own [1] */
   unsigned effects_seen;
   size_t workspace; /* [B] */
   sim_times time;

@@ -49,7 +49,7 @@ typedef struct record {
   RECORD_COLUMNS(RECORD_TEXT_, RECORD_INT_, RECORD_REAL_, RECORD_BOOL_)
 } record;
 
-enum { RECORD_SCHEMA = 1, RECORD_METRIC = 1, RECORD_ROW = 8192 };
+enum { RECORD_SCHEMA = 1, RECORD_METRIC = 2, RECORD_ROW = 8192 };
 
 void record_clear(record *r); /* everything not measured */
 

@@ -210,7 +210,8 @@ base_status contact_merit_at(const contact_set *c, const double *impulse, const 
     if (bias[i] < HUGE_VAL || pushed) {
       const double b = (bias[i] < HUGE_VAL) ? bias[i] : 0;
       judge_contact(c, i, b, impulse + row, u + row, out);
-      strongest = fmax(strongest, c->mu_static[i] * impulse[row]);
+      const cone k = cone_of(c, i, c->mu_static[i]);
+      strongest = (k.n_part > 0) ? fmax(strongest, k.mu[0] * impulse[row]) : strongest;
     }
   }
   out->ncp_rel = (speed > 0) ? out->ncp / speed : 0;

@@ -15,7 +15,7 @@ typedef struct contact_merit {
   double ncp_rel;     /* ncp / max(speed scale of the step, tiny) [1] */
   double normal;      /* max_i |min(a_i l_n, u_n + b)|  [m/s] */
   double cone;        /* max_i max(0, |l_t| - mu l_n)  [N s] */
-  double cone_rel;    /* over max_i mu l_n [1] */
+  double cone_rel;    /* over max_i mu l_n; mu = 1 with torsion or rolling only [1] */
   double dissipation; /* sum_i (mu l_n |u_t| + l_t . u_t)  [J], >= 0; 0 for exact Coulomb */
   double momentum;    /* || M (v+ - v_free) - J' l || / || M v || + ... [1] */
   double joint;       /* max |J_b v+ + drift| over joint rows [m/s] */

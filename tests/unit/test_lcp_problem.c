@@ -181,6 +181,17 @@ static void judge_on_boxes_and_free_rows(void **state) {
   check_close(judged(&p, off).infeasible_w, 1.0, 0.0);
 }
 
+/* w_1 = -1e500 is far from feasible, but as double it is infinite, and so is its scale: their ratio is no number,
+ * which fmin would drop in favour of z_1 = 0. */
+static void judge_sees_what_leaves_the_range(void **state) {
+  (void)state;
+  const double M[] = {1e300, 0, -1e300, 1}, q[] = {1, -1e200}, z[] = {0, 1e200};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q};
+  const lcp_verdict v = judged(&p, z);
+  assert_true(v.finite);
+  assert_true(v.rho == HUGE_VAL && v.natural == HUGE_VAL && v.infeasible_w == HUGE_VAL);
+}
+
 /* The factored form, its dense copy and the cone: the same verdict, by different roads. */
 static void judge_is_the_same_in_every_storage(void **state) {
   (void)state;
@@ -245,6 +256,7 @@ int main(void) {
       cmocka_unit_test(weights_must_be_symmetric),
       cmocka_unit_test(capacity_is_what_is_needed),
       cmocka_unit_test(judge_on_boxes_and_free_rows),
+      cmocka_unit_test(judge_sees_what_leaves_the_range),
       cmocka_unit_test(judge_is_the_same_in_every_storage),
       cmocka_unit_test(stopping_is_never_kinder_than_judging),
   };
