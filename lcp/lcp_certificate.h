@@ -18,7 +18,8 @@
  *           miss by LCP_CERT_RAY_TOL of their terms; that proves nothing of q and never counts as exact. */
 #pragma once
 
-#include "lcp/lcp_solver.h"
+#include "lcp/lcp_outcome.h"
+#include "lcp/lcp_problem.h"
 
 enum { LCP_CERT_EXACT_N = 64 };
 #define LCP_CERT_RAY_TOL 1e-10 /* as LCP_VERIFY_EXACT [1] */

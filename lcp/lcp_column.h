@@ -53,13 +53,33 @@ static inline void lcp_column_add(lcp_column c, double x, double *restrict y) {
   }
 }
 
+/* size += |x| |c|. */
+static inline void lcp_column_add_size(lcp_column c, double x, double *restrict size) {
+  if (c.row == NULL) {
+    for (int i = 0; i < c.count; i++) {
+      size[i] += fabs(c.val[i] * x);
+    }
+    return;
+  }
+  for (int k = 0; k < c.count; k++) {
+    size[c.row[k]] += fabs(c.val[k] * x);
+  }
+}
+
 /* y += x c, size += |x| |c|: a product with the sum of its absolute terms. */
 static inline void lcp_column_add_sized(lcp_column c, double x, double *restrict y,
                                         double *restrict size) {
+  if (c.row == NULL) {
+    for (int i = 0; i < c.count; i++) {
+      const double term = c.val[i] * x;
+      y[i] += term;
+      size[i] += fabs(term);
+    }
+    return;
+  }
   for (int k = 0; k < c.count; k++) {
-    const int i = lcp_column_row(&c, k);
     const double term = c.val[k] * x;
-    y[i] += term;
-    size[i] += fabs(term);
+    y[c.row[k]] += term;
+    size[c.row[k]] += fabs(term);
   }
 }

@@ -1,4 +1,8 @@
-/* lcp_judge.c - the independent residuals, accumulated in long double. */
+/* lcp_judge.c - the independent residuals, accumulated in long double.
+ *
+ * Scales, products and terms are coded here once more although lcp_rho.h has them: a judge that shared the
+ * arithmetic of the solvers would repeat their errors and confirm them. Of the solvers' headers this file
+ * includes none (scripts/check_layers.sh); what both rest on is the problem itself and the geometry of its cone. */
 #include "lcp/lcp_judge.h"
 
 #include "lcp/lcp_cone.h"

@@ -21,11 +21,14 @@ typedef struct lcp_stop {
   double max_seconds; /* [s], tested when the residual is tested */
 } lcp_stop;
 
-#define LCP_STOP_FIELDS(T, tol_, max_iter_)                                                        \
+#define LCP_STOP_FIELDS(T, tol_, max_iter_) LCP_STOP_FIELDS_EVERY(T, tol_, max_iter_, 1)
+
+/* The same with another default of check_every. */
+#define LCP_STOP_FIELDS_EVERY(T, tol_, max_iter_, every_)                                          \
   BASE_FIELD_NAMED(T, stop.tol, "tol", BASE_REAL, "1", tol_, 0, 1, "residual rho to reach"),       \
       BASE_FIELD_NAMED(T, stop.max_iter, "max_iter", BASE_INT, "1", max_iter_, 1, 2e9,             \
                        "iteration limit"),                                                         \
-      BASE_FIELD_NAMED(T, stop.check_every, "check_every", BASE_INT, "1", 1, 1, 1e6,               \
+      BASE_FIELD_NAMED(T, stop.check_every, "check_every", BASE_INT, "1", every_, 1, 1e6,          \
                        "iterations per residual test"),                                            \
       BASE_FIELD_NAMED(T, stop.max_seconds, "max_seconds", BASE_REAL, "s", 600, 0, 1e6,            \
                        "wall-time limit of one solve")
@@ -35,21 +38,6 @@ typedef struct lcp_work {
   long iterations, pivots, sweeps, matvecs, factorizations, backsolves, refinements, linesearches,
       fallbacks;
 } lcp_work;
-
-/* What a method can hand over as proof. Views into the solver's state, valid until its next
- * prepare or solve. */
-typedef enum lcp_certificate_kind {
-  LCP_CERT_NONE,
-  LCP_CERT_BASIS,  /* basis[i] = true: z_i basic (w_i = 0), false: w_i basic (z_i = 0) */
-  LCP_CERT_FARKAS, /* y >= 0, M'y <= 0, q'y < 0: no feasible point */
-  LCP_CERT_RAY,    /* z + t v solves the augmented system for all t >= 0: proves nothing alone */
-} lcp_certificate_kind;
-
-typedef struct lcp_certificate {
-  lcp_certificate_kind kind;
-  const unsigned char *basis; /* n */
-  const double *vector;       /* n: y or v */
-} lcp_certificate;
 
 typedef struct lcp_result {
   lcp_outcome outcome; /* the solver's claim; the harness judges separately */

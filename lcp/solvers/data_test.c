@@ -1,6 +1,6 @@
 #include "lcp/solvers/data_test.h"
 
-#include "lcp/solvers/loop_rho.h"
+#include "lcp/lcp_rho.h"
 #include "lcp/solvers/sets.h"
 
 #include <float.h>
@@ -55,7 +55,7 @@ bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double
 bool lcp_data_met(const lcp_problem *p, double tol, const lcp_stop_state *s, const double *z,
                   double *r, double *tau0, lcp_work *work) {
   lcp_set_scaling(&p->M, s->d, r);
-  lcp_loop_magnitudes(p, z, tau0);
+  lcp_rho_product(p, z, NULL, tau0);
   work->matvecs++;
   return lcp_data_allows(p, tol, lcp_data_size(p, r), r, z, s->w, tau0);
 }

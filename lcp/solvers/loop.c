@@ -1,7 +1,7 @@
 #include "lcp/solvers/loop.h"
 
+#include "lcp/lcp_rho.h"
 #include "lcp/solvers/data_test.h"
-#include "lcp/solvers/loop_rho.h"
 #include "lcp/solvers/sets.h"
 
 #include <string.h>
@@ -27,6 +27,28 @@ static bool believable(const lcp_loop *s, const lcp_stop *stop, const lcp_proble
   return lcp_data_allows(p, stop->tol, s->q_size, s->scale, z, s->stop.w, tau0);
 }
 
+/* rho with the scales that the entries of M give (of S, where M is held in factors), after lcp_stop_test has
+ * been at z: w, the diagonal and its tau are in s->stop. tau0 is left in s->seen. HUGE_VAL where p has cones:
+ * lcp_stop_test is exact on those. */
+static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z) {
+  lcp_stop_state *t = &s->stop;
+  double *tau0 = s->seen;
+  const bool factored = p->M.storage == LCP_FACTORED;
+  lcp_rho_product(p, z, NULL, tau0);
+  for (int i = 0; factored && i < p->M.n; i++) { /* J W J' by the triangle inequality */
+    tau0[i] = fmax(tau0[i], t->tau[i] - fabs(p->q[i]));
+  }
+  if ((lcp_problem_sets(p) & (1u << LCP_CONE)) != 0) {
+    return HUGE_VAL;
+  }
+  lcp_rho_references(p, t->d, tau0, t->zref);
+  lcp_rho_product(p, t->zref, NULL, t->tau);
+  for (int i = 0; factored && i < p->M.n; i++) {
+    t->tau[i] = fmax(t->tau[i], fabs(p->q[i]) + tau0[i]);
+  }
+  return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
+}
+
 /* lcp_stop_test bounds rho from one product. Two things can be wrong with its answer: it accepts a z
  * that ran away, and where the terms of a row cancel (the sigma rows of friction, q_i = 0) it cannot
  * see how large they were and refuses forever. Both are settled here, at the price of two products. */
@@ -36,13 +58,12 @@ static bool settle(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, cons
   if (!accepted && !believable(s, stop, p, z, NULL)) {
     return false;
   }
-  double *tau0 = s->seen;
-  const double rho = lcp_loop_rho(&s->stop, p, z, tau0);
+  const double rho = rho_of_entries(s, p, z);
   s->tests = 0; /* `seen` was overwritten: cycle detection starts again */
   s->next = 1;
   res->work.matvecs += 2;
   res->residual = accepted ? res->residual : fmin(res->residual, rho);
-  return res->residual <= stop->tol && believable(s, stop, p, z, tau0);
+  return res->residual <= stop->tol && believable(s, stop, p, z, s->seen);
 }
 
 /* True when this z was seen before, bit for bit. */

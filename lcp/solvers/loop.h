@@ -10,14 +10,7 @@
 #include "lcp/lcp_solver.h"
 
 /* LCP_STOP_FIELDS for methods whose iteration costs less than a residual test: tested every tenth. */
-#define LCP_LOOP_SWEEP_FIELDS(T, tol_, max_iter_)                                                  \
-  BASE_FIELD_NAMED(T, stop.tol, "tol", BASE_REAL, "1", tol_, 0, 1, "residual rho to reach"),       \
-      BASE_FIELD_NAMED(T, stop.max_iter, "max_iter", BASE_INT, "1", max_iter_, 1, 2e9,             \
-                       "iteration limit"),                                                         \
-      BASE_FIELD_NAMED(T, stop.check_every, "check_every", BASE_INT, "1", 10, 1, 1e6,              \
-                       "iterations per residual test"),                                            \
-      BASE_FIELD_NAMED(T, stop.max_seconds, "max_seconds", BASE_REAL, "s", 600, 0, 1e6,            \
-                       "wall-time limit of one solve")
+#define LCP_LOOP_SWEEP_FIELDS(T, tol_, max_iter_) LCP_STOP_FIELDS_EVERY(T, tol_, max_iter_, 10)
 
 typedef struct lcp_loop {
   lcp_stop_state stop;

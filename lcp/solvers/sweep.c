@@ -126,10 +126,9 @@ static void add_rows(lcp_column c, int first, int size, double *out) {
     }
     return;
   }
-  for (int k = 0; k < c.count; k++) {
-    const int i = c.row[k] - first;
-    if (i >= 0 && i < size) {
-      out[i] += c.val[k];
+  for (int k = 0; k < c.count && c.row[k] < first + size; k++) {
+    if (c.row[k] >= first) {
+      out[c.row[k] - first] += c.val[k];
     }
   }
 }

@@ -177,12 +177,31 @@ static void large_points_prove_nothing(void **state) {
   assert_true(v.holds);
 }
 
+/* The same with a third row a (z_0 + z_1) + q_2 without diagonal, whose unit comes from its column: q_2 = a says
+ * that the data are of size 1, and w = (-1, -1) is not small against that however large a is. */
+static void rows_without_diagonal_are_weighed(void **state) {
+  (void)state;
+  const double a = 1e10;
+  const double M[9] = {1, -1, a, -1, 1, a, a, a, 0};
+  const double q[3] = {-1, -1, a};
+  double z[3] = {1e9, 1e9, 0};
+  unsigned char basis[3] = {1, 1, 0};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 3, .val = M}, .q = q};
+  const lcp_certificate_file f = {.kind = LCP_CERT_BASIS, .n = 3, .basis = basis, .vector = z};
+  lcp_certificate_verdict v;
+  base_error err = {0};
+  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  assert_true(v.residual <= 1e-9);
+  assert_false(v.holds);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test_setup_teardown(solvers_certify, make_path, drop_path),
       cmocka_unit_test_setup_teardown(tampering_shows, make_path, drop_path),
       cmocka_unit_test_setup_teardown(bad_files_are_refused, make_path, drop_path),
       cmocka_unit_test(large_points_prove_nothing),
+      cmocka_unit_test(rows_without_diagonal_are_weighed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,83 @@
+#include "lcp/lcp_rho.h"
+
+#include "lcp/lcp_column.h"
+#include "lcp/lcp_cone.h"
+
+void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *size) {
+  for (int i = 0; i < p->M.n; i++) {
+    size[i] = fabs(p->q[i]);
+    if (w != NULL) {
+      w[i] = p->q[i];
+    }
+  }
+  for (int j = 0; j < p->M.n; j++) {
+    if (x[j] == 0.0) {
+      continue;
+    }
+    if (w != NULL) {
+      lcp_column_add_sized(lcp_column_of(&p->M, j), x[j], w, size);
+    } else {
+      lcp_column_add_size(lcp_column_of(&p->M, j), x[j], size);
+    }
+  }
+}
+
+static double column_reference(const lcp_matrix *M, int j, const double *tau0) {
+  const lcp_column c = lcp_column_of(M, j);
+  double ref = 0.0;
+  bool empty = true;
+  for (int k = 0; k < c.count; k++) {
+    if (c.val[k] != 0.0) {
+      ref = fmax(ref, tau0[lcp_column_row(&c, k)] / fabs(c.val[k]));
+      empty = false;
+    }
+  }
+  return empty ? 1.0 : ref;
+}
+
+void lcp_rho_references(const lcp_problem *p, const double *d, const double *tau0, double *zref) {
+  for (int i = 0; i < p->M.n; i++) {
+    zref[i] = (d[i] != 0.0) ? tau0[i] / fabs(d[i]) : column_reference(&p->M, i, tau0);
+  }
+}
+
+/* Over the largest tau of the block, with the mean diagonal. */
+static double cone(const lcp_block *b, const double *d, const double *z, const double *w,
+                   const double *tau) {
+  double moved[1 + 2 * LCP_PARTS_MAX], mean = 0.0, largest = 0.0, worst = 0.0;
+  for (int i = 0; i < b->size; i++) {
+    mean += d[i] / b->size;
+    largest = fmax(largest, tau[i]);
+  }
+  mean = (mean > 0.0) ? mean : 1.0;
+  for (int i = 0; i < b->size; i++) {
+    moved[i] = mean * z[i] - w[i];
+  }
+  moved[0] -= lcp_cone_shift(b, w);
+  lcp_cone_project(b, moved, moved);
+  for (int i = 0; i < b->size; i++) {
+    worst = fmax(worst, lcp_rho_over(fabs(mean * z[i] - moved[i]), largest));
+  }
+  return worst;
+}
+
+double lcp_rho(const lcp_problem *p, const double *d, const double *z, const double *w,
+               const double *zref, const double *tau) {
+  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
+  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
+  const int n_block = (p->block != NULL) ? p->n_block : 1;
+  double worst = 0.0;
+  for (int b = 0; b < n_block; b++) {
+    const int at = block[b].start;
+    if (block[b].set == LCP_CONE) {
+      worst = lcp_rho_worse(worst, cone(&block[b], d + at, z + at, w + at, tau + at));
+      continue;
+    }
+    const bool box = block[b].set == LCP_BOX;
+    for (int i = at; i < at + block[b].size; i++) {
+      worst = lcp_rho_worse(worst, lcp_rho_row(block[b].set, z[i], w[i], box ? p->lo[i] : 0.0,
+                                               box ? p->hi[i] : HUGE_VAL, zref[i], tau[i]));
+    }
+  }
+  return worst;
+}
