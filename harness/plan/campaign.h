@@ -1,30 +1,5 @@
-/* harness/plan/campaign.h - a campaign as written in its YAML file.
- *
- *   name: paper
- *   title: ...
- *   seed: 1
- *   limits: {time: 60s, memory: 4G, grace: 2s}
- *   sampling: {processes: 3, samples: 5, max_samples: 31, half_width: 0.02, budget: 20s,
- *              order: random|abba, cache: warm|cold, doctor: 6s}
- *   solutions: on                                # optional: on; answers kept for verify
- *   trace: off                                   # optional: off; a twin run writes its history
- *   parts:
- *     - name: dimension
- *       words: tall stacks                       # optional: what it asks, for a reader
- *       problems: ["box_stack:n={1,2,4,8}"]      # braces: one problem for each value
- *       formulations: ["velocity:facets={4,8}", position, regularized]
- *       solvers: [lemke, pgs]
- *       steps: [0.01]                            # optional: the scene's own
- *       durations: [0.1]                         # optional: the scene's own
- *       tolerances: [1e-8]                       # optional: the solver's own
- *       starts: [cold, previous]                 # optional: cold
- *       effects: [declared]                      # optional: declared
- *       contact_orders: [given, "random:{1,2}"]  # optional: given
- *       quick: {problems: [...]}                 # any of the axes, replaced under --quick
- *   quick: {limits: ..., sampling: ...}          # replaced under --quick
- *
- * A part without formulations holds complementarity problems (files or families); its problems may
- * be file patterns, and $NAME/ or ${NAME:-FOLDER}/ before them is taken from the environment. */
+/* harness/plan/campaign.h - a campaign as written in its YAML file. docs/CAMPAIGNS.md has the keys with their
+ * defaults and an example. */
 #pragma once
 
 #include "lcp/base/status.h"

@@ -1,5 +1,5 @@
 /* solvers/lemke/phase_one.h - is there a point with w - M z = q, w >= 0, z >= 0 at all? Phase one of the simplex method
- * (Dantzig 1963) with Bland's rule (1977), which never cycles, on the tableau of a path: z0 falls as far as it can. */
+ * (Dantzig 1963) with the rule of Bland 1977, which never cycles, on the tableau of a path: z0 falls as far as it can. */
 #pragma once
 
 #include "lcp/solvers/lemke/path.h"
