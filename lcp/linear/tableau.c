@@ -14,7 +14,7 @@ static int padded(int n) {
 void lin_tableau_layout(lin_tableau *b, int cap, base_arena *a) {
   const size_t n = (size_t)cap;
   *b = (lin_tableau){.cap = cap};
-  b->a = BASE_ARRAY(a, double, (size_t)padded(cap) * (n + 1));
+  b->block = BASE_ARRAY(a, double, (size_t)padded(cap) * (n + 3));
   b->var = BASE_ARRAY(a, int, n + 1);
   b->column = BASE_ARRAY(a, int, 2 * n + 1);
   b->head = BASE_ARRAY(a, int, n);
@@ -24,6 +24,7 @@ void lin_tableau_layout(lin_tableau *b, int cap, base_arena *a) {
   b->rhs = BASE_ARRAY(a, double, n);
 }
 
+#ifndef NDEBUG
 /* Every variable is either in a position or in a column, and the lists name each other. */
 static bool consistent(const lin_tableau *b) {
   const int n = b->n;
@@ -35,12 +36,15 @@ static bool consistent(const lin_tableau *b) {
   for (int c = 0; c < n + b->covered; ++c) {
     const int v = b->var[c];
     good = good && v >= 0 && v <= 2 * n && b->column[v] == c && b->where[v] < 0;
+  }
+  for (int c = -1 - b->generic; c < n + b->covered; ++c) {
     for (int i = n; i < b->stride && i < padded(n); ++i) {
       good = good && lin_tableau_entries(b, c)[i] == 0;
     }
   }
   return good && (b->covered || (b->where[2 * n] < 0 && b->column[2 * n] < 0));
 }
+#endif
 
 /* Clears what stands beyond row n of column c. */
 static void clear_tail(const lin_tableau *b, int c) {
@@ -51,9 +55,18 @@ void lin_tableau_start(lin_tableau *b, int n) {
   assert(n <= b->cap);
   b->n = n;
   b->stride = padded((n > 0) ? n : b->cap);
+  b->delta = b->block;
+  b->x = b->delta + b->stride;
+  b->a = b->x + b->stride;
   b->covered = false;
+  b->generic = false;
+  clear_tail(b, -2);
+  clear_tail(b, -1);
   for (int j = 0; j < n; ++j) {
-    clear_tail(b, j);
+    double *tail = lin_tableau_entries(b, j);
+    for (int i = n; i < b->stride; ++i) {
+      tail[i] = 0;
+    }
     b->var[j] = n + j;
     b->column[j] = -1;
     b->column[n + j] = j;
@@ -132,16 +145,16 @@ static void add_solution(const lin_tableau *b, int n, const double *r, double *x
   }
 }
 
-void lin_tableau_correct(const lin_tableau *b, const double *r, double *x) {
-  add_solution(b, b->n, r, x);
+void lin_tableau_correct(const lin_tableau *b, const double *r) {
+  add_solution(b, b->n, r, b->x);
 }
 
-double lin_tableau_append(lin_tableau *b, const double *column, const double *row,
-                          const double *x) {
+void lin_tableau_append(lin_tableau *b, const double *column, const double *row, double q) {
   if (b->covered) {
     uncover(b);
   }
   const int n = b->n;
+  b->generic = false;
   assert(n < b->cap && b->stride >= b->cap);
   renumber(b);
   const int count = list_basic(b, row);
@@ -164,8 +177,8 @@ double lin_tableau_append(lin_tableau *b, const double *column, const double *ro
   b->where[n] = n;
   b->where[2 * n + 1] = -1;
   b->n = n + 1;
+  b->x[n] = q + dot(b, count, b->x);
   assert(consistent(b));
-  return dot(b, count, x);
 }
 
 void lin_tableau_cover(lin_tableau *b, const double *d) {
@@ -181,7 +194,7 @@ void lin_tableau_cover(lin_tableau *b, const double *d) {
   b->covered = true;
 }
 
-/* Entry p of all columns but `skip` becomes a_p / d_p, the others a_i - d_i a_p / d_p. */
+/* Entry p of all columns but `skip`, those of values included, becomes a_p / d_p, the others a_i - d_i a_p / d_p. */
 BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, int n, int skip,
                                   int p, const double *restrict d) {
   for (int c = 0; c < columns; ++c, a += stride) {
@@ -204,9 +217,13 @@ void lin_tableau_replace(lin_tableau *b, int p, int entering) {
   const int left = b->head[p];
   double *own = lin_tableau_entries(b, c);
   const double pivot = own[p];
-  eliminate(b->a, b->stride, n + b->covered, padded(n), c, p, own);
-  for (int i = 0; i < n; ++i) {
-    own[i] = -own[i] / pivot;
+  const int values = 1 + b->generic;
+  eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values + n + b->covered, padded(n),
+            values + c, p, own);
+  for (int i = 0; i < n; i += LANES) {
+    for (int k = 0; k < LANES; ++k) {
+      own[i + k] = -own[i + k] / pivot;
+    }
   }
   own[p] = 1 / pivot;
   b->var[c] = left;

@@ -17,14 +17,18 @@ typedef struct lin_tableau {
   int cap, n;
   int stride;   /* entries from one column to the next, a multiple of 4; those from n on are zero */
   bool covered; /* z0 takes part: column n is in use */
+  bool generic; /* delta is carried */
   double *a;    /* by columns: B^-1 of variable var[c], by row position */
-  int *var;     /* cap + 1 */
-  int *column;  /* 2 cap + 1: column of a variable, -1 where basic */
-  int *head;    /* cap: variable in each row position */
-  int *where;   /* 2 cap + 1: row position of a variable, -1 where nonbasic */
+  double *x;    /* cap: B^-1 q, the values of the basic variables; before a, and before it */
+  double *delta; /* cap: the values for another right-hand side */
+  int *var;      /* cap + 1 */
+  int *column;   /* 2 cap + 1: column of a variable, -1 where basic */
+  int *head;     /* cap: variable in each row position */
+  int *where;    /* 2 cap + 1: row position of a variable, -1 where nonbasic */
   double *entry; /* cap: scratch */
   int *at;       /* cap: scratch */
   double *rhs;   /* cap: scratch */
+  double *block; /* where the columns lie */
 } lin_tableau;
 
 void lin_tableau_layout(lin_tableau *b, int cap, base_arena *a);
@@ -34,13 +38,13 @@ static inline double *lin_tableau_entries(const lin_tableau *b, int c) {
   return b->a + (ptrdiff_t)c * b->stride;
 }
 
-/* The basis of all w, n <= cap rows. Column j, of z_j, is the caller's to write: -M_j, in whole (n entries). n = 0
- * begins a tableau that grows. */
+/* The basis of all w, n <= cap rows. Column j, of z_j, is the caller's to write: -M_j, in whole (n entries), as is
+ * x = q. n = 0 begins a tableau that grows. */
 void lin_tableau_start(lin_tableau *b, int n);
 
-/* Pair n joins with w_n basic: column[0..n] and row[0..n] are M_in and M_ni for i = 0..n. Needs n < cap and a
- * tableau begun with n = 0. Returns sum M_ni z_i at the basic values x (by position). */
-double lin_tableau_append(lin_tableau *b, const double *column, const double *row, const double *x);
+/* Pair n joins with w_n basic: column[0..n] and row[0..n] are M_in and M_ni for i = 0..n, q is q_n. Needs n < cap and a
+ * tableau begun with n = 0. */
+void lin_tableau_append(lin_tableau *b, const double *column, const double *row, double q);
 
 /* Brings z0 in as a nonbasic variable, with B^-1 of its column in d; a z0 that is nonbasic already is replaced. */
 void lin_tableau_cover(lin_tableau *b, const double *d);
@@ -50,8 +54,8 @@ static inline const double *lin_tableau_column(const lin_tableau *b, int var) {
   return lin_tableau_entries(b, b->column[var]);
 }
 
-/* x <- x + B^-1 r, r by row, x by position. */
-void lin_tableau_correct(const lin_tableau *b, const double *r, double *x);
+/* x <- x + B^-1 r, r by row. */
+void lin_tableau_correct(const lin_tableau *b, const double *r);
 
 /* The nonbasic variable `entering` takes position p. */
 void lin_tableau_replace(lin_tableau *b, int p, int entering);

@@ -123,11 +123,13 @@ static const lemke_system *whole(lemke_state *k, const lcp_problem *p) {
  * zero are zero; the residual test that follows sees what that costs. */
 static void read_point(const lemke_state *k, const lemke_engine *e, double *z) {
   const lemke_system *s = &k->system;
-  for (int i = 0; i < s->rows; ++i) {
-    const int at = e->where[s->rows + i];
-    const double v = (at < 0) ? 0 : e->x[at];
-    const double unit = s->view ? lemke_power(s->q_exp) * lemke_power(s->col_exp[i]) : 1;
-    z[i] = (lemke_is_free(s, i) || v > 0) ? unit * v : 0;
+  const double q_unit = s->view ? lemke_power(s->q_exp) : 1;
+  memset(z, 0, sizeof *z * (size_t)s->rows);
+  for (int p = 0; p < s->rows; ++p) {
+    const int i = e->head[p] - s->rows;
+    if (i >= 0 && i < s->rows && (e->x[p] > 0 || lemke_is_free(s, i))) {
+      z[i] = e->x[p] * (s->view ? q_unit * lemke_power(s->col_exp[i]) : 1);
+    }
   }
 }
 
@@ -146,18 +148,22 @@ static bool judge(lemke_state *k, const lcp_stop *stop, const char *word, lcp_re
     }
     memcpy(k->answer, k->path.in_z, (size_t)s->n);
   }
-  return rho <= fmin(stop->tol, round_off) && defect <= data_share;
+  return rho <= lemke_smaller(stop->tol, round_off) && defect <= data_share;
 }
 
-/* The same for the basis of path.in_z, its values corrected by the data: from what the table holds, or factored
- * afresh. */
+/* The same for the basis of path.in_z, its values corrected by the data: by the inverse that the table holds, or
+ * factored afresh. */
 static bool accept(lemke_state *k, lemke_engine *e, const lcp_stop *stop, const char *word,
                    lcp_result *res) {
-  if (!lemke_path_settle(&k->path, e, &k->system, 2)) {
-    return false;
+  bool right = false;
+  for (int pass = 0; pass < 2 && !right; ++pass) {
+    if (!lemke_path_settle(&k->path, e, &k->system, 1)) {
+      return false;
+    }
+    read_point(k, e, k->trial);
+    right = judge(k, stop, word, res);
   }
-  read_point(k, e, k->trial);
-  return judge(k, stop, word, res);
+  return right;
 }
 
 /* ---- first bases ------------------------------------------------------------------------------ */

@@ -97,12 +97,3 @@ static inline bool lemke_engine_holds(const lemke_engine *e, const lemke_system 
 static inline void lemke_engine_forget(lemke_engine *e) {
   e->system = NULL;
 }
-
-/* The values after the pivot at position p. */
-static inline void lemke_engine_step(int n, double *restrict x, int p, const double *restrict d) {
-  const double step = x[p] / d[p];
-  for (int i = 0; i < n && step != 0; ++i) {
-    x[i] -= step * d[i];
-  }
-  x[p] = step;
-}

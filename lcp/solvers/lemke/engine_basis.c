@@ -115,11 +115,20 @@ static const double *column(lemke_engine *e, int var, double *room) {
   return room;
 }
 
+/* The values after the pivot at position p. */
+static void step(int n, double *restrict x, int p, const double *restrict d) {
+  const double by = x[p] / d[p];
+  for (int i = 0; i < n && by != 0; ++i) {
+    x[i] -= by * d[i];
+  }
+  x[p] = by;
+}
+
 static bool replace(lemke_engine *e, int p, int entering, const double *d) {
   lemke_basis *b = basis_of(e);
-  lemke_engine_step(e->n, e->x, p, d);
+  step(e->n, e->x, p, d);
   if (e->generic) {
-    lemke_engine_step(e->n, e->delta, p, d);
+    step(e->n, e->delta, p, d);
   }
   lin_basis_replace(&b->basis, p, entering, d);
   return !lin_basis_due(&b->basis) || refactor(b);

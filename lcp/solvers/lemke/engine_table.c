@@ -22,6 +22,13 @@ static void write_column(const lemke_system *s, int j, double *restrict a) {
   }
 }
 
+static void start(lemke_table *t, int n) {
+  lin_tableau_start(&t->tableau, n);
+  t->engine.n = n;
+  t->engine.x = t->tableau.x;
+  t->engine.delta = t->tableau.delta;
+}
+
 static bool fill(lemke_engine *e, const lemke_system *s, unsigned char *in_z) {
   lin_tableau *t = &table_of(e)->tableau;
   if (lemke_engine_holds(e, s, in_z)) {
@@ -31,10 +38,9 @@ static bool fill(lemke_engine *e, const lemke_system *s, unsigned char *in_z) {
     return false;
   }
   const double q_unit = s->view ? lemke_power(-s->q_exp) : 1;
-  lin_tableau_start(t, s->rows);
+  start(table_of(e), s->rows);
   e->system = s;
   e->edition = s->edition;
-  e->n = s->rows;
   for (int j = 0; j < e->n; ++j) {
     write_column(s, j, lin_tableau_entries(t, j));
     e->x[j] = q_unit * s->q[j];
@@ -59,11 +65,10 @@ static const double *column(lemke_engine *e, int var, double *room) {
 }
 
 static bool replace(lemke_engine *e, int p, int entering, const double *d) {
-  lemke_engine_step(e->n, e->x, p, d);
-  if (e->generic) {
-    lemke_engine_step(e->n, e->delta, p, d);
-  }
-  lin_tableau_replace(&table_of(e)->tableau, p, entering);
+  (void)d; /* the column of `entering` */
+  lin_tableau *t = &table_of(e)->tableau;
+  t->generic = e->generic;
+  lin_tableau_replace(t, p, entering);
   return true;
 }
 
@@ -74,12 +79,12 @@ static lemke_renewal renew(lemke_engine *e) {
 
 static void append(lemke_engine *e, const double *column_n, const double *row, double q) {
   lin_tableau *t = &table_of(e)->tableau;
-  const double moved = lin_tableau_append(t, column_n, row, e->x);
-  e->x[e->n++] = q + moved;
+  lin_tableau_append(t, column_n, row, q);
+  e->n++;
 }
 
 static void settle(lemke_engine *e, double *r) {
-  lin_tableau_correct(&table_of(e)->tableau, r, e->x);
+  lin_tableau_correct(&table_of(e)->tableau, r);
 }
 
 static const lemke_engine_kind table_kind = {.word = "table",
@@ -95,12 +100,9 @@ void lemke_table_layout(lemke_table *t, int rows, base_arena *a) {
   lin_tableau_layout(&t->tableau, rows, a);
   t->engine =
       (lemke_engine){.kind = &table_kind, .head = t->tableau.head, .where = t->tableau.where};
-  t->engine.x = BASE_ARRAY(a, double, rows);
-  t->engine.delta = BASE_ARRAY(a, double, rows);
 }
 
 void lemke_table_clear(lemke_table *t) {
-  lin_tableau_start(&t->tableau, 0);
-  t->engine.n = 0;
+  start(t, 0);
   lemke_engine_forget(&t->engine);
 }

@@ -98,20 +98,43 @@ static double slack_of(const lemke_path *t, int pos, double common) {
                                       : t->system->zref[var - n]);
 }
 
+/* *size_x and size_d, max |x_i| and max |d_i|, in one pass of two chains each. */
+static double size_up(lemke_path *t) {
+  const double *d = t->d;
+  const double *x = t->engine->x;
+  const int n = t->engine->n;
+  double top_d[2] = {0, 0};
+  double top_x[2] = {0, 0};
+  int i = 0;
+  for (; i + 2 <= n; i += 2) {
+    top_d[0] = lemke_larger(fabs(d[i]), top_d[0]);
+    top_d[1] = lemke_larger(fabs(d[i + 1]), top_d[1]);
+    top_x[0] = lemke_larger(fabs(x[i]), top_x[0]);
+    top_x[1] = lemke_larger(fabs(x[i + 1]), top_x[1]);
+  }
+  if (i < n) {
+    top_d[0] = lemke_larger(fabs(d[i]), top_d[0]);
+    top_x[0] = lemke_larger(fabs(x[i]), top_x[0]);
+  }
+  t->size_d = lemke_larger(top_d[0], top_d[1]);
+  return lemke_larger(top_x[0], top_x[1]);
+}
+
 /* Lists in `tied` the positions whose ratio is the smallest one up to round-off; z0 alone where it is one of them. */
 static int list_ties(lemke_path *t) {
   const lemke_engine *e = t->engine;
   const int n = e->n;
   const double *d = t->d;
   const double *x = e->x;
+  const double slack = t->tol.tie * lemke_larger(1, size_up(t));
   const double small = t->tol.pivot * t->size_d;
-  const double slack = t->tol.tie * lemke_larger(1, lemke_largest(x, n));
-  int *tied = t->tied;
+  const bool plain = !t->system->any_free && !t->tol.local;
+  int *restrict tied = t->tied;
   double bound = HUGE_VAL;
   int count = 0;
   for (int i = 0; i < n; ++i) {
-    if (d[i] > small && bounded(t, i)) {
-      const double room = lemke_larger(x[i], 0) + slack_of(t, i, slack);
+    if (d[i] > small && (plain || bounded(t, i))) {
+      const double room = lemke_larger(x[i], 0) + (plain ? slack : slack_of(t, i, slack));
       bound = (room < bound * d[i]) ? room / d[i] : bound;
       tied[count++] = i;
     }
@@ -163,7 +186,6 @@ static bool choose(lemke_path *t, int *p) {
   lemke_renewal renewal = LEMKE_RENEWED;
   while (renewal == LEMKE_RENEWED) {
     t->d = e->kind->column(e, t->entering, t->room);
-    t->size_d = lemke_largest(t->d, e->n);
     *p = ratio_test(t);
     if (*p >= 0 && t->d[*p] > doubtful * t->size_d) {
       return true;
@@ -180,7 +202,7 @@ static uint64_t mixed(int var) {
 }
 
 /* The path with exact numbers never meets a basis twice. One that does is lost to round-off: found by comparing with
- * the basis noted at the last power of two (Brent 1980). */
+ * the basis noted at the last power of two (Brent 1980), once there were as many pivots as rows. */
 static bool repeats(lemke_path *t, int left) {
   t->hash ^= mixed(left) ^ mixed(t->entering);
   const bool same = t->hash == t->noted;
@@ -199,12 +221,12 @@ static lemke_end follow(lemke_path *t) {
   t->noted = 1;
   t->period = 1;
   t->until_note = 1;
-  for (;;) {
+  for (int step = 1;; ++step) {
     int p = -1;
     if (t->pivots >= t->pivot_limit) {
       return LEMKE_LIMIT;
     }
-    if (t->pivots % TIME_EVERY == 0 && base_seconds() > t->deadline) {
+    if (step % TIME_EVERY == 0 && base_seconds() > t->deadline) {
       return LEMKE_TIMEOUT;
     }
     if (!choose(t, &p)) {
@@ -222,7 +244,7 @@ static lemke_end follow(lemke_path *t) {
     if (!held) {
       return LEMKE_BROKEN;
     }
-    if (repeats(t, left)) {
+    if (step > n && repeats(t, left)) {
       return LEMKE_CYCLE;
     }
     t->entering = complement(left, n);
@@ -240,6 +262,19 @@ static void start_generic(lemke_path *t) {
   }
 }
 
+/* The smallest of equals in the column of z0, -d of which is 1 in every row that can leave. */
+static int break_first_tie(lemke_path *t, int count) {
+  const int n = t->engine->n;
+  for (int i = 0; i < n; ++i) {
+    t->room[i] = -t->room[i];
+  }
+  const int p = break_ties(t, t->room, count);
+  for (int i = 0; i < n; ++i) {
+    t->room[i] = -t->room[i];
+  }
+  return p;
+}
+
 /* Brings z0 in against the most negative basic value; false when there is none. The covering vector is B 1: all
  * ones in the basis the path starts from, or in its negative rows. */
 static bool enter_cover(lemke_path *t, bool *held) {
@@ -248,32 +283,24 @@ static bool enter_cover(lemke_path *t, bool *held) {
   const double common = t->tol.tie * lemke_larger(1, lemke_largest(e->x, n));
   const double slack = t->tol.local ? 0 : common;
   double low = -slack;
-  int count = 0;
   bool any = false;
   for (int i = 0; i < n; ++i) {
     const bool covered = bounded(t, i) && (!t->tol.local || e->x[i] < -slack_of(t, i, common));
     t->room[i] = covered ? -1 : 0;
-    any = any || (covered && (t->tol.local || e->x[i] < low));
+    any = any || (covered && e->x[i] < low);
+    low = (e->x[i] < low && bounded(t, i)) ? e->x[i] : low;
   }
   if (!any) {
     return false;
   }
   e->kind->open(e, t->room);
-  for (int i = 0; i < n; ++i) {
-    low = (e->x[i] < low && bounded(t, i)) ? e->x[i] : low;
-  }
+  int count = 0;
   for (int i = 0; i < n; ++i) {
     if (t->room[i] != 0 && e->x[i] <= low + slack) {
       t->tied[count++] = i;
     }
   }
-  for (int i = 0; i < n; ++i) { /* the smallest of equals: -d is 1 in every row that can leave */
-    t->room[i] = -t->room[i];
-  }
-  const int p = break_ties(t, t->room, count);
-  for (int i = 0; i < n; ++i) {
-    t->room[i] = -t->room[i];
-  }
+  const int p = (count == 1) ? t->tied[0] : break_first_tie(t, count);
   const int left = e->head[p];
   *held = e->kind->replace(e, p, 2 * n, t->room);
   t->pivots++;

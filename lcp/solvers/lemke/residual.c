@@ -43,8 +43,10 @@ static void add_velocities(const lemke_system *s, const double *z) {
 static void add_sizes(const lemke_system *s, int j, double t, double *restrict sum) {
   const lemke_column c = lemke_system_column(s, j);
   const double *restrict val = c.val;
-  for (int p = 0; p < c.count && c.row != NULL && c.row[p] < s->n; ++p) {
-    sum[c.row[p]] += fabs(val[p] * t);
+  const int *restrict row = c.row;
+  const bool mixed = s->rows > s->n;
+  for (int p = 0; row != NULL && p < c.count && (!mixed || row[p] < s->n); ++p) {
+    sum[row[p]] += fabs(val[p] * t);
   }
   for (int i = 0; i < s->n && c.row == NULL; ++i) { /* a full column needs no index */
     sum[i] += fabs(val[i] * t);
@@ -80,7 +82,7 @@ static double reference(const lemke_system *s, int j) {
   for (int p = 0; p < c.count; ++p) {
     const int i = (c.row == NULL) ? p : c.row[p];
     any = any || c.val[p] != 0;
-    ref = (i < s->n && c.val[p] != 0) ? fmax(ref, s->tau0[i] / fabs(c.val[p])) : ref;
+    ref = (i < s->n && c.val[p] != 0) ? lemke_larger(s->tau0[i] / fabs(c.val[p]), ref) : ref;
   }
   return any ? ref : 1;
 }
@@ -140,10 +142,15 @@ static double row_size(const lemke_system *s, int i, const double *z, int suppor
   return size;
 }
 
+/* |min(z / zref, w / tau)|; not a number where w is none. */
 static double row_residual(const lemke_system *s, int i, double z, double zref, double tau) {
-  const double x = over(z, zref);
-  const double y = over((double)s->w[i], tau);
-  return lemke_is_free(s, i) ? fabs(y) : fabs(fmin(x, y));
+  const double w = (double)s->w[i];
+  const bool is_free = lemke_is_free(s, i);
+  if (z == 0 && w >= 0 && !is_free) {
+    return 0;
+  }
+  const double y = over(w, tau);
+  return fabs((is_free || !(y > 0)) ? y : lemke_smaller(over(z, zref), y));
 }
 
 double lemke_residual(const lemke_system *s, const double *z, double *defect) {
@@ -166,9 +173,11 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
       return HUGE_VAL;
     }
     rho = lemke_larger(r, rho);
-    const double w = q_unit * (double)s->w[i];
-    const double x = s->view ? q_unit * lemke_power(-s->col_exp[i]) * z[i] : z[i];
-    *defect = lemke_larger(fabs(lemke_is_free(s, i) ? w : fmin(x, w)), *defect);
+    if (r != 0) {
+      const double w = q_unit * (double)s->w[i];
+      const double x = s->view ? q_unit * lemke_power(-s->col_exp[i]) * z[i] : z[i];
+      *defect = lemke_larger(fabs(lemke_is_free(s, i) ? w : lemke_smaller(x, w)), *defect);
+    }
   }
   return rho;
 }

@@ -8,10 +8,11 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { SPREAD = 20 }; /* rows whose maxima are apart by more than 2^20 are scaled */
+static const double apart = 0x1p20;
 enum { REACH = 500 }; /* largest exponent in a view */
 enum { PASSES = 12 }; /* each halves the exponents (Ruiz 2001), enough for 2^1000 */
 
@@ -414,6 +415,36 @@ void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p) {
 
 /* ---- views ------------------------------------------------------------------------------------ */
 
+/* Scales column j to maximum 1..2, raises the tops of the rows, notes the diagonal. */
+static void view_full(lemke_store *m, const double *restrict val, int n, int j,
+                      double *restrict top) {
+  const double largest = lemke_largest(val, n);
+  const int e = (largest > 0) ? lemke_exponent(largest) : 0;
+  m->col_exp[j] = -e;
+  m->diagonal[j] = val[j];
+  const double unit = (e >= -REACH && e <= REACH) ? lemke_power(-e) : 0;
+  for (int i = 0; i < n; ++i) {
+    top[i] = lemke_larger(fabs(val[i]) * unit, top[i]);
+  }
+}
+
+static void view_sparse(lemke_store *m, const double *restrict val, const int *restrict row,
+                        int count, int j, double *restrict top) {
+  double largest = 0;
+  double diagonal = 0;
+  for (int p = 0; p < count; ++p) {
+    largest = lemke_larger(fabs(val[p]), largest);
+    diagonal = (row[p] == j) ? val[p] : diagonal;
+  }
+  const int e = (largest > 0) ? lemke_exponent(largest) : 0;
+  m->col_exp[j] = -e;
+  m->diagonal[j] = diagonal;
+  const double unit = (e >= -REACH && e <= REACH) ? lemke_power(-e) : 0;
+  for (int p = 0; p < count; ++p) {
+    top[row[p]] = lemke_larger(fabs(val[p]) * unit, top[row[p]]);
+  }
+}
+
 bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
   const lcp_matrix *M = &p->M;
   const bool dense = M->storage == LCP_DENSE;
@@ -431,28 +462,27 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
   s->col_exp = m->col_exp;
   s->diagonal = m->diagonal;
   double *top = m->scratch;
-  for (int i = 0; i < n; ++i) {
-    top[i] = 0;
-  }
+  memset(top, 0, sizeof *top * (size_t)n);
+  int most = 0;
   for (int j = 0; j < n; ++j) {
     const lemke_column c = lemke_system_column(s, j);
-    const double largest = lemke_largest(c.val, c.count);
-    m->col_exp[j] = (largest > 0) ? -lemke_exponent(largest) : 0;
-    if (m->col_exp[j] < -REACH || m->col_exp[j] > REACH) {
-      return false;
+    if (c.row == NULL) {
+      view_full(m, c.val, n, j, top);
+    } else {
+      view_sparse(m, c.val, c.row, c.count, j, top);
     }
-    raise_tops(c.val, c.row, c.count, n, lemke_power(m->col_exp[j]), top);
+    most = (abs(m->col_exp[j]) > most) ? abs(m->col_exp[j]) : most;
   }
   double low = HUGE_VAL;
   double high = 0;
+  double largest = 0;
   for (int i = 0; i < n; ++i) {
     low = (top[i] > 0 && top[i] < low) ? top[i] : low;
     high = lemke_larger(top[i], high);
+    largest = lemke_larger(fabs(p->q[i]), largest);
   }
-  const double largest = lemke_largest(p->q, n);
   s->q_exp = (largest > 0) ? lemke_exponent(largest) : 0;
-  lcp_matrix_diagonal(M, m->diagonal);
-  return (high == 0 || low >= ldexp(high, -SPREAD)) && s->q_exp >= -REACH && s->q_exp <= REACH;
+  return most <= REACH && abs(s->q_exp) <= REACH && (high == 0 || low * apart >= high);
 }
 
 bool lemke_system_over(lemke_system *s, int n, const double *M, const double *q, const int *row_exp,

@@ -97,6 +97,10 @@ static inline double lemke_larger(double a, double b) { /* fmax, without its car
   return (a > b) ? a : b;
 }
 
+static inline double lemke_smaller(double a, double b) {
+  return (a < b) ? a : b;
+}
+
 double lemke_largest(const double *x, int n); /* max |x_i| */
 
 /* (J u)_i of a factored M, scaled. Two chains run side by side. */
