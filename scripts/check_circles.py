@@ -147,7 +147,9 @@ def corridors(root: Path) -> list[str]:
 def main() -> int:
     build = (Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "build").resolve()
     if not (build / "compile_commands.json").exists():
-        print(f"check_circles: no build in {build}: run scripts/configure and ninja", file=sys.stderr)
+        print(
+            f"check_circles: no build in {build}: run scripts/configure and ninja", file=sys.stderr
+        )
         return 2
     called = calls(ROOT, build)
     included = includes(ROOT)

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """figures.py DIR --out FOLDER - the figures of a campaign, as PDF and PNG, the same bytes each time."""
+
 import argparse
 import pathlib
 import sys

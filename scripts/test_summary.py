@@ -4,6 +4,7 @@
 Each TAP point of a test program counts once (meson-logs/testlog.junit.xml); a program that failed without a
 failed point of its own (crash, time-out, wrong exit code) counts as one failure (meson-logs/testlog.json).
 """
+
 import json
 import pathlib
 import sys

@@ -7,6 +7,7 @@ A component is its file and, where there is one that nobody else includes from, 
 lcp/solvers/solver_ppm.c and lcp/solvers/ppm/, but not lcp/solvers/lemke/, whose paths pgs runs too. What all rows
 depend on is every other file of the folders in SHARED; with compiler and options it makes one hash, the base.
 """
+
 import hashlib
 import subprocess
 import sys
@@ -15,8 +16,9 @@ from pathlib import Path
 
 def git(*words):
     try:
-        done = subprocess.run(["git", *words], capture_output=True, text=True, check=True,
-                              cwd=Path(__file__).parent)
+        done = subprocess.run(
+            ["git", *words], capture_output=True, text=True, check=True, cwd=Path(__file__).parent
+        )
     except (OSError, subprocess.CalledProcessError):
         return None
     return done.stdout.strip()
@@ -39,7 +41,11 @@ def own_files(key, path):
     if not folder.is_dir():
         return [path]
     prefix = f'#include "{folder.relative_to(ROOT).as_posix()}/'
-    lent = any(prefix in f.read_text(encoding="utf-8") for f in shared_files([path]) if folder not in f.parents)
+    lent = any(
+        prefix in f.read_text(encoding="utf-8")
+        for f in shared_files([path])
+        if folder not in f.parents
+    )
     return [path] if lent else [path, *folder.rglob("*.[ch]")]
 
 
@@ -51,14 +57,18 @@ def main():
     out, compiler, options, *items = sys.argv[1:]
     rows = []
     whole = hashlib.sha256()
-    components = {key: Path(path).resolve() for key, path in (item.split("=", 1) for item in sorted(items))}
+    components = {
+        key: Path(path).resolve() for key, path in (item.split("=", 1) for item in sorted(items))
+    }
     owned = set()
     for key, path in components.items():
         files = own_files(key, path)
         owned.update(files)
         whole.update(digest(files).encode())
         rows.append(f'  X("{key}", "{digest(files)[:16]}")')
-    base = hashlib.sha256(f"{compiler}\0{options}\0{digest(shared_files(owned))}".encode()).hexdigest()
+    base = hashlib.sha256(
+        f"{compiler}\0{options}\0{digest(shared_files(owned))}".encode()
+    ).hexdigest()
     whole.update(base.encode())
     changes = git("status", "--porcelain", "--untracked-files=no")
     lines = [

@@ -1,4 +1,5 @@
 """What accuracy costs in time: error against time per scene, the Pareto front, the cheapest combination per error."""
+
 import collections
 import math
 
@@ -9,17 +10,47 @@ from bench.chart import Chart, Line, Panel
 from bench.paper import variants
 from bench.section import Cell, Section, Table, error, si
 
-LEVEL = 1e-2  # what the first screen asks for: a hundredth of a metre, of a metre a second, of a radian
+LEVEL = (
+    1e-2  # what the first screen asks for: a hundredth of a metre, of a metre a second, of a radian
+)
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-NOISE = 1.05  # costs closer than this are ties, where the machine's own noise floor was not measured
-YARDSTICKS = {"trajectory": ("err_ref", "error of the trajectory"), "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
-              "algebraic": ("rho", "residual of the complementarity problem")}
+NOISE = (
+    1.05  # costs closer than this are ties, where the machine's own noise floor was not measured
+)
+YARDSTICKS = {
+    "trajectory": ("err_ref", "error of the trajectory"),
+    "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
+    "algebraic": ("rho", "residual of the complementarity problem"),
+}
 
 # What a reader comes with, and the scenes of the catalogue that stand for it
-SITUATIONS = {"stack": ("stack", "wall", "pyramid", "card_house", "arch", "sphere_pile", "pile3", "row", "granular_column"),
-              "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
-              "sliding": ("slide", "incline", "conveyor", "belt", "plank", "push", "tablecloth", "spin", "oscillator", "ladder"),
-              "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip", "slider_crank")}
+SITUATIONS = {
+    "stack": (
+        "stack",
+        "wall",
+        "pyramid",
+        "card_house",
+        "arch",
+        "sphere_pile",
+        "pile3",
+        "row",
+        "granular_column",
+    ),
+    "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
+    "sliding": (
+        "slide",
+        "incline",
+        "conveyor",
+        "belt",
+        "plank",
+        "push",
+        "tablecloth",
+        "spin",
+        "oscillator",
+        "ladder",
+    ),
+    "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip", "slider_crank"),
+}
 
 
 def own(cells):
@@ -33,7 +64,11 @@ def confirmed(cells):
     Experiments with effects are not answers to the scene as declared."""
     some = cells[~cells["command"].str.contains("--effects|--contact-order")]
     good = some["status"] == "ok"
-    return kept_by_finer(some.assign(good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf)))
+    return kept_by_finer(
+        some.assign(
+            good=good, cost=some["t_total_s"].where(good & np.isfinite(some["t_total_s"]), np.inf)
+        )
+    )
 
 
 LADDER = ["campaign", "part", "problem", "combination", "tol", "start", "duration_s", "effects"]
@@ -66,7 +101,9 @@ def cheapest(cells, level, column="err_ref"):
 def ties(cells, best, level, column="err_ref"):
     """Other combinations that get there in the same time: medians closer than the noise, or intervals of the samples that overlap."""
     fit = within(cells, level, column)
-    fit = fit[(fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])]
+    fit = fit[
+        (fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
+    ]
     return sorted(set(fit["combination"]) - {best["combination"]})
 
 
@@ -92,7 +129,9 @@ def front(cells):
 
 def spot(cell):
     """A point of the figure in words."""
-    error = "not resolved" if cell["err_ref"] < cell["err_floor"] else f"error {cell['err_ref']:.2g}"
+    error = (
+        "not resolved" if cell["err_ref"] < cell["err_floor"] else f"error {cell['err_ref']:.2g}"
+    )
     return f"{cell['combination']}, h = {cell['step_s']:g} s, tol {cell['tol']:.0e}: {error}"
 
 
@@ -103,43 +142,108 @@ def panel(problem, cells, index):
     fit = usable(cells)
     y = fit["cost"].to_numpy(float) * 1e3
     best, floor = front(fit), float(fit["err_floor"].max())
-    lines = [Line("Pareto front", drawn(fit)[best].tolist(), y[best].tolist(), kind="front")] if best else []
+    lines = (
+        [Line("Pareto front", drawn(fit)[best].tolist(), y[best].tolist(), kind="front")]
+        if best
+        else []
+    )
     if floor >= NEAR * drawn(fit).min():
-        lines.append(Line("not resolved: the reference is uncertain", [floor / 4, floor], [y.max(), y.max()], [y.min()] * 2, [y.max()] * 2, kind="band"))
+        lines.append(
+            Line(
+                "not resolved: the reference is uncertain",
+                [floor / 4, floor],
+                [y.max(), y.max()],
+                [y.min()] * 2,
+                [y.max()] * 2,
+                kind="band",
+            )
+        )
     for label, group in fit.groupby("label"):
         some = group.iloc[front(group)]
         low, high = (some["t_total_s" + e].to_numpy(float) * 1e3 for e in ("_low", "_high"))
-        bad = cells[(cells["label"] == label) & ~cells["good"] & cells["t_total_s"].notna() & cells["err_ref"].notna()]
+        bad = cells[
+            (cells["label"] == label)
+            & ~cells["good"]
+            & cells["t_total_s"].notna()
+            & cells["err_ref"].notna()
+        ]
         crosses = list(zip(drawn(bad).tolist(), (bad["t_total_s"].astype(float) * 1e3).tolist()))
-        lines.append(Line(label, drawn(some).tolist(), (some["cost"].to_numpy(float) * 1e3).tolist(), low.tolist(), high.tolist(), crosses,
-                          hover=[spot(c) for c in some.to_dict("records")], variant=index.get(label, 0)))
-    xlabel = f"error (reference ± {floor:.0e})" if fit["converged"].any() else "error of the trajectory"
+        lines.append(
+            Line(
+                label,
+                drawn(some).tolist(),
+                (some["cost"].to_numpy(float) * 1e3).tolist(),
+                low.tolist(),
+                high.tolist(),
+                crosses,
+                hover=[spot(c) for c in some.to_dict("records")],
+                variant=index.get(label, 0),
+            )
+        )
+    xlabel = (
+        f"error (reference ± {floor:.0e})" if fit["converged"].any() else "error of the trajectory"
+    )
     return Panel(lines, title=short(problem), xlabel=xlabel, ylabel="time [ms]")
 
 
 def short(problem):
     """A problem as a title of a panel: its first parameter is enough to tell it."""
     name, _, options = problem.partition(":")
-    return f"{name}{':' if options else ''}{options.split(',')[0]}".replace("_", " ").replace(" deg=", "=")
+    return f"{name}{':' if options else ''}{options.split(',')[0]}".replace("_", " ").replace(
+        " deg=", "="
+    )
 
 
 def trades(found):
     """Scenes where accuracy is bought: more than one point on the front, and errors that are resolved."""
-    return [(p, g) for p, g in found if (usable(g)["err_ref"] > usable(g)["err_floor"]).any() and len(front(usable(g))) >= 2]
+    return [
+        (p, g)
+        for p, g in found
+        if (usable(g)["err_ref"] > usable(g)["err_floor"]).any() and len(front(usable(g))) >= 2
+    ]
 
 
-SHORT_FORMS = ("velocity, 4 facets", "velocity, 8 facets", "velocity, 32 facets", "position, 4 facets", "coulomb", "boxed", "penalty (stiffness=1e7)")
+SHORT_FORMS = (
+    "velocity, 4 facets",
+    "velocity, 8 facets",
+    "velocity, 32 facets",
+    "position, 4 facets",
+    "coulomb",
+    "boxed",
+    "penalty (stiffness=1e7)",
+)
 
 
 def kept(cells):
     """For a legible figure: one or two variants per formulation. The table and the page's rows have all of them."""
     label = cells["label"].where(~cells["formulation"].eq("regularized"), "regularized")
-    label = label.where(~(cells["formulation"].eq("regularized") & cells["formulation_options"].str.contains("viscous")), "regularized (viscous)")
+    label = label.where(
+        ~(
+            cells["formulation"].eq("regularized")
+            & cells["formulation_options"].str.contains("viscous")
+        ),
+        "regularized (viscous)",
+    )
     some = cells.assign(label=label)
     return some[some["label"].isin(SHORT_FORMS) | some["formulation"].eq("regularized")]
 
 
-FIRST = ["stack", "gripper", "slide", "incline", "bounce", "drop", "spin", "rocking", "sphere_pile", "granular_column", "slider_crank", "arch", "oscillator", "push"]
+FIRST = [
+    "stack",
+    "gripper",
+    "slide",
+    "incline",
+    "bounce",
+    "drop",
+    "spin",
+    "rocking",
+    "sphere_pile",
+    "granular_column",
+    "slider_crank",
+    "arch",
+    "oscillator",
+    "push",
+]
 
 
 def chart(cells, most=12):
@@ -150,42 +254,75 @@ def chart(cells, most=12):
     if not picked:
         return None
     index = variants(kept(cells))
-    return Chart("accuracy_against_time", "What accuracy costs: total time against the error of the trajectory, one panel a scene "
-                 f"({len(picked)} of the {len(found)} where accuracy has a price), for each formulation named below the settings that none of its own beats in both; grey: the front over them. A cross is a run that was not solved, was cut short, or "
-                 "whose claim was not confirmed. In the hatched band errors are below the uncertainty of the reference (rounding for a closed form, the spread of a converged "
-                 "run where there is none): not resolved, they stand in its middle.",
-                 [panel(p, g, index) for p, g in picked], columns=3, height=1.75)
+    return Chart(
+        "accuracy_against_time",
+        "What accuracy costs: total time against the error of the trajectory, one panel a scene "
+        f"({len(picked)} of the {len(found)} where accuracy has a price), for each formulation named below the settings that none of its own beats in both; grey: the front over them. A cross is a run that was not solved, was cut short, or "
+        "whose claim was not confirmed. In the hatched band errors are below the uncertainty of the reference (rounding for a closed form, the spread of a converged "
+        "run where there is none): not resolved, they stand in its middle.",
+        [panel(p, g, index) for p, g in picked],
+        columns=3,
+        height=1.75,
+    )
 
 
 def level_cell(cells, level, column="err_ref"):
     best = cheapest(cells, level, column)
     if best is None:
         if column == "err_ref" and usable(cells)["err_floor"].min() > level:
-            return Cell("not resolved", "none", f"the reference itself is uncertain by {error(usable(cells)['err_floor'].min())}")
-        return Cell("not reached", "bad", f"the smallest is {error(usable(cells, column)[column].min())}")
+            return Cell(
+                "not resolved",
+                "none",
+                f"the reference itself is uncertain by {error(usable(cells)['err_floor'].min())}",
+            )
+        return Cell(
+            "not reached", "bad", f"the smallest is {error(usable(cells, column)[column].min())}"
+        )
     same = ties(cells, best, level, column)
     more = f"\n= {len(same)} more" if same else ""
-    return Cell(f"{best['combination']}\nh = {best['step_s']:g} s, {si(best['cost'], 's')}{more}",
-                title=str(best.get("command", "")) + (f"\nin the same time: {', '.join(same)}" if same else ""), sort=best["cost"])
+    return Cell(
+        f"{best['combination']}\nh = {best['step_s']:g} s, {si(best['cost'], 's')}{more}",
+        title=str(best.get("command", ""))
+        + (f"\nin the same time: {', '.join(same)}" if same else ""),
+        sort=best["cost"],
+    )
 
 
 def table(cells):
     rows = []
     for problem, group in scenes(cells):
-        rows.append([problem, group["err_quantity"].mode().iloc[0] if "err_quantity" in group and len(group) else ""] + [level_cell(group, level) for level in LEVELS])
-    return Table("cheapest", "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). Reached: "
-                 "the error and the uncertainty of the reference together stay below, at this step and at every smaller one. \"= n more\": "
-                 f"so many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The command that reruns it is the tooltip, and scripts/recommend prints it.",
-                 ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS], rows)
+        rows.append(
+            [
+                problem,
+                group["err_quantity"].mode().iloc[0]
+                if "err_quantity" in group and len(group)
+                else "",
+            ]
+            + [level_cell(group, level) for level in LEVELS]
+        )
+    return Table(
+        "cheapest",
+        "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). Reached: "
+        'the error and the uncertainty of the reference together stay below, at this step and at every smaller one. "= n more": '
+        f"so many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The command that reruns it is the tooltip, and scripts/recommend prints it.",
+        ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS],
+        rows,
+    )
 
 
 def yardsticks_table(cells, level=1e-3):
     rows = []
     for problem, group in scenes(cells):
-        rows.append([problem] + [level_cell(group, level, column) for column, _ in YARDSTICKS.values()])
-    return Table("yardsticks", f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory, by the residual of the exact Coulomb model, and by the residual "
-                 "of its own problem. Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
-                 ["scene"] + [name for _, name in YARDSTICKS.values()], rows)
+        rows.append(
+            [problem] + [level_cell(group, level, column) for column, _ in YARDSTICKS.values()]
+        )
+    return Table(
+        "yardsticks",
+        f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory, by the residual of the exact Coulomb model, and by the residual "
+        "of its own problem. Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
+        ["scene"] + [name for _, name in YARDSTICKS.values()],
+        rows,
+    )
 
 
 def references_table(cells):
@@ -194,22 +331,61 @@ def references_table(cells):
 
     def told(value, ref):
         return error(value) if value >= ref.uncertainty else "not resolved"
-    for (problem, _, _), ref in sorted(converged.references(cells).items(), key=lambda kv: kv[0][0]):
+
+    for (problem, _, _), ref in sorted(
+        converged.references(cells).items(), key=lambda kv: kv[0][0]
+    ):
         judged = usable(cells[(cells["problem"] == problem) & cells["converged"]])
         near = judged.loc[judged["err_ref"].idxmin()] if len(judged) else None
         least = judged["step_s"].min()
         fine = judged[judged["step_s"] == least]["err_ref"]
-        rows.append([problem, f"end {ref.quantity}", f"{ref.value:.9g}", f"± {ref.uncertainty:.1g}", f"{ref.combination}, {ref.runs} runs, finest h = {ref.step:g} s",
-                     f"{ref.order:.2g}" if ref.order > 0 else "none",
-                     "" if near is None else f"{told(near['err_ref'], ref)} ({near['combination']}, h = {near['step_s']:g} s)",
-                     "" if near is None else f"{' to '.join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))} at h = {least:g} s"])
+        rows.append(
+            [
+                problem,
+                f"end {ref.quantity}",
+                f"{ref.value:.9g}",
+                f"± {ref.uncertainty:.1g}",
+                f"{ref.combination}, {ref.runs} runs, finest h = {ref.step:g} s",
+                f"{ref.order:.2g}" if ref.order > 0 else "none",
+                ""
+                if near is None
+                else f"{told(near['err_ref'], ref)} ({near['combination']}, h = {near['step_s']:g} s)",
+                ""
+                if near is None
+                else f"{' to '.join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))} at h = {least:g} s",
+            ]
+        )
     planned = cells[cells["part"].str.startswith(converged.PART)]
     for problem, runs in planned.groupby("problem"):
         if problem not in {row[0] for row in rows}:
-            rows.append([problem, "", Cell("no reference", "bad"), "", f"{int(runs['good'].sum())} of {len(runs)} runs verified: {', '.join(sorted(set(runs['combination'])))}", "", "", ""])
-    return Table("references", "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
-                 "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
-                 ["scene", "quantity", "value", "uncertainty", "by", "observed order", "nearest other formulation", "errors at the smallest step"], rows)
+            rows.append(
+                [
+                    problem,
+                    "",
+                    Cell("no reference", "bad"),
+                    "",
+                    f"{int(runs['good'].sum())} of {len(runs)} runs verified: {', '.join(sorted(set(runs['combination'])))}",
+                    "",
+                    "",
+                    "",
+                ]
+            )
+    return Table(
+        "references",
+        "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
+        "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
+        [
+            "scene",
+            "quantity",
+            "value",
+            "uncertainty",
+            "by",
+            "observed order",
+            "nearest other formulation",
+            "errors at the smallest step",
+        ],
+        rows,
+    )
 
 
 # ---- the first screen ---------------------------------------------------------------------------------------------------------------------
@@ -224,7 +400,11 @@ def asked(here):
     """combination -> how many of the scenes it was run on, to be measured"""
     out = collections.Counter()
     for _, group in here:
-        tried = group[~group["status"].isin(["unsupported", "skipped"]) & ~group["part"].str.startswith(converged.PART) & ~(group["good"] & group["err_ref"].isna())]
+        tried = group[
+            ~group["status"].isin(["unsupported", "skipped"])
+            & ~group["part"].str.startswith(converged.PART)
+            & ~(group["good"] & group["err_ref"].isna())
+        ]
         out.update({plain(c) for c in tried["combination"]})
     return out
 
@@ -246,16 +426,37 @@ def choose(here, level):
     """[((widely run, share missed, how much slower), combination, its cells)], the best first: what was run widely, reaches the level on the largest
     share of the scenes it was run on, and among those is the fastest (geometric mean of its time over the best's)."""
     found, run = candidates(here, level), asked(here)
-    best = {p: min(c[p]["cost"] for c in found.values() if p in c) for p, _ in here if any(p in c for c in found.values())}
-    score = {name: (run[name] < WIDELY * max(run.values()), 1 - len(cells) / run[name], math.exp(np.mean([math.log(c["cost"] / best[p]) for p, c in cells.items()]))) for name, cells in found.items()}
+    best = {
+        p: min(c[p]["cost"] for c in found.values() if p in c)
+        for p, _ in here
+        if any(p in c for c in found.values())
+    }
+    score = {
+        name: (
+            run[name] < WIDELY * max(run.values()),
+            1 - len(cells) / run[name],
+            math.exp(np.mean([math.log(c["cost"] / best[p]) for p, c in cells.items()])),
+        )
+        for name, cells in found.items()
+    }
     return sorted((s, name, found[name]) for name, s in score.items()) if score else []
 
 
 def rival(won, name, theirs, run):
     """The next formulation against the winner, on the scenes that both reach: a mean over other scenes compares scenes, not methods."""
     both = sorted(set(won) & set(theirs))
-    ratio, low, high, _ = stats.paired_ratio([theirs[p]["cost"] for p in both], [won[p]["cost"] for p in both])
-    return {"name": name, "reached": len(theirs), "run": run, "both": len(both), "ratio": ratio, "low": low, "high": high}
+    ratio, low, high, _ = stats.paired_ratio(
+        [theirs[p]["cost"] for p in both], [won[p]["cost"] for p in both]
+    )
+    return {
+        "name": name,
+        "reached": len(theirs),
+        "run": run,
+        "both": len(both),
+        "ratio": ratio,
+        "low": low,
+        "high": high,
+    }
 
 
 def rival_words(r):
@@ -265,9 +466,15 @@ def rival_words(r):
     fewer = f"; it gets there on {r['reached']} of {r['run']}"
     if not r["both"]:
         return f"{r['name']} gets there on {r['reached']} of {r['run']}, none of them the same"
-    on = f"on the {r['both']} scenes that both reach" if r["both"] > 1 else "on the one scene that both reach"
+    on = (
+        f"on the {r['both']} scenes that both reach"
+        if r["both"] > 1
+        else "on the one scene that both reach"
+    )
     tie = 1 / NOISE <= r["ratio"] <= NOISE or r["both"] > 1 and r["low"] <= 1 <= r["high"]
-    takes = "takes the same time, to the spread," if tie else f"takes {r['ratio']:.2g} times as long"
+    takes = (
+        "takes the same time, to the spread," if tie else f"takes {r['ratio']:.2g} times as long"
+    )
     return f"{r['name']} {takes} {on}{fewer}"
 
 
@@ -276,19 +483,51 @@ def advise(cells, level=LEVEL):
     cells = own(cells)
     out = []
     for situation in SITUATIONS:
-        here = [(p, g) for p, g in scenes(cells) if situation_of(g["problem_family"].iloc[0]) == situation]
+        here = [
+            (p, g)
+            for p, g in scenes(cells)
+            if situation_of(g["problem_family"].iloc[0]) == situation
+        ]
         ranked = choose(here, level)
         if not ranked:
             out.append({"situation": situation, "use": "", "scenes": len(here)})
             continue
         (_, _, slower), name, won = ranked[0]
-        problem = max(won, key=lambda p: won[p]["n_contacts"] if won[p]["n_contacts"] == won[p]["n_contacts"] else 0)
+        problem = max(
+            won,
+            key=lambda p: (
+                won[p]["n_contacts"] if won[p]["n_contacts"] == won[p]["n_contacts"] else 0
+            ),
+        )
         cell = won[problem]
         run = asked(here)
-        other = next((rival(won, n, theirs, run[n]) for _, n, theirs in ranked[1:] if n.split(" + ")[0] != name.split(" + ")[0]), None)
-        out.append({"situation": situation, "use": name, "scenes": run[name], "reached": len(won), "slower": slower, "problem": problem, "step": cell["step_s"],
-                    "per_step": cell["cost"] / cell["n_steps"] if cell["n_steps"] else math.nan, "contacts": cell["n_contacts"], "error": cell["err_ref"],
-                    "physical": cell["res_ncp_rel"], "other": other, "command": str(cell.get("command", "")), "solver": name.split(" + ")[1], "formulation": name.split(" + ")[0]})
+        other = next(
+            (
+                rival(won, n, theirs, run[n])
+                for _, n, theirs in ranked[1:]
+                if n.split(" + ")[0] != name.split(" + ")[0]
+            ),
+            None,
+        )
+        out.append(
+            {
+                "situation": situation,
+                "use": name,
+                "scenes": run[name],
+                "reached": len(won),
+                "slower": slower,
+                "problem": problem,
+                "step": cell["step_s"],
+                "per_step": cell["cost"] / cell["n_steps"] if cell["n_steps"] else math.nan,
+                "contacts": cell["n_contacts"],
+                "error": cell["err_ref"],
+                "physical": cell["res_ncp_rel"],
+                "other": other,
+                "command": str(cell.get("command", "")),
+                "solver": name.split(" + ")[1],
+                "formulation": name.split(" + ")[0],
+            }
+        )
     return out
 
 
@@ -297,13 +536,50 @@ def advice(advised, level=LEVEL):
     rows = []
     for a in advised:
         if not a["use"]:
-            rows.append([a["situation"], Cell(f"nothing reaches {level:g}" if a["scenes"] else "no scene of this kind in the rows", "bad"), "", "", "", "", ""])
+            rows.append(
+                [
+                    a["situation"],
+                    Cell(
+                        f"nothing reaches {level:g}"
+                        if a["scenes"]
+                        else "no scene of this kind in the rows",
+                        "bad",
+                    ),
+                    "",
+                    "",
+                    "",
+                    "",
+                    "",
+                ]
+            )
             continue
-        rows.append([a["situation"], Cell(a["use"], "good"), f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g} contacts ({a['problem']})",
-                     f"{a['reached']} of {a['scenes']} scenes it was run on, {a['slower']:.2g} times the best", rival_words(a["other"]), a.get("breaks", ""), a["command"]])
-    return Table("advice", f"Which formulation and solver to use: the combination that reaches an error of the trajectory of at most {level:g} on the largest share of the scenes of a kind "
-                 f"that it was run on (at least {WIDELY:.0%} of them), and among those the fastest (geometric mean of its time over the best time of each scene).", ["situation", "use", "cost", "reached", "next formulation", "stress tests", "see it yourself"],
-                 rows, code=6)
+        rows.append(
+            [
+                a["situation"],
+                Cell(a["use"], "good"),
+                f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g} contacts ({a['problem']})",
+                f"{a['reached']} of {a['scenes']} scenes it was run on, {a['slower']:.2g} times the best",
+                rival_words(a["other"]),
+                a.get("breaks", ""),
+                a["command"],
+            ]
+        )
+    return Table(
+        "advice",
+        f"Which formulation and solver to use: the combination that reaches an error of the trajectory of at most {level:g} on the largest share of the scenes of a kind "
+        f"that it was run on (at least {WIDELY:.0%} of them), and among those the fastest (geometric mean of its time over the best time of each scene).",
+        [
+            "situation",
+            "use",
+            "cost",
+            "reached",
+            "next formulation",
+            "stress tests",
+            "see it yourself",
+        ],
+        rows,
+        code=6,
+    )
 
 
 def section(cells):
@@ -314,7 +590,12 @@ def section(cells):
     made = chart(cells)
     given = references_table(cells)
     reached = sum(all(cheapest(g, v) is not None for v in LEVELS) for _, g in found)
-    return Section("accuracy", "What accuracy costs in time",
-                   "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
-                   f"tolerance it was asked for. {len(found)} scenes, {len(converged.references(cells))} of them measured by a converged run of another method; {reached} reach all four levels.",
-                   [made] if made else [], [table(cells)] + ([given] if given.rows else []) + [yardsticks_table(cells)], {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)})
+    return Section(
+        "accuracy",
+        "What accuracy costs in time",
+        "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
+        f"tolerance it was asked for. {len(found)} scenes, {len(converged.references(cells))} of them measured by a converged run of another method; {reached} reach all four levels.",
+        [made] if made else [],
+        [table(cells)] + ([given] if given.rows else []) + [yardsticks_table(cells)],
+        {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)},
+    )

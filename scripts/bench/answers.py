@@ -1,4 +1,5 @@
 """answers [--out FILE.md] - what theory says and what comes out, one line each; the last line counts."""
+
 import argparse
 import csv
 import json
@@ -10,8 +11,15 @@ import tempfile
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import binary  # noqa: E402
 
-VELOCITY, REGULARIZED, POSITION = ("velocity:facets=4", "lemke"), ("regularized", "lemke"), ("position:facets=4", "lemke")
-COULOMB, ACCELERATION = ("coulomb", "nsgs:tol=1e-13,max_iter=100000"), ("acceleration:facets=4", "lemke")
+VELOCITY, REGULARIZED, POSITION = (
+    ("velocity:facets=4", "lemke"),
+    ("regularized", "lemke"),
+    ("position:facets=4", "lemke"),
+)
+COULOMB, ACCELERATION = (
+    ("coulomb", "nsgs:tol=1e-13,max_iter=100000"),
+    ("acceleration:facets=4", "lemke"),
+)
 
 
 def simulate(scene, way, *more):
@@ -23,6 +31,7 @@ def end(o, name):
 
 
 # ---- three cylinders: MATHEMATICS B13 ------------------------------------------------------------
+
 
 def stands(mu_cylinders, mu_ground, way):
     """Has the top cylinder not moved by more than a millionth of its radius?"""
@@ -46,29 +55,84 @@ def pile():
     piles = ((0.30, 0.12, 1), (0.27, 0.09, 1), (0.25, 0.12, 0), (0.30, 0.08, 0))
     for way in (VELOCITY, POSITION, COULOMB):
         for cylinders, ground, answer in piles:
-            yield (f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}", way, answer, int(stands(cylinders, ground, way)), 0,
-                   "tan 15 and tan(15)/3")
+            yield (
+                f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}",
+                way,
+                answer,
+                int(stands(cylinders, ground, way)),
+                0,
+                "tan 15 and tan(15)/3",
+            )
     # bristles give way a little before they hold: standing is told by the fall, not by the first micrometre
     for cylinders, ground, answer in piles:
-        fall = 0.1 * (1 + math.sqrt(3)) - end(simulate(f"pile3:mu_cylinders={cylinders},mu_ground={ground}", REGULARIZED), "top.y")
-        yield (f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}", REGULARIZED, answer, int(fall < 1e-4), 0, "tan 15 and tan(15)/3")
+        fall = 0.1 * (1 + math.sqrt(3)) - end(
+            simulate(f"pile3:mu_cylinders={cylinders},mu_ground={ground}", REGULARIZED), "top.y"
+        )
+        yield (
+            f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}",
+            REGULARIZED,
+            answer,
+            int(fall < 1e-4),
+            0,
+            "tan 15 and tan(15)/3",
+        )
     for way in (VELOCITY, COULOMB):
-        yield ("least mu between the cylinders", way, tan15, threshold(lambda mu: stands(mu, 0.12, way), 0.26, 0.28, 2e-6), 1e-5, "tan 15")
-        yield ("least mu on the ground", way, tan15 / 3, threshold(lambda mu: stands(0.3, mu, way), 0.085, 0.095, 2e-6), 1e-5, "tan(15)/3")
+        yield (
+            "least mu between the cylinders",
+            way,
+            tan15,
+            threshold(lambda mu: stands(mu, 0.12, way), 0.26, 0.28, 2e-6),
+            1e-5,
+            "tan 15",
+        )
+        yield (
+            "least mu on the ground",
+            way,
+            tan15 / 3,
+            threshold(lambda mu: stands(0.3, mu, way), 0.085, 0.095, 2e-6),
+            1e-5,
+            "tan(15)/3",
+        )
 
 
 # ---- rocking block: MATHEMATICS B11 --------------------------------------------------------------
 
+
 def block(b, h, mu):
     """Falls flat turning about its left lower corner at 1 rad/s: one step without gravity is the impact alone."""
-    return {"id": "impact", "dim": 2, "T": 1e-4, "hs": [1e-4], "gravity": [0, 0], "friction": {"default": mu}, "restitution": {"default": 0},
-            "bodies": [{"name": "block", "shape": {"type": "box", "half": [b, h]}, "mass": 1, "pos": [0, h], "vel": [h, -b], "omega": -1}],
-            "static": [{"name": "floor", "normal": [0, 1], "offset": 0}], "observe": ["block.omega"], "checks": [{"type": "finite"}]}
+    return {
+        "id": "impact",
+        "dim": 2,
+        "T": 1e-4,
+        "hs": [1e-4],
+        "gravity": [0, 0],
+        "friction": {"default": mu},
+        "restitution": {"default": 0},
+        "bodies": [
+            {
+                "name": "block",
+                "shape": {"type": "box", "half": [b, h]},
+                "mass": 1,
+                "pos": [0, h],
+                "vel": [h, -b],
+                "omega": -1,
+            }
+        ],
+        "static": [{"name": "floor", "normal": [0, 1], "offset": 0}],
+        "observe": ["block.omega"],
+        "checks": [{"type": "finite"}],
+    }
 
 
 def rocking():
-    cases = ((0.1, 0.3, 0.5, 0.85), (0.2, 0.3, 0.5, 1 - 1.5 * 4 / 13), (0.3, 0.3, 2.0, 0.25),
-             (0.1, 0.3, 0.2, 0.785714), (0.2, 0.3, 0.2, 0.214953), (0.3, 0.3, 0.5, 0.142857))
+    cases = (
+        (0.1, 0.3, 0.5, 0.85),
+        (0.2, 0.3, 0.5, 1 - 1.5 * 4 / 13),
+        (0.3, 0.3, 2.0, 0.25),
+        (0.1, 0.3, 0.2, 0.785714),
+        (0.2, 0.3, 0.2, 0.214953),
+        (0.3, 0.3, 0.5, 0.142857),
+    )
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "impact.json"
         for b, h, mu, ratio in cases:
@@ -76,14 +140,33 @@ def rocking():
             least = 3 * b * h / (h * h + b * b) / (1 + 3 * h * h / (h * h + b * b))
             for way in (VELOCITY, COULOMB):
                 what = f"omega after over before, b/h = {b}/{h}, mu = {mu}"
-                yield (what, way, ratio, -end(simulate(path, way), "block.omega"), 1e-6, "1 - 1.5 sin^2 (Housner)" if mu >= least else "slips at the impact")
+                yield (
+                    what,
+                    way,
+                    ratio,
+                    -end(simulate(path, way), "block.omega"),
+                    1e-6,
+                    "1 - 1.5 sin^2 (Housner)" if mu >= least else "slips at the impact",
+                )
 
 
 # ---- friction in time: MATHEMATICS B15, B16 ------------------------------------------------------
 
+
 def spin():
-    event = [p for p in simulate("spin", COULOMB)["predictions"] if p["quantity"].startswith("event_time")][0]
-    yield ("time until the spinning box stops [s]", COULOMB, event["predicted"], event["value"], event["tolerance"], "I w0/(mu m g r_c)")
+    event = [
+        p
+        for p in simulate("spin", COULOMB)["predictions"]
+        if p["quantity"].startswith("event_time")
+    ][0]
+    yield (
+        "time until the spinning box stops [s]",
+        COULOMB,
+        event["predicted"],
+        event["value"],
+        event["tolerance"],
+        "I w0/(mu m g r_c)",
+    )
 
 
 def belt():
@@ -91,38 +174,78 @@ def belt():
         path = pathlib.Path(folder) / "belt.csv"
         simulate("belt", REGULARIZED, "--trajectory", path, "--step", 1e-4)
         with open(path, newline="", encoding="utf-8") as f:
-            rows = [(float(r["t_s"]), float(r["vx_m_s"])) for r in csv.DictReader(f) if r["kind"] == "body"]
+            rows = [
+                (float(r["t_s"]), float(r["vx_m_s"]))
+                for r in csv.DictReader(f)
+                if r["kind"] == "body"
+            ]
     slips = [t for (_, before), (t, v) in zip(rows, rows[1:]) if before > 0.09995 >= v]
     omega, deflection, speed = math.sqrt(20), 0.1 * 9.81 / 20, 0.1
     period = 2 / omega * (math.pi - math.atan(omega * deflection / speed)) + 2 * deflection / speed
-    yield ("period of stick and slip on the belt [s]", REGULARIZED, period, slips[-1] - slips[-2], 2e-3, "(2/w)(pi - atan(w D/v)) + 2D/v")
+    yield (
+        "period of stick and slip on the belt [s]",
+        REGULARIZED,
+        period,
+        slips[-1] - slips[-2],
+        2e-3,
+        "(2/w)(pi - atan(w D/v)) + 2D/v",
+    )
 
 
 # ---- where models end: MATHEMATICS B7, B8 --------------------------------------------------------
+
 
 def painleve():
     for tangent in (1.0, 2.0, 3.0):
         angle = math.degrees(math.atan(tangent))
         cosine = math.cos(math.atan(tangent))
         sine = tangent * cosine
-        least = (1 + 3 * cosine ** 2) / (3 * sine * cosine)
+        least = (1 + 3 * cosine**2) / (3 * sine * cosine)
 
         def refused(mu, angle=angle):
-            return simulate(f"painleve:theta_deg={angle!r},mu={mu!r}", ACCELERATION, "--duration", 1e-3)["status"] in ("infeasible", "ray")
+            return simulate(
+                f"painleve:theta_deg={angle!r},mu={mu!r}", ACCELERATION, "--duration", 1e-3
+            )["status"] in ("infeasible", "ray")
 
-        yield (f"mu from which no acceleration exists, tan = {tangent:g}", ACCELERATION, least, threshold(refused, 0.9 * least, 1.1 * least, 1e-6), 1e-5,
-               "(1 + 3 cos^2)/(3 sin cos)")
+        yield (
+            f"mu from which no acceleration exists, tan = {tangent:g}",
+            ACCELERATION,
+            least,
+            threshold(refused, 0.9 * least, 1.1 * least, 1e-6),
+            1e-5,
+            "(1 + 3 cos^2)/(3 sin cos)",
+        )
         o = simulate(f"painleve:theta_deg={angle!r},mu={1.5 * least!r}", VELOCITY)
-        yield (f"steps of time stepping beyond it, tan = {tangent:g}", VELOCITY, 50, o["steps"] if o["status"] == "ok" else 0, 0, "solvable for every h")
+        yield (
+            f"steps of time stepping beyond it, tan = {tangent:g}",
+            VELOCITY,
+            50,
+            o["steps"] if o["status"] == "ok" else 0,
+            0,
+            "solvable for every h",
+        )
 
 
 def cradle():
-    for gap, answer, why in ((0, (-1 / 3, 2 / 3, 2 / 3), "limitation: all touch, one simultaneous impact; observed is (0, 0, 1)"),
-                             (0.01, (0, 0, 1), "apart: impacts one after another")):
+    for gap, answer, why in (
+        (
+            0,
+            (-1 / 3, 2 / 3, 2 / 3),
+            "limitation: all touch, one simultaneous impact; observed is (0, 0, 1)",
+        ),
+        (0.01, (0, 0, 1), "apart: impacts one after another"),
+    ):
         o = simulate(f"cradle:gap={gap}", VELOCITY)
         got = {p["quantity"]: p["value"] for p in o["predictions"]}
         for i, v in enumerate(answer):
-            yield (f"Newton's cradle, gap {gap} m: ball {i + 1} [m/s]", VELOCITY, v, got[f"state s{i}.vx"], 1e-8, why)
+            yield (
+                f"Newton's cradle, gap {gap} m: ball {i + 1} [m/s]",
+                VELOCITY,
+                v,
+                got[f"state s{i}.vx"],
+                1e-8,
+                why,
+            )
 
 
 def number(x):
@@ -130,10 +253,15 @@ def number(x):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/answers", description="Known answers and what lcpbench gets, in one table.")
+    parser = argparse.ArgumentParser(
+        prog="scripts/answers", description="Known answers and what lcpbench gets, in one table."
+    )
     parser.add_argument("--out", help="also write the table to this file")
     args = parser.parse_args()
-    lines = ["| quantity | formulation, solver | theory | got | error | allowed | | why |", "|---|---|---|---|---|---|---|---|"]
+    lines = [
+        "| quantity | formulation, solver | theory | got | error | allowed | | why |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
     count = [0, 0]
     print("\n".join(lines))
     for group in (pile, rocking, spin, belt, painleve, cradle):
@@ -141,7 +269,9 @@ def main():
             error = abs(got - theory)
             good = error <= allowed
             count[not good] += 1
-            lines.append(f"| {what} | {way[0]}, {way[1]} | {number(theory)} | {number(got)} | {error:.2g} | {allowed:.2g} | {'ok' if good else 'MISSED'} | {why} |")
+            lines.append(
+                f"| {what} | {way[0]}, {way[1]} | {number(theory)} | {number(got)} | {error:.2g} | {allowed:.2g} | {'ok' if good else 'MISSED'} | {why} |"
+            )
             print(lines[-1], flush=True)
     if args.out:
         pathlib.Path(args.out).write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -1,4 +1,5 @@
 """The lcpbench that scripts ask (LCPBENCH, or the one in build/), and where its cases are."""
+
 import json
 import os
 import pathlib
@@ -15,15 +16,35 @@ def ask(*args, exits=(0,), program=None, before=()):
     """The JSON that a command prints; ends the script with one line where it exits otherwise or prints nothing.
     before: a command that starts it (taskset ...)."""
     command = [*map(str, before), str(program or LCPBENCH), *map(str, args)]
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, env=dict(os.environ, OPENBLAS_NUM_THREADS="1"))
+    done = subprocess.run(
+        command,
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        check=False,
+        env=dict(os.environ, OPENBLAS_NUM_THREADS="1"),
+    )
     if done.returncode not in exits or not done.stdout:
-        sys.exit(f"{pathlib.Path(sys.argv[0]).stem}: {' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}")
+        sys.exit(
+            f"{pathlib.Path(sys.argv[0]).stem}: {' '.join(command)}: exit {done.returncode}: {done.stderr.strip()}"
+        )
     return json.loads(done.stdout)
 
 
 def simulate(scene, formulation, solver, *more, exits=HONEST, program=None, before=()):
     """One run as `lcpbench simulate` tells it."""
-    return ask("simulate", scene, "--formulation", formulation, "--solver", solver, *more, exits=exits, program=program, before=before)
+    return ask(
+        "simulate",
+        scene,
+        "--formulation",
+        formulation,
+        "--solver",
+        solver,
+        *more,
+        exits=exits,
+        program=program,
+        before=before,
+    )
 
 
 def listed(what):

@@ -1,4 +1,5 @@
 """catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture of each."""
+
 import argparse
 import pathlib
 import re
@@ -26,6 +27,7 @@ SHOWN = {
 
 
 # ---- text ------------------------------------------------------------------------------------------------------------------
+
 
 def number(x):
     return f"{x:.6g}"
@@ -61,22 +63,49 @@ def source(cite):
 
 
 def paragraph(s):
-    lines = [f"## {s['name']}", "", f"![{s['title']}](pictures/{s['name']}.png)", "", linked(s["about"]), ""]
+    lines = [
+        f"## {s['name']}",
+        "",
+        f"![{s['title']}](pictures/{s['name']}.png)",
+        "",
+        linked(s["about"]),
+        "",
+    ]
     lines += ["| parameter | default | range | unit | |", "|---|---|---|---|---|"]
-    lines += [f"| `{p['name']}` | {value(p)} | {bound(p)} | {p['unit']} | {p['help']} |" for p in s["parameters"]]
-    size = f"{s['bodies']} bodies" if s["bodies"] > 1 else "one body" if s["bodies"] == 1 else "generalised coordinates"
-    lines += ["", f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in steps of {number(s['step_s'])} s. "
-              f"Effects: {', '.join(s['effects'])}. Source: {source(s['cite'])}.", "", "Predicted:", ""]
+    lines += [
+        f"| `{p['name']}` | {value(p)} | {bound(p)} | {p['unit']} | {p['help']} |"
+        for p in s["parameters"]
+    ]
+    size = (
+        f"{s['bodies']} bodies"
+        if s["bodies"] > 1
+        else "one body"
+        if s["bodies"] == 1
+        else "generalised coordinates"
+    )
+    lines += [
+        "",
+        f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in steps of {number(s['step_s'])} s. "
+        f"Effects: {', '.join(s['effects'])}. Source: {source(s['cite'])}.",
+        "",
+        "Predicted:",
+        "",
+    ]
     seen = list(dict.fromkeys(predicted(c) for c in s["predictions"]))
     shown = seen if len(seen) <= 6 else seen[:5] + [f"and {len(seen) - 5} more"]
     return lines + [f"- {line}" for line in shown] + [""]
 
 
 def markdown(all_scenes):
-    lines = ["# The scenes", "",
-             "Written by `scripts/catalogue` from `lcpbench list scenes --format json`; the pictures, by `scripts/render`, show a run at its start,",
-             "in the middle and at its end: bodies, contact forces as arrows, blue where a contact sticks, orange where it slips.", "",
-             "| scene | |", "|---|---|"]
+    lines = [
+        "# The scenes",
+        "",
+        "Written by `scripts/catalogue` from `lcpbench list scenes --format json`; the pictures, by `scripts/render`, show a run at its start,",
+        "in the middle and at its end: bodies, contact forces as arrows, blue where a contact sticks, orange where it slips.",
+        "",
+        "| scene | |",
+        "|---|---|",
+    ]
     lines += [f"| [{s['name']}](#{s['name']}) | {s['title']} |" for s in all_scenes] + [""]
     for s in all_scenes:
         lines += paragraph(s)
@@ -85,15 +114,23 @@ def markdown(all_scenes):
 
 # ---- pictures --------------------------------------------------------------------------------------------------------------
 
+
 def picture(s):
     import numpy as np
+
     from bench import render
+
     extra = SHOWN.get(s["name"], {})
-    par, form = extra.get("par", ""), extra.get("formulation", f"velocity:facets={4 if s['dim'] == 2 else 8}")
+    par, form = (
+        extra.get("par", ""),
+        extra.get("formulation", f"velocity:facets={4 if s['dim'] == 2 else 8}"),
+    )
     solver, shares = extra.get("solver", "lemke"), extra.get("times", (0, 0.5, 1))
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "t.csv"
-        binary.simulate(f"{s['name']}:{par}" if par else s["name"], form, solver, "--trajectory", path)
+        binary.simulate(
+            f"{s['name']}:{par}" if par else s["name"], form, solver, "--trajectory", path
+        )
         run = render.Run(path)
     times = [run.nearest(run.times[0] + share * (run.times[-1] - run.times[0])) for share in shares]
     times[0] = run.times[min(1, len(run.times) - 1)]  # forces belong to steps
@@ -103,9 +140,14 @@ def picture(s):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/catalogue", description="The catalogue of scenes as Markdown, and a picture of each.")
+    parser = argparse.ArgumentParser(
+        prog="scripts/catalogue",
+        description="The catalogue of scenes as Markdown, and a picture of each.",
+    )
     parser.add_argument("--pictures", action="store_true", help="draw the pictures as well")
-    parser.add_argument("--stdout", action="store_true", help="print the catalogue instead of writing it")
+    parser.add_argument(
+        "--stdout", action="store_true", help="print the catalogue instead of writing it"
+    )
     parser.add_argument("scene", nargs="*", help="scenes to draw (default: all)")
     args = parser.parse_args()
     everything = binary.listed("scenes")
@@ -122,7 +164,10 @@ def main():
         for s in everything:
             if not args.scene or s["name"] in args.scene:
                 picture(s).save(FOLDER / "pictures" / f"{s['name']}.png", optimize=True)
-                print(f"{s['name']}.png: {(FOLDER / 'pictures' / (s['name'] + '.png')).stat().st_size} bytes", flush=True)
+                print(
+                    f"{s['name']}.png: {(FOLDER / 'pictures' / (s['name'] + '.png')).stat().st_size} bytes",
+                    flush=True,
+                )
     return 0
 
 

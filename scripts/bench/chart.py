@@ -1,5 +1,6 @@
 """A chart is data: panels of lines. It is drawn for paper (matplotlib), for the screen (Plotly) and as a plain table (.dat),
 so the three never disagree."""
+
 import dataclasses
 import json
 import math
@@ -18,7 +19,9 @@ class Line:
     y: list
     low: list = None  # interval of y
     high: list = None
-    bad: list = dataclasses.field(default_factory=list)  # [(x, y)]: rows whose claim was not verified
+    bad: list = dataclasses.field(
+        default_factory=list
+    )  # [(x, y)]: rows whose claim was not verified
     hover: list = None
     variant: int = 0
     kind: str = "line"  # line, steps, points, front, band
@@ -52,6 +55,7 @@ class HeatPanel:
 @dataclasses.dataclass
 class Heat:
     """Maps of words with the same columns. On the screen they are tables; on paper they are this."""
+
     name: str
     caption: str
     columns: list
@@ -75,7 +79,10 @@ class Chart:
 
 
 def _axis(ax, panel):
-    for base, scale, axis in ((panel.xlog, ax.set_xscale, ax.xaxis), (panel.ylog, ax.set_yscale, ax.yaxis)):
+    for base, scale, axis in (
+        (panel.xlog, ax.set_xscale, ax.xaxis),
+        (panel.ylog, ax.set_yscale, ax.yaxis),
+    ):
         if base:
             scale("log", base=base)
             axis.set_minor_formatter(NullFormatter())
@@ -84,7 +91,7 @@ def _axis(ax, panel):
             else:
                 axis.set_major_locator(LogLocator(numticks=6))
     if panel.xticks:
-        few = panel.xticks[::max(1, -(-len(panel.xticks) // 5))]
+        few = panel.xticks[:: max(1, -(-len(panel.xticks) // 5))]
         ax.set_xticks(few, [f"{v:g}" for v in few])
         ax.xaxis.set_minor_formatter(NullFormatter())
         ax.minorticks_off()
@@ -99,11 +106,23 @@ def _axis(ax, panel):
 
 def _narrow(ax, panel):
     """Less than two decades: ticks at 1, 2, 5 with plain numbers, or the axis would carry hardly any."""
-    for (low, high), scale, axis in ((ax.get_ylim(), ax.get_yscale(), ax.yaxis), (ax.get_xlim(), ax.get_xscale(), ax.xaxis)):
+    for (low, high), scale, axis in (
+        (ax.get_ylim(), ax.get_yscale(), ax.yaxis),
+        (ax.get_xlim(), ax.get_xscale(), ax.xaxis),
+    ):
         named = panel.yticks if axis is ax.yaxis else panel.xticks
-        if scale == "log" and not named and 0 < low and high / low < (100 if axis is ax.yaxis else 8):
-            close = high / low < 3  # no two of 1, 2, 5 in view: evenly spaced ticks, few enough not to touch
-            axis.set_major_locator(MaxNLocator(3) if close else LogLocator(subs=(1.0, 2.0, 5.0), numticks=9))
+        if (
+            scale == "log"
+            and not named
+            and 0 < low
+            and high / low < (100 if axis is ax.yaxis else 8)
+        ):
+            close = (
+                high / low < 3
+            )  # no two of 1, 2, 5 in view: evenly spaced ticks, few enough not to touch
+            axis.set_major_locator(
+                MaxNLocator(3) if close else LogLocator(subs=(1.0, 2.0, 5.0), numticks=9)
+            )
             axis.set_major_formatter(lambda v, _: f"{v:.3g}")
             axis.set_minor_formatter(NullFormatter())
 
@@ -111,25 +130,51 @@ def _narrow(ax, panel):
 def _line(ax, line):
     look = line.look()
     if line.kind == "front":
-        ax.plot(line.x, line.y, color="#bbbbbb", linewidth=3.0, zorder=1, label=line.name, solid_capstyle="round")
+        ax.plot(
+            line.x,
+            line.y,
+            color="#bbbbbb",
+            linewidth=3.0,
+            zorder=1,
+            label=line.name,
+            solid_capstyle="round",
+        )
         return
     if line.kind == "band":
-        ax.fill_between(line.x, line.low, line.high, facecolor="none", edgecolor="#d0d0d0", hatch="////", linewidth=0, zorder=0, label=line.name)
+        ax.fill_between(
+            line.x,
+            line.low,
+            line.high,
+            facecolor="none",
+            edgecolor="#d0d0d0",
+            hatch="////",
+            linewidth=0,
+            zorder=0,
+            label=line.name,
+        )
         return
     if line.kind == "points":
         look["linestyle"] = "none"
     if line.kind == "steps":
-        look.update(drawstyle="steps-post", markevery=0.2, markersize=3.6)  # a mark here and there tells dashes apart in grey
+        look.update(
+            drawstyle="steps-post", markevery=0.2, markersize=3.6
+        )  # a mark here and there tells dashes apart in grey
     if len(line.x):
         ax.plot(line.x, line.y, label=line.name, **look)
     if line.low is not None and len(line.x):
         step = {"step": "post"} if line.kind == "steps" else {}
-        ax.fill_between(line.x, line.low, line.high, color=look["color"], alpha=0.16, linewidth=0, **step)
+        ax.fill_between(
+            line.x, line.low, line.high, color=look["color"], alpha=0.16, linewidth=0, **step
+        )
     if line.bad:
         style.mark_unverified(ax, *zip(*line.bad), look["color"])
 
 
-LOW, HIGH, ALL = np.array([0.98, 0.74, 0.55, 1]), np.array([0.80, 0.90, 0.97, 1]), np.array([0.45, 0.70, 0.89, 1])  # lightness falls and rises: legible in grey
+LOW, HIGH, ALL = (
+    np.array([0.98, 0.74, 0.55, 1]),
+    np.array([0.80, 0.90, 0.97, 1]),
+    np.array([0.45, 0.70, 0.89, 1]),
+)  # lightness falls and rises: legible in grey
 
 
 def _heat_panel(ax, heat, panel, top, tall):
@@ -138,10 +183,29 @@ def _heat_panel(ax, heat, panel, top, tall):
         for j, (text, share) in enumerate(row):
             if share is not None:
                 shades[i, j] = ALL if share >= 1 else LOW + (HIGH - LOW) * share
-            ax.text(j, i, text, ha="center", va="center", fontsize=heat.size, color="#1c2330" if share is not None else "#9a9a9a",
-                    fontweight="bold" if share is not None and share < 0.5 else "normal")
-    ax.pcolormesh(np.arange(len(heat.columns) + 1) - 0.5, np.arange(len(panel.rows) + 1) - 0.5, shades, edgecolors="white", linewidth=0.9)
-    ax.set_xticks(range(len(heat.columns)), heat.columns if top else [""] * len(heat.columns), fontsize=6.5 if heat.across == 1 else 5.5, rotation=90)
+            ax.text(
+                j,
+                i,
+                text,
+                ha="center",
+                va="center",
+                fontsize=heat.size,
+                color="#1c2330" if share is not None else "#9a9a9a",
+                fontweight="bold" if share is not None and share < 0.5 else "normal",
+            )
+    ax.pcolormesh(
+        np.arange(len(heat.columns) + 1) - 0.5,
+        np.arange(len(panel.rows) + 1) - 0.5,
+        shades,
+        edgecolors="white",
+        linewidth=0.9,
+    )
+    ax.set_xticks(
+        range(len(heat.columns)),
+        heat.columns if top else [""] * len(heat.columns),
+        fontsize=6.5 if heat.across == 1 else 5.5,
+        rotation=90,
+    )
     ax.set_yticks(range(len(panel.rows)), panel.rows, fontsize=6.5)
     ax.set_ylim(tall - 0.5, -0.5)
     ax.xaxis.tick_top()
@@ -152,7 +216,9 @@ def _heat_panel(ax, heat, panel, top, tall):
     ax.grid(True, which="minor", color="white", linewidth=1.0)
     ax.tick_params(which="minor", length=0)
     if panel.title:
-        ax.set_ylabel(panel.title, fontsize=7.5, fontweight="bold", y=1 - len(panel.rows) / tall / 2)
+        ax.set_ylabel(
+            panel.title, fontsize=7.5, fontweight="bold", y=1 - len(panel.rows) / tall / 2
+        )
     for spine in ax.spines.values():
         spine.set_visible(False)
 
@@ -160,9 +226,14 @@ def _heat_panel(ax, heat, panel, top, tall):
 def draw_heat(heat):
     """Colour and word say the same thing: dark stands, light blue to orange falls earlier and earlier, white is not defined."""
     down = -(-len(heat.panels) // heat.across)
-    tall = [max(len(p.rows) for p in heat.panels[r * heat.across:(r + 1) * heat.across]) for r in range(down)]
+    tall = [
+        max(len(p.rows) for p in heat.panels[r * heat.across : (r + 1) * heat.across])
+        for r in range(down)
+    ]
     size = (heat.width, 0.078 * max(map(len, heat.columns)) + sum(0.135 * n + 0.08 for n in tall))
-    figure, axes = plt.subplots(down, heat.across, figsize=size, squeeze=False, height_ratios=tall, layout="constrained")
+    figure, axes = plt.subplots(
+        down, heat.across, figsize=size, squeeze=False, height_ratios=tall, layout="constrained"
+    )
     for i, ax in enumerate(axes.flat):
         if i < len(heat.panels):
             _heat_panel(ax, heat, heat.panels[i], i < heat.across, tall[i // heat.across])
@@ -178,8 +249,15 @@ def draw(chart):
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
     size = (chart.width, chart.height * rows + (0 if chart.end_labels else 0.42))
-    figure, axes = plt.subplots(rows, columns, figsize=size, squeeze=False, sharex=chart.share_x, sharey=chart.share_y,
-                                layout="none" if chart.end_labels else "constrained")
+    figure, axes = plt.subplots(
+        rows,
+        columns,
+        figsize=size,
+        squeeze=False,
+        sharex=chart.share_x,
+        sharey=chart.share_y,
+        layout="none" if chart.end_labels else "constrained",
+    )
     if chart.end_labels:
         figure.subplots_adjust(left=0.15, right=0.62, bottom=0.4 / size[1], top=0.93)
     for ax, panel in zip(axes.flat, chart.panels):
@@ -199,8 +277,15 @@ def draw(chart):
             ax.tick_params(labelbottom=True)
     if chart.end_labels:
         for ax, panel in zip(axes.flat, chart.panels):
-            style.label_ends(ax, [(l.x[-1], l.y[-1], l.end_label or l.name, l.look()["color"])
-                                  for l in panel.lines if len(l.x)], gap=16 if any("\n" in l.end_label for l in panel.lines) else 9)
+            style.label_ends(
+                ax,
+                [
+                    (l.x[-1], l.y[-1], l.end_label or l.name, l.look()["color"])
+                    for l in panel.lines
+                    if len(l.x)
+                ],
+                gap=16 if any("\n" in l.end_label for l in panel.lines) else 9,
+            )
     else:
         _legend(figure, axes, chart)
     return figure
@@ -212,7 +297,9 @@ def _legend(figure, axes, chart):
         for handle, label in zip(*ax.get_legend_handles_labels()):
             found.setdefault(label, handle)
     if any(line.bad for panel in chart.panels for line in panel.lines):
-        found["not solved or not verified"] = plt.Line2D([], [], color="#444444", **style.UNVERIFIED)
+        found["not solved or not verified"] = plt.Line2D(
+            [], [], color="#444444", **style.UNVERIFIED
+        )
     if found:
         longest = max(len(name) for name in found)
         per_row = max(1, int(chart.width / (0.62 + 0.062 * longest)))
@@ -224,8 +311,18 @@ def _number(v):
     return None if v is None or not math.isfinite(v) else float(f"{float(v):.6g}")
 
 
-PLOTLY_MARKER = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down", "P": "cross",
-                 "X": "x", "<": "triangle-left", ">": "triangle-right", "h": "hexagon"}
+PLOTLY_MARKER = {
+    "o": "circle",
+    "s": "square",
+    "^": "triangle-up",
+    "D": "diamond",
+    "v": "triangle-down",
+    "P": "cross",
+    "X": "x",
+    "<": "triangle-left",
+    ">": "triangle-right",
+    "h": "hexagon",
+}
 PLOTLY_DASH = ["solid", "dash", "dot", "dashdot", "4px,2px", "longdashdot"]
 
 
@@ -237,19 +334,58 @@ def _plotly_line(line, axis, shown):
     out = []
     x, y = [_number(v) for v in line.x], [_number(v) for v in line.y]
     if line.kind == "band":
-        return [{**common, "type": "scatter", "mode": "lines", "x": x + x[::-1], "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
-                 "fillcolor": "#ffffff", "fillpattern": {"shape": "/", "fgcolor": "#b8b8b8", "size": 7, "solidity": 0.25}, "line": {"width": 0}, "hoverinfo": "skip", "showlegend": first}]
+        return [
+            {
+                **common,
+                "type": "scatter",
+                "mode": "lines",
+                "x": x + x[::-1],
+                "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1],
+                "fill": "toself",
+                "fillcolor": "#ffffff",
+                "fillpattern": {"shape": "/", "fgcolor": "#b8b8b8", "size": 7, "solidity": 0.25},
+                "line": {"width": 0},
+                "hoverinfo": "skip",
+                "showlegend": first,
+            }
+        ]
     if line.low is not None and len(x) > 1 and line.kind != "points":
-        out.append({**common, "type": "scatter", "mode": "lines", "x": x + x[::-1],
-                    "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1], "fill": "toself",
-                    "fillcolor": look["color"] + "26", "line": {"width": 0}, "hoverinfo": "skip", "showlegend": False})
-    trace = {**common, "type": "scatter", "mode": {"points": "markers", "front": "lines"}.get(line.kind, "lines+markers"),
-             "x": x, "y": y, "showlegend": first,
-             "line": {"color": "#bbbbbb" if line.kind == "front" else look["color"], "width": 5 if line.kind == "front" else 2,
-                      "dash": "solid" if line.kind == "front" else PLOTLY_DASH[style.DASHES.index(look["linestyle"])],
-                      "shape": "hv" if line.kind == "steps" else "linear"},
-             "marker": {"symbol": PLOTLY_MARKER[look["marker"]] + ("-open" if "markerfacecolor" in look else ""), "size": 8,
-                        "color": look["color"]}}
+        out.append(
+            {
+                **common,
+                "type": "scatter",
+                "mode": "lines",
+                "x": x + x[::-1],
+                "y": [_number(v) for v in line.high] + [_number(v) for v in line.low][::-1],
+                "fill": "toself",
+                "fillcolor": look["color"] + "26",
+                "line": {"width": 0},
+                "hoverinfo": "skip",
+                "showlegend": False,
+            }
+        )
+    trace = {
+        **common,
+        "type": "scatter",
+        "mode": {"points": "markers", "front": "lines"}.get(line.kind, "lines+markers"),
+        "x": x,
+        "y": y,
+        "showlegend": first,
+        "line": {
+            "color": "#bbbbbb" if line.kind == "front" else look["color"],
+            "width": 5 if line.kind == "front" else 2,
+            "dash": "solid"
+            if line.kind == "front"
+            else PLOTLY_DASH[style.DASHES.index(look["linestyle"])],
+            "shape": "hv" if line.kind == "steps" else "linear",
+        },
+        "marker": {
+            "symbol": PLOTLY_MARKER[look["marker"]]
+            + ("-open" if "markerfacecolor" in look else ""),
+            "size": 8,
+            "color": look["color"],
+        },
+    }
     if line.kind == "steps":
         trace["marker"] |= {"size": 6, "maxdisplayed": 6}
     if line.hover:
@@ -257,9 +393,23 @@ def _plotly_line(line, axis, shown):
     out.append(trace)
     if line.bad:
         bx, by = zip(*line.bad)
-        out.append({**common, "type": "scatter", "mode": "markers", "x": [_number(v) for v in bx], "y": [_number(v) for v in by],
-                    "showlegend": False, "marker": {"symbol": "x-thin", "size": 11, "line": {"width": 2.5, "color": look["color"]}},
-                    "hovertemplate": line.name + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"})
+        out.append(
+            {
+                **common,
+                "type": "scatter",
+                "mode": "markers",
+                "x": [_number(v) for v in bx],
+                "y": [_number(v) for v in by],
+                "showlegend": False,
+                "marker": {
+                    "symbol": "x-thin",
+                    "size": 11,
+                    "line": {"width": 2.5, "color": look["color"]},
+                },
+                "hovertemplate": line.name
+                + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>",
+            }
+        )
     return out
 
 
@@ -268,37 +418,89 @@ def plotly(chart):
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
     shown, data, notes = set(), [], []
-    tall = max([300] + [19 * len(p.yticks) + 60 for p in chart.panels if p.yticks])  # a line of text for each name [px]
+    tall = max(
+        [300] + [19 * len(p.yticks) + 60 for p in chart.panels if p.yticks]
+    )  # a line of text for each name [px]
     height = tall * rows + 70
     pixel = 1 / (height - 100)  # of the plotting area, without its margins
     gap_y = 84 * pixel if rows > 1 else 0.0
     gap_x = 0.16 if any(p.yticks for p in chart.panels) else 0.075
-    layout = {"height": height, "margin": {"l": 62, "r": 12, "t": 50, "b": 50}, "hovermode": "closest",
-              "legend": {"orientation": "h", "y": -56 * pixel}, "font": {"size": 12}, "plot_bgcolor": "#fff", "paper_bgcolor": "#fff"}
+    layout = {
+        "height": height,
+        "margin": {"l": 62, "r": 12, "t": 50, "b": 50},
+        "hovermode": "closest",
+        "legend": {"orientation": "h", "y": -56 * pixel},
+        "font": {"size": 12},
+        "plot_bgcolor": "#fff",
+        "paper_bgcolor": "#fff",
+    }
     for i, panel in enumerate(chart.panels):
         axis = "" if i == 0 else str(i + 1)
         row, column = divmod(i, columns)
         w, h = (1 - gap_x * (columns - 1)) / columns, (1 - gap_y * (rows - 1)) / rows
         x0, y0 = column * (w + gap_x), 1 - row * (h + gap_y) - h
-        grid = {"gridcolor": "#e8e8e8", "zeroline": False, "linecolor": "#444", "ticks": "outside", "exponentformat": "power"}
-        layout[f"xaxis{axis}"] = {**grid, "domain": [round(x0, 4), round(x0 + w, 4)], "anchor": f"y{axis}",
-                                  "type": "log" if panel.xlog else "linear", "title": {"text": panel.xlabel, "standoff": 4}}
+        grid = {
+            "gridcolor": "#e8e8e8",
+            "zeroline": False,
+            "linecolor": "#444",
+            "ticks": "outside",
+            "exponentformat": "power",
+        }
+        layout[f"xaxis{axis}"] = {
+            **grid,
+            "domain": [round(x0, 4), round(x0 + w, 4)],
+            "anchor": f"y{axis}",
+            "type": "log" if panel.xlog else "linear",
+            "title": {"text": panel.xlabel, "standoff": 4},
+        }
         if panel.xticks:
-            layout[f"xaxis{axis}"].update(tickvals=[_number(v) for v in panel.xticks], ticktext=[f"{v:g}" for v in panel.xticks])
-        layout[f"yaxis{axis}"] = {**grid, "domain": [round(y0, 4), round(y0 + h, 4)], "anchor": f"x{axis}",
-                                  "type": "log" if panel.ylog else "linear",
-                                  "title": {"text": panel.ylabel if column == 0 or not chart.share_y else "", "standoff": 4}}
+            layout[f"xaxis{axis}"].update(
+                tickvals=[_number(v) for v in panel.xticks],
+                ticktext=[f"{v:g}" for v in panel.xticks],
+            )
+        layout[f"yaxis{axis}"] = {
+            **grid,
+            "domain": [round(y0, 4), round(y0 + h, 4)],
+            "anchor": f"x{axis}",
+            "type": "log" if panel.ylog else "linear",
+            "title": {
+                "text": panel.ylabel if column == 0 or not chart.share_y else "",
+                "standoff": 4,
+            },
+        }
         if panel.yticks:
-            layout[f"yaxis{axis}"].update(tickvals=list(range(len(panel.yticks))), ticktext=panel.yticks, autorange="reversed", automargin=True)
+            layout[f"yaxis{axis}"].update(
+                tickvals=list(range(len(panel.yticks))),
+                ticktext=panel.yticks,
+                autorange="reversed",
+                automargin=True,
+            )
         if chart.share_y and i:
             layout[f"yaxis{axis}"]["matches"] = "y"
         if panel.title:
-            notes.append({"text": f"<b>{panel.title}</b>", "xref": "paper", "yref": "paper", "x": round(x0, 4), "y": round(y0 + h, 4),
-                          "xanchor": "left", "yanchor": "bottom", "showarrow": False})
-        for which, base, values in (("x", panel.xlog, [v for l in panel.lines for v in l.x]), ("y", panel.ylog, [v for l in panel.lines for v in l.y])):
+            notes.append(
+                {
+                    "text": f"<b>{panel.title}</b>",
+                    "xref": "paper",
+                    "yref": "paper",
+                    "x": round(x0, 4),
+                    "y": round(y0 + h, 4),
+                    "xanchor": "left",
+                    "yanchor": "bottom",
+                    "showarrow": False,
+                }
+            )
+        for which, base, values in (
+            ("x", panel.xlog, [v for l in panel.lines for v in l.x]),
+            ("y", panel.ylog, [v for l in panel.lines for v in l.y]),
+        ):
             values = [v for v in values if v > 0 and math.isfinite(v)]
             if base and values and not (which == "x" and panel.xticks):
-                layout[f"{which}axis{axis}"]["dtick"] = max(1, round(math.log10(max(values) / min(values)) / 5)) if max(values) / min(values) > 30 else "D2"
+                layout[f"{which}axis{axis}"]["dtick"] = (
+                    max(1, round(math.log10(max(values) / min(values)) / 5))
+                    if max(values) / min(values) > 30
+                    else "D2"
+                )
         for line in panel.lines:
             data += _plotly_line(line, axis, shown)
     layout["annotations"] = notes
@@ -311,7 +513,11 @@ def table(chart):
     """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
     if isinstance(chart, Heat):
         lines = ["\t".join(["panel", "row", *chart.columns])]
-        lines += ["\t".join([p.title, row] + [w for w, _ in words]) for p in chart.panels for row, words in zip(p.rows, p.words)]
+        lines += [
+            "\t".join([p.title, row] + [w for w, _ in words])
+            for p in chart.panels
+            for row, words in zip(p.rows, p.words)
+        ]
         return "\n".join(lines) + "\n"
     lines = ["panel line x y low high verified"]
     for p, panel in enumerate(chart.panels):
@@ -331,5 +537,7 @@ def from_cells(good, bad, x, y, name, **more):
     points = good.dropna(subset=[y]).groupby(x, as_index=False)[take].median()
     low = points[y + "_low"].tolist() if y + "_low" in points else None
     high = points[y + "_high"].tolist() if y + "_high" in points else None
-    crosses = [(float(a), float(b)) for a, b in zip(bad[x], bad[y]) if np.isfinite(a) and np.isfinite(b)]
+    crosses = [
+        (float(a), float(b)) for a, b in zip(bad[x], bad[y]) if np.isfinite(a) and np.isfinite(b)
+    ]
     return Line(name, points[x].tolist(), points[y].tolist(), low, high, crosses, **more)

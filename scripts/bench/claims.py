@@ -1,15 +1,32 @@
 """The claims made for the regularized formulation, each with its evidence and a verdict computed from the rows."""
+
 import math
 
 import numpy as np
 import pandas as pd
 
-from bench import rows as rows_, stats
+from bench import rows as rows_
+from bench import stats
 from bench.section import Cell, Section, Table, error, interval
 
-KEY = ["campaign", "part", "problem", "duration_s", "tol", "solver", "solver_options", "step_s", "effects", "start"]
+KEY = [
+    "campaign",
+    "part",
+    "problem",
+    "duration_s",
+    "tol",
+    "solver",
+    "solver_options",
+    "step_s",
+    "effects",
+    "start",
+]
 MARK = {"holds": "good", "does not hold": "bad", "not measured": "none"}
-OWN = ("paper", "accuracy", "scaling")  # campaigns that a claim is judged by; redundancy also by the ladders of `stability`
+OWN = (
+    "paper",
+    "accuracy",
+    "scaling",
+)  # campaigns that a claim is judged by; redundancy also by the ladders of `stability`
 
 
 def facets(opts):
@@ -46,20 +63,33 @@ def dimension(cells):
     count = int((fits | frictionless).sum())
     more = int((p["lcp_dim"] > p["lcp_dim_other"]).sum())
     same = p["n_active"] == p["n_active_other"]
-    word = verdict(count / len(p), "both pose the same contacts" if same.any() and (fits | frictionless)[same].all() else "")
-    return word, f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); it has more in {more}"
+    word = verdict(
+        count / len(p),
+        "both pose the same contacts" if same.any() and (fits | frictionless)[same].all() else "",
+    )
+    return (
+        word,
+        f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); it has more in {more}",
+    )
 
 
 def told(ratio, low, high, pairs):
     """A mean with its interval, which one or two pairs do not have."""
-    return interval(ratio, low, high) if pairs >= 3 else f"{ratio:.3g} ({pairs} pair{'s' if pairs > 1 else ''})"
+    return (
+        interval(ratio, low, high)
+        if pairs >= 3
+        else f"{ratio:.3g} ({pairs} pair{'s' if pairs > 1 else ''})"
+    )
 
 
 def sides(wins, sizes):
     """(first size from which on most pairs win, first from which on most lose), None where there is none."""
     share = [float(wins[sizes == s].mean()) for s in sorted(set(sizes))]
     every = sorted(set(sizes))
-    return tuple(next((s for i, s in enumerate(every) if all(test(x) for x in share[i:])), None) for test in (lambda x: x > 0.5, lambda x: x < 0.5))
+    return tuple(
+        next((s for i, s in enumerate(every) if all(test(x) for x in share[i:])), None)
+        for test in (lambda x: x > 0.5, lambda x: x < 0.5)
+    )
 
 
 def faster(column, what):
@@ -76,18 +106,33 @@ def faster(column, what):
         if wins.all():
             word = "holds"
         elif wins.mean() > 0.5 and low > 1:
-            when = ([f"p < {lost_from:g}"] if lost_from is not None else []) + ([f"the scene is none of: {', '.join(lost)}"] if lost else [])
-            word = "holds when " + " and ".join(when) if when else f"holds in {int(wins.sum())} of {n} pairs"
+            when = ([f"p < {lost_from:g}"] if lost_from is not None else []) + (
+                [f"the scene is none of: {', '.join(lost)}"] if lost else []
+            )
+            word = (
+                "holds when " + " and ".join(when)
+                if when
+                else f"holds in {int(wins.sum())} of {n} pairs"
+            )
         elif won_from is not None and won_from > p["p"].min():
             word = f"holds when p ≥ {won_from:g}"
         else:
             word = "does not hold"
         largest = p["p"].max()
         big = p[p["p"] == largest]
-        by_solver = {s: stats.paired_ratio(g[column + "_other"], g[column]) for s, g in p.groupby("solver") if len(g) >= 3}
-        each = ", ".join(f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3]))
-        return word, (f"{what}: velocity / regularized = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
-                      f"at p = {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}")
+        by_solver = {
+            s: stats.paired_ratio(g[column + "_other"], g[column])
+            for s, g in p.groupby("solver")
+            if len(g) >= 3
+        }
+        each = ", ".join(
+            f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3])
+        )
+        return word, (
+            f"{what}: velocity / regularized = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
+            f"at p = {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}"
+        )
+
     return claim
 
 
@@ -99,16 +144,30 @@ def agreement(cells):
     """Cell by cell against the same scene, step and solver with a polyhedral cone: does it meet the closed forms that the other meets,
     and is its error of the common quantity no larger than that plus the scene's tolerance?"""
     p = pd.concat([pairs(cells, other) for other in ("velocity", "position")])
-    p = p[p["good"] & p["good_other"] & (p["n_predictions"] > 0) & (p["n_predictions_other"] > 0) & ~p["converged"]]
+    p = p[
+        p["good"]
+        & p["good_other"]
+        & (p["n_predictions"] > 0)
+        & (p["n_predictions_other"] > 0)
+        & ~p["converged"]
+    ]
     if p.empty:
         return None
     worse = met(p, "_other") & ~met(p)
     better = met(p) & ~met(p, "_other")
     apart = p["err_ref"] > p["err_ref_other"] + p["err_tol"].clip(lower=1e-12)
     scenes = sorted(set(p[worse | apart]["problem"].str.split(":").str[0]))
-    word = "holds" if not scenes else f"holds when the scene is none of: {', '.join(scenes)}" if (worse | apart).mean() < 0.2 else "does not hold"
-    return word, (f"of {len(p)} pairs with a polyhedral cone: it misses a closed form that the other meets in {int(worse.sum())}, meets one that the other misses in {int(better.sum())}; "
-                  f"its error is larger by more than the scene's tolerance in {int(apart.sum())}")
+    word = (
+        "holds"
+        if not scenes
+        else f"holds when the scene is none of: {', '.join(scenes)}"
+        if (worse | apart).mean() < 0.2
+        else "does not hold"
+    )
+    return word, (
+        f"of {len(p)} pairs with a polyhedral cone: it misses a closed form that the other meets in {int(worse.sum())}, meets one that the other misses in {int(better.sum())}; "
+        f"its error is larger by more than the scene's tolerance in {int(apart.sum())}"
+    )
 
 
 IMPACTS = "bounc|impact|rock|cradle|drop|tip|clatter|woodpecker"
@@ -116,7 +175,12 @@ IMPACTS = "bounc|impact|rock|cradle|drop|tip|clatter|woodpecker"
 
 def impacts(cells):
     """h -> 0: the error at the smallest step against the largest, and the observed order."""
-    some = cells[(cells["formulation"] == "regularized") & cells["good"] & cells["err_ref"].notna() & cells["problem_family"].str.contains(IMPACTS)]
+    some = cells[
+        (cells["formulation"] == "regularized")
+        & cells["good"]
+        & cells["err_ref"].notna()
+        & cells["problem_family"].str.contains(IMPACTS)
+    ]
     orders, stuck = {}, []
     for (problem, opts, solver), g in some.groupby(["problem", "formulation_options", "solver"]):
         g = g.sort_values("step_s")
@@ -128,27 +192,48 @@ def impacts(cells):
         elif first > last * 1.001 or first > 0.5 * last:
             stuck.append(problem)
         else:
-            orders.setdefault(problem, []).append(stats.observed_order(g["step_s"], g["err_ref"].clip(lower=1e-16)))
+            orders.setdefault(problem, []).append(
+                stats.observed_order(g["step_s"], g["err_ref"].clip(lower=1e-16))
+            )
     total = sum(map(len, orders.values())) + len(stuck)
     if not total:
         return None
     finite = [o for v in orders.values() for o in v if math.isfinite(o)]
     exact = sum(o == math.inf for v in orders.values() for o in v)
-    word = "holds" if not stuck else f"holds when the scene is none of: {', '.join(sorted(set(stuck)))}" if len(stuck) < total / 2 else "does not hold"
-    middle = f", observed order {np.median(finite):.2g} [{min(finite):.2g}, {max(finite):.2g}]" if finite else ""
-    return word, f"{total - len(stuck)} of {total} ladders of steps at impacts at least halve their error from the largest step to the smallest or are exact ({exact}){middle}"
+    word = (
+        "holds"
+        if not stuck
+        else f"holds when the scene is none of: {', '.join(sorted(set(stuck)))}"
+        if len(stuck) < total / 2
+        else "does not hold"
+    )
+    middle = (
+        f", observed order {np.median(finite):.2g} [{min(finite):.2g}, {max(finite):.2g}]"
+        if finite
+        else ""
+    )
+    return (
+        word,
+        f"{total - len(stuck)} of {total} ladders of steps at impacts at least halve their error from the largest step to the smallest or are exact ({exact}){middle}",
+    )
 
 
 def redundancy(cells):
-    some = cells[(cells["formulation"] == "regularized") & (cells["problem"].str.contains("multiplicity|stack|wall|pyramid") & (cells["p"] >= 4))]
+    some = cells[
+        (cells["formulation"] == "regularized")
+        & (cells["problem"].str.contains("multiplicity|stack|wall|pyramid") & (cells["p"] >= 4))
+    ]
     some = some[~some["status"].isin(["unsupported", "skipped"])]
     if some.empty:
         return None
     by = some.groupby("solver")["good"].agg(["sum", "count"])
     share = some["good"].mean()
     all_ok = sorted(by[by["sum"] == by["count"]].index)
-    return (verdict(share, "the solver is " + " or ".join(all_ok) if all_ok else ""),
-            "verified cells with more contacts than a body can tell apart: " + ", ".join(f"{s} {int(r['sum'])} of {int(r['count'])}" for s, r in by.iterrows()))
+    return (
+        verdict(share, "the solver is " + " or ".join(all_ok) if all_ok else ""),
+        "verified cells with more contacts than a body can tell apart: "
+        + ", ".join(f"{s} {int(r['sum'])} of {int(r['count'])}" for s, r in by.iterrows()),
+    )
 
 
 STIFF = 10  # G/m_t from which impact friction counts as that of a hard cone (results/FORMAT.md, stiffness_ratio)
@@ -157,20 +242,38 @@ STIFF = 10  # G/m_t from which impact friction counts as that of a hard cone (re
 def stiffness(cells):
     """A ladder of fixed bristle stiffness against `velocity` on the same scene, step and solver: a rung is right where its error of the
     common quantity is no larger than that of `velocity` plus the scene's tolerance."""
-    fixed = cells[(cells["formulation"] == "regularized") & (cells["formulation_options"].map(rows_.options).map(lambda o: o.get("stiffness")) == "fixed")]
+    fixed = cells[
+        (cells["formulation"] == "regularized")
+        & (
+            cells["formulation_options"].map(rows_.options).map(lambda o: o.get("stiffness"))
+            == "fixed"
+        )
+    ]
     hard = cells[(cells["formulation"] == "velocity") & cells["good"] & cells["err_ref"].notna()]
     p = fixed.merge(hard, on=KEY, suffixes=("", "_other"))
-    p = p[(p["stiffness_ratio"] > 0) & (p["err_tol"] > 0)].sort_values(["problem", "stiffness_ratio"])
-    above, right = p["stiffness_ratio"] >= STIFF, p["good"] & (p["err_ref"] <= p["err_ref_other"] + p["err_tol"])
+    p = p[(p["stiffness_ratio"] > 0) & (p["err_tol"] > 0)].sort_values(
+        ["problem", "stiffness_ratio"]
+    )
+    above, right = (
+        p["stiffness_ratio"] >= STIFF,
+        p["good"] & (p["err_ref"] <= p["err_ref_other"] + p["err_tol"]),
+    )
     if not above.any() or above.all():
         return None
     word = "holds" if right[above].all() and not right[~above].all() else "does not hold"
     told = []
     for problem, g in p.groupby("problem"):
-        ladder = ", ".join(f"{r['stiffness_ratio']:.2g}: {error(r['err_ref']) if r['good'] else r['status']}" for _, r in g.iterrows())
-        told.append(f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; velocity {error(g['err_ref_other'].iloc[0])}")
-    return word, (f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as velocity, below {int(right[~above].sum())} of {int((~above).sum())} "
-                  f"({'; '.join(told)}). The impulse of an impact is finite in one step however short, a bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step")
+        ladder = ", ".join(
+            f"{r['stiffness_ratio']:.2g}: {error(r['err_ref']) if r['good'] else r['status']}"
+            for _, r in g.iterrows()
+        )
+        told.append(
+            f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; velocity {error(g['err_ref_other'].iloc[0])}"
+        )
+    return word, (
+        f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as velocity, below {int(right[~above].sum())} of {int((~above).sum())} "
+        f"({'; '.join(told)}). The impulse of an impact is finite in one step however short, a bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step"
+    )
 
 
 def stiff(cells):
@@ -195,11 +298,25 @@ def stiff(cells):
         return None
     total = len(time) + len(never)
     bad = sorted(set(lost + never))
-    word = "holds" if not bad else f"holds when the scene is none of: {', '.join(bad)}" if len(lost) + len(never) < total / 2 else "does not hold"
-    ratio = f"{math.exp(np.mean(np.log(time))):.3g} times the time" if time else "no time to compare"
-    evaluations = f" and {math.exp(np.mean(np.log(work))):.3g} evaluations of its right-hand side for each complementarity problem solved" if work else ""
-    return word, (f"at the error of {total} penalty runs, compliant contact takes {ratio}{evaluations} (geometric means of the {len(time)} that a regularized run matches); "
-                  f"dearer in {len(time) - len(lost)}, never matched in {len(never)}")
+    word = (
+        "holds"
+        if not bad
+        else f"holds when the scene is none of: {', '.join(bad)}"
+        if len(lost) + len(never) < total / 2
+        else "does not hold"
+    )
+    ratio = (
+        f"{math.exp(np.mean(np.log(time))):.3g} times the time" if time else "no time to compare"
+    )
+    evaluations = (
+        f" and {math.exp(np.mean(np.log(work))):.3g} evaluations of its right-hand side for each complementarity problem solved"
+        if work
+        else ""
+    )
+    return word, (
+        f"at the error of {total} penalty runs, compliant contact takes {ratio}{evaluations} (geometric means of the {len(time)} that a regularized run matches); "
+        f"dearer in {len(time) - len(lost)}, never matched in {len(never)}"
+    )
 
 
 CLAIMS = [
@@ -225,7 +342,15 @@ def section(cells):
         word, evidence = found if found else ("not measured", "no rows that could tell")
         table.append([title, Cell(word, MARK.get(word, "fair")), evidence])
     counts = pd.Series([row[1].text for row in table]).value_counts()
-    return Section("claims", "The claims made for the regularized formulation",
-                   "Each verdict is computed from the rows below; none is written by hand.", [],
-                   [Table("claims", "Claims, verdicts and evidence.", ["claim", "verdict", "evidence"], table)],
-                   {"ClaimsHolding": str(int(counts.get("holds", 0))), "ClaimsJudged": str(len(table))})
+    return Section(
+        "claims",
+        "The claims made for the regularized formulation",
+        "Each verdict is computed from the rows below; none is written by hand.",
+        [],
+        [
+            Table(
+                "claims", "Claims, verdicts and evidence.", ["claim", "verdict", "evidence"], table
+            )
+        ],
+        {"ClaimsHolding": str(int(counts.get("holds", 0))), "ClaimsJudged": str(len(table))},
+    )

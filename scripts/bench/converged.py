@@ -5,6 +5,7 @@ end_value). The finest of a ladder of steps is the reference; its uncertainty is
 Verification and Validation in Scientific Computing, ch. 8) use it: Fs/(r^p - 1) times the last difference, with Fs = 1.25 where the observed
 order p is the formal one (1, of time stepping) to a tenth, and Fs = 3 with p held between 1/2 and 1 elsewhere; where the ladder does not even go one way,
 the difference is the largest along it. Where the part has several settings, the least uncertain gives the value, and its uncertainty covers the others."""
+
 import dataclasses
 import math
 
@@ -35,7 +36,9 @@ class Reference:
 
 def key(cells):
     """What must be the same for two runs to end with the same value: everything but the method."""
-    return list(zip(cells["problem"], cells["duration_s"].astype(float).round(12), cells["effects"]))
+    return list(
+        zip(cells["problem"], cells["duration_s"].astype(float).round(12), cells["effects"])
+    )
 
 
 def limit(steps, values):
@@ -62,7 +65,19 @@ def references(cells):
             if ladder["step_s"].nunique() >= LEAST:
                 value, uncertainty, order = limit(ladder["step_s"], ladder["end_value"])
                 first = ladder.iloc[0]
-                found.append(Reference(at[0], first["end_quantity"], value, uncertainty, first["formulation"], combination, ladder["step_s"].min(), order, len(ladder)))
+                found.append(
+                    Reference(
+                        at[0],
+                        first["end_quantity"],
+                        value,
+                        uncertainty,
+                        first["formulation"],
+                        combination,
+                        ladder["step_s"].min(),
+                        order,
+                        len(ladder),
+                    )
+                )
         if found:
             best = min(found, key=lambda r: (r.uncertainty, r.combination))
             best.uncertainty = max([best.uncertainty] + [abs(r.value - best.value) for r in found])
@@ -74,12 +89,23 @@ def references(cells):
 def judge(cells):
     """Every cell with the uncertainty of what it is measured by (`err_floor`); cells of scenes without a closed form with the error
     against their reference. The formulation that gives the reference is not judged by it."""
-    cells = cells.assign(err_floor=np.where(cells["err_ref"].notna(), ROUNDING, np.nan), converged=False)
+    cells = cells.assign(
+        err_floor=np.where(cells["err_ref"].notna(), ROUNDING, np.nan), converged=False
+    )
     known = references(cells)
     for i, at, formulation in zip(cells.index, key(cells), cells["formulation"]):
         found = known.get(at)
         ended = np.isfinite(cells.at[i, "end_value"]) and not cells.at[i, "part"].startswith(PART)
-        if found and ended and formulation != found.formulation and not np.isfinite(cells.at[i, "err_ref"]):
-            cells.loc[i, ["err_ref", "err_floor", "converged"]] = abs(cells.at[i, "end_value"] - found.value), found.uncertainty, True
+        if (
+            found
+            and ended
+            and formulation != found.formulation
+            and not np.isfinite(cells.at[i, "err_ref"])
+        ):
+            cells.loc[i, ["err_ref", "err_floor", "converged"]] = (
+                abs(cells.at[i, "end_value"] - found.value),
+                found.uncertainty,
+                True,
+            )
             cells.loc[i, ["err_quantity", "err_source"]] = f"end {found.quantity}", found.source()
     return cells

@@ -1,5 +1,7 @@
 """The report for a paper: figures, booktabs tables, macros and a document that inputs them all."""
-from bench import chart as chart_, style
+
+from bench import chart as chart_
+from bench import style
 from bench.section import table_tex, tex
 
 # What a figure as PGF needs: scripts/report --pgf writes figures/NAME.pgf, and \input{figures/NAME.pgf} stands in for figures/NAME.pdf.
@@ -10,8 +12,11 @@ FIGURES = r"""\usepackage[T1]{fontenc}
 \newcommand{\mathdefault}[1]{#1}
 \DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}
 """
-HEAD = r"""\documentclass[10pt]{article}
-""" + FIGURES + r"""\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
+HEAD = (
+    r"""\documentclass[10pt]{article}
+"""
+    + FIGURES
+    + r"""\usepackage[a4paper,left=15mm,right=15mm,top=18mm,bottom=18mm]{geometry}
 \usepackage{graphicx,booktabs,tabularx}
 \newcolumntype{Y}{>{\raggedright\arraybackslash}X}
 \renewcommand{\topfraction}{0.95}
@@ -24,10 +29,13 @@ HEAD = r"""\documentclass[10pt]{article}
 \begin{document}
 \maketitle
 """
+)
 
 
 def macros(facts):
-    return "".join(f"\\newcommand{{\\{name}}}{{{tex(value)}}}\n" for name, value in sorted(facts.items()))
+    return "".join(
+        f"\\newcommand{{\\{name}}}{{{tex(value)}}}\n" for name, value in sorted(facts.items())
+    )
 
 
 def write(folder, facts, sections, pgf=False):
@@ -44,8 +52,10 @@ def write(folder, facts, sections, pgf=False):
         for c in charts:
             style.save(chart_.draw(c), folder / "figures", c.name, pgf)
             (folder / "figures" / f"{c.name}.dat").write_text(chart_.table(c))
-            body.append(f"\\begin{{figure}}[htbp]\\centering\\includegraphics[width={c.width if c.width < style.PAGE else 7.08}in]{{figures/{c.name}.pdf}}\n"
-                        f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure}}\n")
+            body.append(
+                f"\\begin{{figure}}[htbp]\\centering\\includegraphics[width={c.width if c.width < style.PAGE else 7.08}in]{{figures/{c.name}.pdf}}\n"
+                f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure}}\n"
+            )
         for t in tables:
             (folder / "tables" / f"{t.name}.tex").write_text(table_tex(t))
             body.append(f"\\input{{tables/{t.name}}}\n")

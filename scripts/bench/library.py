@@ -1,4 +1,5 @@
 """Solvers on a library of problems: profiles with failures in the denominator, and a summary per solver."""
+
 import re
 
 import numpy as np
@@ -14,12 +15,17 @@ def matrix(cells, column="cost"):
     """Problems x solvers: median time of a verified answer, inf otherwise, also where a combination is not defined. Returns cost, problems, families,
     solvers."""
     solvers = sorted(cells["combination"].unique())
-    key = [f"{problem}|{step:.17g}" for problem, step in zip(cells["problem"], cells["step_s"].astype(float))]  # no step: nan, like any other
+    key = [
+        f"{problem}|{step:.17g}"
+        for problem, step in zip(cells["problem"], cells["step_s"].astype(float))
+    ]  # no step: nan, like any other
     problems = sorted(set(key))
     at = {p: i for i, p in enumerate(problems)}
     cost = np.full((len(problems), len(solvers)), np.inf)
     families = [""] * len(problems)
-    for k, family, combo, value, good in zip(key, cells["problem_family"], cells["combination"], cells[column], cells["good"]):
+    for k, family, combo, value, good in zip(
+        key, cells["problem_family"], cells["combination"], cells[column], cells["good"]
+    ):
         families[at[k]] = family
         if good and np.isfinite(value):
             cost[at[k], solvers.index(combo)] = value
@@ -28,7 +34,9 @@ def matrix(cells, column="cost"):
 
 def corners(x, *curves):
     """The points of curves of steps where one of them changes, the first and the last: they look the same and take a fraction of the page."""
-    keep = [i for i in range(len(x)) if i in (0, len(x) - 1) or any(c[i] != c[i - 1] for c in curves)]
+    keep = [
+        i for i in range(len(x)) if i in (0, len(x) - 1) or any(c[i] != c[i - 1] for c in curves)
+    ]
     return [[float(c[i]) for i in keep] for c in (x, *curves)]
 
 
@@ -53,7 +61,15 @@ def data_profile(products, solvers):
         mine = products[:, j]
         if np.isfinite(mine).any() and mine[np.isfinite(mine)].max() > 0:
             grid = np.unique(np.maximum(mine[np.isfinite(mine)], 1.0))
-            lines.append(Line(s, grid.tolist(), stats.absolute_profile(mine[:, None], grid)[:, 0].tolist(), kind="steps", variant=j // 9))
+            lines.append(
+                Line(
+                    s,
+                    grid.tolist(),
+                    stats.absolute_profile(mine[:, None], grid)[:, 0].tolist(),
+                    kind="steps",
+                    variant=j // 9,
+                )
+            )
     return lines
 
 
@@ -63,29 +79,87 @@ def profiles(name, cost, families, solvers, noise, products=None):
     top = max(4.0, float(finite.max()) * 1.1) if len(finite) else 4.0
     tau = np.geomspace(1, top, 120)
     rel = stats.relative_profile(cost, tau, noise)
-    low, high = stats.profile_band(lambda c: stats.relative_profile(c, tau, noise), cost, families, draws=200)
+    low, high = stats.profile_band(
+        lambda c: stats.relative_profile(c, tau, noise), cost, families, draws=200
+    )
     times = np.sort(cost[np.isfinite(cost)])
     grid = np.geomspace(times[0], times[-1], 120) if len(times) else np.array([1.0])
     absolute = stats.absolute_profile(cost, grid)
     left, right = [], []
-    most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[:3]  # a band for each would hide the lines
+    most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[
+        :3
+    ]  # a band for each would hide the lines
     for j, s in enumerate(solvers):
-        left.append(Line(s, *(corners(tau, rel[:, j], low[:, j], high[:, j]) if j in most else corners(tau, rel[:, j])), kind="steps", variant=j // 9))
+        left.append(
+            Line(
+                s,
+                *(
+                    corners(tau, rel[:, j], low[:, j], high[:, j])
+                    if j in most
+                    else corners(tau, rel[:, j])
+                ),
+                kind="steps",
+                variant=j // 9,
+            )
+        )
         right.append(Line(s, *corners(grid * 1e3, absolute[:, j]), kind="steps", variant=j // 9))
-    panels = [Panel(left, title="within a factor of the best", xlabel="time / best time τ", ylabel="share of problems", xlog=2, ylog=0, ylim=(0, 1.02)),
-              Panel(right, title="within a time", xlabel="time [ms]", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02))]
+    panels = [
+        Panel(
+            left,
+            title="within a factor of the best",
+            xlabel="time / best time τ",
+            ylabel="share of problems",
+            xlog=2,
+            ylog=0,
+            ylim=(0, 1.02),
+        ),
+        Panel(
+            right,
+            title="within a time",
+            xlabel="time [ms]",
+            ylabel="share of problems",
+            xlog=10,
+            ylog=0,
+            ylim=(0, 1.02),
+        ),
+    ]
     counted = data_profile(products, solvers)
     if counted:
-        panels.append(Panel(counted, title="within matrix products", xlabel="matrix products", ylabel="share of problems", xlog=10, ylog=0, ylim=(0, 1.02)))
+        panels.append(
+            Panel(
+                counted,
+                title="within matrix products",
+                xlabel="matrix products",
+                ylabel="share of problems",
+                xlog=10,
+                ylog=0,
+                ylim=(0, 1.02),
+            )
+        )
     three = "" if len(solvers) <= 3 else " of the three best"
-    return Chart("profiles_" + re.sub(r"[^a-z0-9]+", "_", name.lower()), f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the best (left; ties within "
-                 f"{100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by family), within a time"
-                 + (", and within so many products with the matrix (data profile; only solvers that are counted in them)" if counted else "")
-                 + ". Failures and combinations that are not defined stay in the denominator.", panels, columns=len(panels), height=2.3)
+    return Chart(
+        "profiles_" + re.sub(r"[^a-z0-9]+", "_", name.lower()),
+        f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the best (left; ties within "
+        f"{100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by family), within a time"
+        + (
+            ", and within so many products with the matrix (data profile; only solvers that are counted in them)"
+            if counted
+            else ""
+        )
+        + ". Failures and combinations that are not defined stay in the denominator.",
+        panels,
+        columns=len(panels),
+        height=2.3,
+    )
 
 
-ENDS = {"false claims": ["unverified"], "limits": ["timeout", "time_limit", "max_iter", "stalled", "near"], "rays": ["ray", "infeasible"],
-        "breakdowns": ["crash", "oom", "numerical", "error", "no_output", "flood"], "not defined": ["unsupported", "skipped"]}
+ENDS = {
+    "false claims": ["unverified"],
+    "limits": ["timeout", "time_limit", "max_iter", "stalled", "near"],
+    "rays": ["ray", "infeasible"],
+    "breakdowns": ["crash", "oom", "numerical", "error", "no_output", "flood"],
+    "not defined": ["unsupported", "skipped"],
+}
 
 
 def ends(cells):
@@ -104,10 +178,24 @@ def lines_of(name, cells, cost, solvers, noise):
     for j, s in enumerate(solvers):
         mine = cells[cells["combination"] == s]
         solved = int(np.isfinite(cost[:, j]).sum())
-        rows.append([name, s, Cell(f"{solved} of {len(cost)}", "good" if solved == len(cost) else "", sort=solved),
-                     *(Cell(str(n), "bad" if n and name == "false claims" else "") for name, n in ends(mine).items()),
-                     Cell(f"{np.mean(r[:, j] <= noise):.0%}", sort=float(np.mean(r[:, j] <= noise))),
-                     Cell(si(stats.geometric_mean_shifted(cost[:, j], shift, limit), "s"), sort=stats.geometric_mean_shifted(cost[:, j], shift, limit))])
+        rows.append(
+            [
+                name,
+                s,
+                Cell(
+                    f"{solved} of {len(cost)}", "good" if solved == len(cost) else "", sort=solved
+                ),
+                *(
+                    Cell(str(n), "bad" if n and name == "false claims" else "")
+                    for name, n in ends(mine).items()
+                ),
+                Cell(f"{np.mean(r[:, j] <= noise):.0%}", sort=float(np.mean(r[:, j] <= noise))),
+                Cell(
+                    si(stats.geometric_mean_shifted(cost[:, j], shift, limit), "s"),
+                    sort=stats.geometric_mean_shifted(cost[:, j], shift, limit),
+                ),
+            ]
+        )
     return rows, shift
 
 
@@ -119,13 +207,34 @@ def section(cells, noise=NOISE):
     for name, some in fields(own):
         cost, _, families, solvers = matrix(some)
         if len(solvers) > 1 and np.isfinite(cost).any():
-            charts.append(profiles(name, cost, families, solvers, noise, matrix(some, "n_matvec")[0]))
+            charts.append(
+                profiles(name, cost, families, solvers, noise, matrix(some, "n_matvec")[0])
+            )
         rows, shift = lines_of(name, some, cost, solvers, noise)
         table += rows
         shifts.append(f"{name} {si(shift, 's')}")
-    return Section("library", "Solvers on the problem library", "Problems by themselves, without a simulation: generated families, imported files, friction problems on cones and on facets. "
-                   "Solvers are compared on the problems that all of them were given.", charts,
-                   [Table("solvers", "Solvers on the problems of the library, by the problems that they were given.",
-                          ["problems", "solver", "verified", *ENDS, "otherwise", "fastest or tied", "shifted geometric mean"], table,
-                          note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved. "
-                               "Limits: of time or iterations, stalled, or near; rays: ended on a ray or called infeasible; breakdowns: a crash, no memory, numerical trouble, an error of a library.")])
+    return Section(
+        "library",
+        "Solvers on the problem library",
+        "Problems by themselves, without a simulation: generated families, imported files, friction problems on cones and on facets. "
+        "Solvers are compared on the problems that all of them were given.",
+        charts,
+        [
+            Table(
+                "solvers",
+                "Solvers on the problems of the library, by the problems that they were given.",
+                [
+                    "problems",
+                    "solver",
+                    "verified",
+                    *ENDS,
+                    "otherwise",
+                    "fastest or tied",
+                    "shifted geometric mean",
+                ],
+                table,
+                note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved. "
+                "Limits: of time or iterations, stalled, or near; rays: ended on a ray or called infeasible; breakdowns: a crash, no memory, numerical trouble, an error of a library.",
+            )
+        ],
+    )

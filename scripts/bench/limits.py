@@ -1,4 +1,5 @@
 """bisect BINARY DIR [--quick] - the hardest rung at which each combination still stands, by bisection."""
+
 import argparse
 import csv
 import dataclasses
@@ -14,7 +15,19 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import stability  # noqa: E402
 from bench.section import Cell, Table  # noqa: E402
 
-COLUMNS = ["build", "quick", "stressor", "formulation", "solver", "stands", "fails", "word", "reason", "probes", "command"]
+COLUMNS = [
+    "build",
+    "quick",
+    "stressor",
+    "formulation",
+    "solver",
+    "stands",
+    "fails",
+    "word",
+    "reason",
+    "probes",
+    "command",
+]
 CLOSE = 1.1  # bisection ends at this ratio between what stands and what does not
 
 
@@ -30,25 +43,78 @@ class Stressor:
 
     def command(self, form, solver, value):
         text = f"{value:.0f}" if self.whole else f"{value:.4g}"
-        put = [t.replace("{form}", form).replace("{}", text) for t in (self.problem, self.formulation, self.step)]
+        put = [
+            t.replace("{form}", form).replace("{}", text)
+            for t in (self.problem, self.formulation, self.step)
+        ]
         return ["simulate", put[0], "--formulation", put[1], "--solver", solver, "--step", put[2]]
 
 
 STRESSORS = [
     Stressor("largest mass ratio", "stack:dim=2,n=2,mass_ratio={}", 1, 1e9),
     Stressor("largest step [s]", "stack:dim=2,n=2,duration=5", 1e-3, 5, step="{}"),
-    Stressor("largest step while sliding [s]", "incline:dim=2,theta_deg=40,duration=1", 1e-3, 1, step="{}"),
+    Stressor(
+        "largest step while sliding [s]",
+        "incline:dim=2,theta_deg=40,duration=1",
+        1e-3,
+        1,
+        step="{}",
+    ),
     Stressor("tallest stack", "stack:dim=2,n={}", 1, 128, whole=True),
-    Stressor("most copies of a contact", "walking_foot:multiplicity={},duration=0.01", 1, 128, step="0.005", whole=True),
+    Stressor(
+        "most copies of a contact",
+        "walking_foot:multiplicity={},duration=0.01",
+        1,
+        128,
+        step="0.005",
+        whole=True,
+    ),
     Stressor("smallest inertia [kg m^2]", "needle:inertia={}", 1e-1, 1e-15),
 ]
 STIFF = [  # the mild end is stiff: a soft contact creeps, a stiff one is hard to solve
-    ("regularized", Stressor("largest stiffness [N/m]", "incline:dim=2,mass=1,duration=0.1", 1e9, 1e18, formulation="regularized:stiffness=fixed,k={}")),
-    ("regularized", Stressor("smallest stiffness [N/m]", "incline:dim=2,mass=1,duration=0.1", 1e9, 1e1, formulation="regularized:stiffness=fixed,k={}")),
+    (
+        "regularized",
+        Stressor(
+            "largest stiffness [N/m]",
+            "incline:dim=2,mass=1,duration=0.1",
+            1e9,
+            1e18,
+            formulation="regularized:stiffness=fixed,k={}",
+        ),
+    ),
+    (
+        "regularized",
+        Stressor(
+            "smallest stiffness [N/m]",
+            "incline:dim=2,mass=1,duration=0.1",
+            1e9,
+            1e1,
+            formulation="regularized:stiffness=fixed,k={}",
+        ),
+    ),
 ]
-FORMS = ["normal", "velocity", "position", "regularized", "boxed", "coulomb", "acceleration", "event"]
-QUICK = [("regularized", "lemke"), ("velocity", "lemke"), ("position", "lemke"), ("regularized", "pgs"), ("velocity", "pgs"), ("boxed", "pgs"),
-         ("coulomb", "nsgs"), ("velocity", "interior_point"), ("event", "lemke"), ("penalty", "lemke")]
+FORMS = [
+    "normal",
+    "velocity",
+    "position",
+    "regularized",
+    "boxed",
+    "coulomb",
+    "acceleration",
+    "event",
+]
+QUICK = [
+    ("regularized", "lemke"),
+    ("velocity", "lemke"),
+    ("position", "lemke"),
+    ("regularized", "pgs"),
+    ("velocity", "pgs"),
+    ("boxed", "pgs"),
+    ("coulomb", "nsgs"),
+    ("velocity", "interior_point"),
+    ("event", "lemke"),
+    ("penalty", "lemke"),
+]
 
 
 def as_cell(answer, stressor, form):
@@ -59,13 +125,29 @@ def as_cell(answer, stressor, form):
         error, tolerance = p["error"], p["tolerance"]
         times = error / tolerance if error is not None and tolerance else math.inf
         return f"{p['quantity']}{' = 0' if p['predicted'] == 0 else ''} {times:.2g}x"
-    return {"status": answer["status"], "verified": answer["verified"], "note": answer["note"], "part": stressor.name, "formulation": form,
-            "n_predictions_missed": len(bad), "missed": ", ".join(map(text, bad[:3])), "penetration_m": answer["penetration_max_m"] or 0.0}
+
+    return {
+        "status": answer["status"],
+        "verified": answer["verified"],
+        "note": answer["note"],
+        "part": stressor.name,
+        "formulation": form,
+        "n_predictions_missed": len(bad),
+        "missed": ", ".join(map(text, bad[:3])),
+        "penetration_m": answer["penetration_max_m"] or 0.0,
+    }
 
 
 class Probe:
     def __init__(self, binary, stressor, form, solver, limit):
-        self.binary, self.stressor, self.form, self.solver, self.limit, self.count = binary, stressor, form, solver, limit, 0
+        self.binary, self.stressor, self.form, self.solver, self.limit, self.count = (
+            binary,
+            stressor,
+            form,
+            solver,
+            limit,
+            0,
+        )
 
     def __call__(self, value):
         """(word, reason, command) of one run."""
@@ -73,14 +155,27 @@ class Probe:
         args = self.stressor.command(self.form, self.solver, value)
         command = "lcpbench " + " ".join(shlex.quote(a) for a in args)
         try:
-            done = subprocess.run([self.binary, *args], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=self.limit)
+            done = subprocess.run(
+                [self.binary, *args],
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=self.limit,
+            )
         except subprocess.TimeoutExpired:
             return "time-out", f"not finished within {self.limit:g} s", command
         if done.returncode < 0:
             return "dies", f"killed by signal {-done.returncode}", command
         if not done.stdout.strip():
-            return "not defined" if done.returncode == 2 else "dies", done.stderr.strip()[:200] or f"no result, exit code {done.returncode}", command
-        return (*stability.word(as_cell(json.loads(done.stdout), self.stressor, self.form)), command)
+            return (
+                "not defined" if done.returncode == 2 else "dies",
+                done.stderr.strip()[:200] or f"no result, exit code {done.returncode}",
+                command,
+            )
+        return (
+            *stability.word(as_cell(json.loads(done.stdout), self.stressor, self.form)),
+            command,
+        )
 
 
 def bisect(probe):
@@ -91,14 +186,30 @@ def bisect(probe):
     while high is None:
         found = probe(value)
         if found[0] == "not defined" and low is None:
-            return {"stands": "", "fails": "", "word": "not defined", "reason": found[1], "command": found[2]}
+            return {
+                "stands": "",
+                "fails": "",
+                "word": "not defined",
+                "reason": found[1],
+                "command": found[2],
+            }
         if found[0] != "stands":
             high, last = value, found
         elif value == s.end:
-            return {"stands": value, "fails": "", "word": "stands", "reason": "to the end of the ladder", "command": found[2]}
+            return {
+                "stands": value,
+                "fails": "",
+                "word": "stands",
+                "reason": "to the end of the ladder",
+                "command": found[2],
+            }
         else:
             low, value = value, (min if factor > 1 else max)(value * factor, s.end)
-    while low is not None and max(low / high, high / low) > CLOSE and not (s.whole and abs(high - low) <= 1):
+    while (
+        low is not None
+        and max(low / high, high / low) > CLOSE
+        and not (s.whole and abs(high - low) <= 1)
+    ):
         mid = math.sqrt(low * high)
         mid = float(min(max(round(mid), low + 1), high - 1)) if s.whole else float(f"{mid:.3g}")
         if mid in (low, high):
@@ -108,7 +219,13 @@ def bisect(probe):
             low = mid
         else:
             high, last = mid, found
-    return {"stands": "" if low is None else low, "fails": high, "word": last[0], "reason": last[1], "command": last[2]}
+    return {
+        "stands": "" if low is None else low,
+        "fails": high,
+        "word": last[0],
+        "reason": last[1],
+        "command": last[2],
+    }
 
 
 def work(quick):
@@ -138,7 +255,11 @@ def table(rows):
     for form, solver in dict.fromkeys((r["formulation"], r["solver"]) for r in rows):
         line = [form, solver if form != "penalty" else "none (integrator)"]
         for name in names:
-            found = [r for r in rows if (r["formulation"], r["solver"], r["stressor"]) == (form, solver, name)]
+            found = [
+                r
+                for r in rows
+                if (r["formulation"], r["solver"], r["stressor"]) == (form, solver, name)
+            ]
             if not found:
                 stiff = name in {s.name for _, s in STIFF} and form not in {f for f, _ in STIFF}
                 line.append(Cell("not defined: no stiffness" if stiff else "not run", "none"))
@@ -147,13 +268,33 @@ def table(rows):
             if r["word"] == "not defined":
                 line.append(Cell("not defined: " + r["reason"], "none"))
             elif r["word"] == "stands":
-                line.append(Cell(f"{number(r['stands'], name in whole)}, the end of the ladder", "good", r["command"], float(r["stands"])))
+                line.append(
+                    Cell(
+                        f"{number(r['stands'], name in whole)}, the end of the ladder",
+                        "good",
+                        r["command"],
+                        float(r["stands"]),
+                    )
+                )
             else:
                 text = f"{number(r['stands'], name in whole) or 'none'}; at {number(r['fails'], name in whole)} {r['word']}"
-                line.append(Cell(text, "" if r["stands"] else "bad", f"{r['reason']}\n{r['command']}", float(r["stands"] or 0)))
+                line.append(
+                    Cell(
+                        text,
+                        "" if r["stands"] else "bad",
+                        f"{r['reason']}\n{r['command']}",
+                        float(r["stands"] or 0),
+                    )
+                )
         body.append(line)
-    return Table("limits", f"How far each stressor can be turned up: the last value that stands and, within {CLOSE:g} times that, the first that does not and what it does "
-                 "(bisection; lcpbench simulate at each value).", ["formulation", "solver"] + names, body, paper=False)
+    return Table(
+        "limits",
+        f"How far each stressor can be turned up: the last value that stands and, within {CLOSE:g} times that, the first that does not and what it does "
+        "(bisection; lcpbench simulate at each value).",
+        ["formulation", "solver"] + names,
+        body,
+        paper=False,
+    )
 
 
 def main():
@@ -181,7 +322,17 @@ def main():
                 continue
             probe = Probe(str(binary), stressor, form, solver, 0.5 if args.quick else 20.0)
             row = bisect(probe)
-            out.writerow({"build": build, "quick": mode, "stressor": stressor.name, "formulation": form, "solver": solver, "probes": probe.count, **row})
+            out.writerow(
+                {
+                    "build": build,
+                    "quick": mode,
+                    "stressor": stressor.name,
+                    "formulation": form,
+                    "solver": solver,
+                    "probes": probe.count,
+                    **row,
+                }
+            )
             to.flush()
     print(path)
     return 0

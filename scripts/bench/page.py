@@ -1,4 +1,5 @@
 """The report as one self-contained HTML page: no network, readable without JavaScript, the same bytes each time."""
+
 import base64
 import gzip
 import io
@@ -9,12 +10,15 @@ import plotly
 from markupsafe import Markup
 from PIL import Image
 
-from bench import accuracy, chart as chart_, style
+from bench import accuracy, style
+from bench import chart as chart_
 from bench.section import Cell, Table, error, si, table_html
 
 HERE = pathlib.Path(__file__).resolve().parent
-SCOPE = ("Times hold for this machine and this build; errors and counters hold everywhere, to rounding. A row counts only when the judge, which never "
-         "trusts the solver, confirmed every solve of it: to 1e-9 (exact methods) or 1e-6, and where accuracy is the question to the tolerance that was asked for. Differences inside the noise of the clock are ties. Nothing here says anything about scenes that are not in the tables.")
+SCOPE = (
+    "Times hold for this machine and this build; errors and counters hold everywhere, to rounding. A row counts only when the judge, which never "
+    "trusts the solver, confirmed every solve of it: to 1e-9 (exact methods) or 1e-6, and where accuracy is the question to the tolerance that was asked for. Differences inside the noise of the clock are ties. Nothing here says anything about scenes that are not in the tables."
+)
 
 
 def png(figure):
@@ -27,8 +31,15 @@ def png(figure):
 
 def picture(chart):
     """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their tables follow."""
-    spec = "" if isinstance(chart, chart_.Heat) else Markup(chart_.plotly(chart).replace("</", "<\\/"))
-    return {"name": chart.name, "caption": chart.caption, "data": png(chart_.draw(chart)), "json": spec}
+    spec = (
+        "" if isinstance(chart, chart_.Heat) else Markup(chart_.plotly(chart).replace("</", "<\\/"))
+    )
+    return {
+        "name": chart.name,
+        "caption": chart.caption,
+        "data": png(chart_.draw(chart)),
+        "json": spec,
+    }
 
 
 def library():
@@ -47,9 +58,16 @@ def fewer(cells):
     """Where there are too many: all that failed, and of the others the smallest step of each ladder. (cells, what was left out)."""
     if len(cells) <= MOST:
         return cells, ""
-    ladder = cells.groupby(["campaign", "part", "problem", "combination", "effects", "tol", "start"], dropna=False)["step_s"]
-    kept = cells[~cells["good"] | cells["step_s"].isna() | (cells["step_s"] == ladder.transform("min"))]
-    return kept, f", and {len(cells) - len(kept)} verified ones at larger steps than their ladder's smallest, which are in results.csv"
+    ladder = cells.groupby(
+        ["campaign", "part", "problem", "combination", "effects", "tol", "start"], dropna=False
+    )["step_s"]
+    kept = cells[
+        ~cells["good"] | cells["step_s"].isna() | (cells["step_s"] == ladder.transform("min"))
+    ]
+    return (
+        kept,
+        f", and {len(cells) - len(kept)} verified ones at larger steps than their ladder's smallest, which are in results.csv",
+    )
 
 
 def cells_table(cells):
@@ -60,16 +78,54 @@ def cells_table(cells):
     rows = []
     for c in cells.to_dict("records"):
         mark = "" if c["good"] else "none" if c["status"] in ("unsupported", "skipped") else "bad"
-        rows.append([c["campaign"], c["problem_family"], c["problem"], join(c["formulation"], c["formulation_options"]),
-                     join(c["solver"], c["solver_options"]), f"{c['step_s']:g}" if c["step_s"] == c["step_s"] else "",
-                     Cell(c["status"], mark, c.get("note", "")), f"{c['n_contacts']:g}" if c["n_contacts"] == c["n_contacts"] else "",
-                     f"{c['lcp_dim']:g}" if c["lcp_dim"] == c["lcp_dim"] else "", Cell(si(c.get("t_total_s"), "s"), sort=num(c.get("t_total_s"))),
-                     Cell(error(c["err_ref"]), sort=num(c["err_ref"])), Cell(error(c.get("res_ncp_rel")), sort=num(c.get("res_ncp_rel"))),
-                     Cell(error(c["rho"]), sort=num(c["rho"])), c.get("command", "")])
-    return Table("cells", f"All {len(rows)} cells" + (f" but the {left} rungs of the stability ladders, which are summed up in their own table" if left else "") + coarser +
-                 "; the last column is the command that reruns the cell.",
-                 ["campaign", "family", "problem", "formulation", "solver", "step [s]", "status", "contacts", "LCP", "time", "error", "Coulomb residual", "rho",
-                  "command"], rows, code=13, paper=False)
+        rows.append(
+            [
+                c["campaign"],
+                c["problem_family"],
+                c["problem"],
+                join(c["formulation"], c["formulation_options"]),
+                join(c["solver"], c["solver_options"]),
+                f"{c['step_s']:g}" if c["step_s"] == c["step_s"] else "",
+                Cell(c["status"], mark, c.get("note", "")),
+                f"{c['n_contacts']:g}" if c["n_contacts"] == c["n_contacts"] else "",
+                f"{c['lcp_dim']:g}" if c["lcp_dim"] == c["lcp_dim"] else "",
+                Cell(si(c.get("t_total_s"), "s"), sort=num(c.get("t_total_s"))),
+                Cell(error(c["err_ref"]), sort=num(c["err_ref"])),
+                Cell(error(c.get("res_ncp_rel")), sort=num(c.get("res_ncp_rel"))),
+                Cell(error(c["rho"]), sort=num(c["rho"])),
+                c.get("command", ""),
+            ]
+        )
+    return Table(
+        "cells",
+        f"All {len(rows)} cells"
+        + (
+            f" but the {left} rungs of the stability ladders, which are summed up in their own table"
+            if left
+            else ""
+        )
+        + coarser
+        + "; the last column is the command that reruns the cell.",
+        [
+            "campaign",
+            "family",
+            "problem",
+            "formulation",
+            "solver",
+            "step [s]",
+            "status",
+            "contacts",
+            "LCP",
+            "time",
+            "error",
+            "Coulomb residual",
+            "rho",
+            "command",
+        ],
+        rows,
+        code=13,
+        paper=False,
+    )
 
 
 def num(v):
@@ -86,16 +142,40 @@ def failures_table(cells):
     for (status, combo), g in bad.groupby(["status", "combination"]):
         first = g.iloc[0]
         signals = sorted({s for s in g.get("exit_signal", []) if s and s != "0"})
-        rows.append([Cell(status, "bad"), combo, str(len(g)), ", ".join(sorted(set(g["problem"]))[:6]) + (" …" if g["problem"].nunique() > 6 else ""),
-                     (first.get("note", "") or "claimed " + str(first["status_claimed"])) + (f"; signal {', '.join(signals)}" if signals else ""), str(first.get("command", ""))])
-    return Table("failures", "Failures, grouped by cause and combination; none is left out of a denominator.",
-                 ["status", "combination", "cells", "problems", "first note", "rerun the first"], rows, code=5)
+        rows.append(
+            [
+                Cell(status, "bad"),
+                combo,
+                str(len(g)),
+                ", ".join(sorted(set(g["problem"]))[:6])
+                + (" …" if g["problem"].nunique() > 6 else ""),
+                (first.get("note", "") or "claimed " + str(first["status_claimed"]))
+                + (f"; signal {', '.join(signals)}" if signals else ""),
+                str(first.get("command", "")),
+            ]
+        )
+    return Table(
+        "failures",
+        "Failures, grouped by cause and combination; none is left out of a denominator.",
+        ["status", "combination", "cells", "problems", "first note", "rerun the first"],
+        rows,
+        code=5,
+    )
 
 
 def undefined_table(cells):
     some = cells[cells["status"].isin(["unsupported", "skipped"])]
-    rows = [[status, combo, str(len(g)), g.iloc[0].get("note", "")] for (status, combo), g in some.groupby(["status", "combination"])]
-    return Table("undefined", "Combinations that are not defined or were left out by policy, with the reason.", ["status", "combination", "cells", "reason"], rows, paper=False)
+    rows = [
+        [status, combo, str(len(g)), g.iloc[0].get("note", "")]
+        for (status, combo), g in some.groupby(["status", "combination"])
+    ]
+    return Table(
+        "undefined",
+        "Combinations that are not defined or were left out by policy, with the reason.",
+        ["status", "combination", "cells", "reason"],
+        rows,
+        paper=False,
+    )
 
 
 def flatten(data, prefix=""):
@@ -110,47 +190,131 @@ def flatten(data, prefix=""):
 
 
 def method_tables(manifests):
-    return [Table(f"manifest_{name}", f"Manifest of {name}: what was run, on what, with what.", ["key", "value"],
-                  [[k, v] for k, v in flatten(m)], paper=False) for name, m in manifests.items() if m]
+    return [
+        Table(
+            f"manifest_{name}",
+            f"Manifest of {name}: what was run, on what, with what.",
+            ["key", "value"],
+            [[k, v] for k, v in flatten(m)],
+            paper=False,
+        )
+        for name, m in manifests.items()
+        if m
+    ]
 
 
 # For a reader who meets the names for the first time
-PLAIN = {"regularized": "solves for normal impulses only; friction acts as a stiff spring", "velocity": "friction cone with flat facets, on velocities",
-         "position": "friction cone with flat facets, on positions", "coulomb": "exact friction cone", "boxed": "friction bounded by the last normal impulse",
-         "normal": "no friction", "acceleration": "contact forces and accelerations", "event": "stops at every impact", "penalty": "compliant contact, a stiff differential equation",
-         "lemke": "solver: exact, by pivoting", "ppm": "solver: exact, by pivoting", "murty": "solver: exact, by pivoting", "block_pivoting": "solver: exact, by pivoting in blocks",
-         "enumerate": "solver: tries every case", "pgs": "solver: sweeps over the contacts", "jacobi": "solver: sweeps", "nsgs": "solver: sweeps over the contacts", "prox": "solver: fixed point",
-         "projected_gradient": "solver: gradient steps", "apgd": "solver: accelerated gradient steps", "nncg": "solver: sweeps with conjugate directions", "pgs_sm": "solver: sweeps, then a linear solve",
-         "newton": "solver: semismooth Newton", "interior_point": "solver: interior point", "sqp": "solver: general optimiser"}
+PLAIN = {
+    "regularized": "solves for normal impulses only; friction acts as a stiff spring",
+    "velocity": "friction cone with flat facets, on velocities",
+    "position": "friction cone with flat facets, on positions",
+    "coulomb": "exact friction cone",
+    "boxed": "friction bounded by the last normal impulse",
+    "normal": "no friction",
+    "acceleration": "contact forces and accelerations",
+    "event": "stops at every impact",
+    "penalty": "compliant contact, a stiff differential equation",
+    "lemke": "solver: exact, by pivoting",
+    "ppm": "solver: exact, by pivoting",
+    "murty": "solver: exact, by pivoting",
+    "block_pivoting": "solver: exact, by pivoting in blocks",
+    "enumerate": "solver: tries every case",
+    "pgs": "solver: sweeps over the contacts",
+    "jacobi": "solver: sweeps",
+    "nsgs": "solver: sweeps over the contacts",
+    "prox": "solver: fixed point",
+    "projected_gradient": "solver: gradient steps",
+    "apgd": "solver: accelerated gradient steps",
+    "nncg": "solver: sweeps with conjugate directions",
+    "pgs_sm": "solver: sweeps, then a linear solve",
+    "newton": "solver: semismooth Newton",
+    "interior_point": "solver: interior point",
+    "sqp": "solver: general optimiser",
+}
 
 
 def card(a):
     """One situation of the first screen, in words."""
     if not a["use"]:
-        return {"situation": a["situation"], "use": "", "why": "Nothing in these rows reaches it." if a["scenes"] else "No scene of this kind in these rows."}
+        return {
+            "situation": a["situation"],
+            "use": "",
+            "why": "Nothing in these rows reaches it."
+            if a["scenes"]
+            else "No scene of this kind in these rows.",
+        }
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
-    return {"situation": a["situation"], "use": a["use"], "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN), "cost": f"{si(a['per_step'], 's', 2)} a step", "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
-            "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.", "other": other, "breaks": a["breaks"], "command": a["command"]}
+    return {
+        "situation": a["situation"],
+        "use": a["use"],
+        "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN),
+        "cost": f"{si(a['per_step'], 's', 2)} a step",
+        "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
+        "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.",
+        "other": other,
+        "breaks": a["breaks"],
+        "command": a["command"],
+    }
 
 
 def render(title, counts, footer, cards, advice, sections):
-    env = jinja2.Environment(loader=jinja2.FileSystemLoader(HERE), autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    env = jinja2.Environment(
+        loader=jinja2.FileSystemLoader(HERE),
+        autoescape=True,
+        trim_blocks=True,
+        undefined=jinja2.StrictUndefined,
+    )
     body = []
     for s in sections:
-        tables = [Markup(filters() if t.name == "cells" else "") + Markup(table_html(t)) for t in s.tables]
-        body.append({"id": s.id, "title": s.title, "lead": s.lead, "first": tables[:1] if s.id == "claims" else [],
-                     "tables": tables[1:] if s.id == "claims" else tables,
-                     "charts": [picture(c) for c in s.charts]})
-    links = [{"id": "advice", "short": "Which one to use"}] + [{"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections]
+        tables = [
+            Markup(filters() if t.name == "cells" else "") + Markup(table_html(t)) for t in s.tables
+        ]
+        body.append(
+            {
+                "id": s.id,
+                "title": s.title,
+                "lead": s.lead,
+                "first": tables[:1] if s.id == "claims" else [],
+                "tables": tables[1:] if s.id == "claims" else tables,
+                "charts": [picture(c) for c in s.charts],
+            }
+        )
+    links = [{"id": "advice", "short": "Which one to use"}] + [
+        {"id": s.id, "short": SHORT.get(s.id, s.title)} for s in sections
+    ]
     return env.get_template("page.html.j2").render(
-        title=title, level=f"{accuracy.LEVEL:g}", counts=counts, footer=footer, scope=SCOPE, cards=[card(a) for a in cards], advice=Markup(table_html(advice)) if advice else "", sections=links, body=body,
-        css=Markup((HERE / "page.css").read_text()), js=Markup((HERE / "page.js").read_text()), plotly=library() if any(s.charts for s in sections) else "")
+        title=title,
+        level=f"{accuracy.LEVEL:g}",
+        counts=counts,
+        footer=footer,
+        scope=SCOPE,
+        cards=[card(a) for a in cards],
+        advice=Markup(table_html(advice)) if advice else "",
+        sections=links,
+        body=body,
+        css=Markup((HERE / "page.css").read_text()),
+        js=Markup((HERE / "page.js").read_text()),
+        plotly=library() if any(s.charts for s in sections) else "",
+    )
 
 
-SHORT = {"claims": "Claims", "paper": "Size and time", "accuracy": "Accuracy", "stability": "Stability", "effects": "Effects", "scaling": "Scaling",
-         "library": "Solvers", "cells": "All cells", "failures": "Failures", "method": "Method"}
+SHORT = {
+    "claims": "Claims",
+    "paper": "Size and time",
+    "accuracy": "Accuracy",
+    "stability": "Stability",
+    "effects": "Effects",
+    "scaling": "Scaling",
+    "library": "Solvers",
+    "cells": "All cells",
+    "failures": "Failures",
+    "method": "Method",
+}
 
 
 def filters():
-    menus = "".join(f'<select data-column="{column}" aria-label="{name}"><option>{name}: all</option></select>' for name, column in FILTERS)
+    menus = "".join(
+        f'<select data-column="{column}" aria-label="{name}"><option>{name}: all</option></select>'
+        for name, column in FILTERS
+    )
     return f'<div class="filters">{menus}<input id="find" placeholder="words" aria-label="words"><span id="shown"></span></div>'

@@ -1,4 +1,5 @@
 """recommend DIR --scene S --error E [--yardstick Y]"""
+
 import argparse
 import fnmatch
 import pathlib
@@ -14,7 +15,11 @@ def said(cell, column):
     if column != "err_ref" or not cell["converged"]:
         return error(cell[column])
     floor = error(cell["err_floor"])
-    return f"not resolved, below the {floor} of its reference" if cell["err_ref"] < cell["err_floor"] else f"{error(cell[column])} (to {floor}; {cell['err_source']})"
+    return (
+        f"not resolved, below the {floor} of its reference"
+        if cell["err_ref"] < cell["err_floor"]
+        else f"{error(cell[column])} (to {floor}; {cell['err_source']})"
+    )
 
 
 def why_not(fit, column, level):
@@ -28,9 +33,22 @@ def why_not(fit, column, level):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/recommend", description="The cheapest verified combination for a scene and an error.")
-    parser.add_argument("folder", metavar="DIR", nargs="?", default="results/runs", help="campaign, or folder of campaigns (default: results/runs)")
-    parser.add_argument("--scene", required=True, help="problem as in the rows, or a pattern; its family name is enough")
+    parser = argparse.ArgumentParser(
+        prog="scripts/recommend",
+        description="The cheapest verified combination for a scene and an error.",
+    )
+    parser.add_argument(
+        "folder",
+        metavar="DIR",
+        nargs="?",
+        default="results/runs",
+        help="campaign, or folder of campaigns (default: results/runs)",
+    )
+    parser.add_argument(
+        "--scene",
+        required=True,
+        help="problem as in the rows, or a pattern; its family name is enough",
+    )
     parser.add_argument("--error", required=True, type=float, help="error to stay below")
     parser.add_argument("--yardstick", choices=list(accuracy.YARDSTICKS), default="trajectory")
     args = parser.parse_args()
@@ -41,22 +59,34 @@ def main():
         print(problem, file=sys.stderr)
         return 2
     accuracy.NOISE = rows.noise(args.folder) or accuracy.NOISE
-    match = [fnmatch.fnmatch(p, args.scene) or f == args.scene for p, f in zip(cells["problem"], cells["problem_family"])]
+    match = [
+        fnmatch.fnmatch(p, args.scene) or f == args.scene
+        for p, f in zip(cells["problem"], cells["problem_family"])
+    ]
     found = cells[match]
     if found.empty:
-        print(f"--scene {args.scene}: no such scene in the rows; there are: {', '.join(sorted(set(cells['problem_family'])))}", file=sys.stderr)
+        print(
+            f"--scene {args.scene}: no such scene in the rows; there are: {', '.join(sorted(set(cells['problem_family'])))}",
+            file=sys.stderr,
+        )
         return 2
     status = 3
     for problem, group in found.groupby("problem"):
         best = accuracy.cheapest(group, args.error, column)
         if best is None:
-            print(f"{problem}: nothing confirmed reaches {args.error:g}; {why_not(accuracy.usable(group, column), column, args.error)}")
+            print(
+                f"{problem}: nothing confirmed reaches {args.error:g}; {why_not(accuracy.usable(group, column), column, args.error)}"
+            )
             continue
         status = 0
-        print(f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}")
+        print(
+            f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}"
+        )
         same = accuracy.ties(group, best, args.error, column)
         if same:
-            print(f"  in the same time, to the noise or the spread of the samples: {'; '.join(same)}")
+            print(
+                f"  in the same time, to the noise or the spread of the samples: {'; '.join(same)}"
+            )
         print(f"  {best['command']}")
     return status
 

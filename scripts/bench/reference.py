@@ -1,4 +1,5 @@
 """reference [DIR] - the committed reference run and the README's words about it, from the rows under DIR."""
+
 import argparse
 import lzma
 import math
@@ -37,7 +38,13 @@ def figures(cells, ladders, target):
     own = paper.own(cells)
     stable = stability.section(ladders)
     effect = effects.section(cells)
-    made = [paper.dimension(own), paper.time_and_error(own), accuracy.chart(accuracy.own(cells)), stable and stable.charts[0], effect and effect.charts and effect.charts[0]]
+    made = [
+        paper.dimension(own),
+        paper.time_and_error(own),
+        accuracy.chart(accuracy.own(cells)),
+        stable and stable.charts[0],
+        effect and effect.charts and effect.charts[0],
+    ]
     shutil.rmtree(target, ignore_errors=True)
     for one in filter(None, made):
         style.save(chart.draw(one), target, one.name)
@@ -55,8 +62,33 @@ def advice_words(cells):
     for a in accuracy.advise(cells):
         if not a["use"]:
             continue
-        body.append([a["situation"], Cell(f"`{a['use']}`"), f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)", f"{a['reached']} of {a['scenes']}", accuracy.rival_words(a["other"])])
-    return section.table_md(Table("", "", ["scene", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}", "next formulation"], body)) if body else ""
+        body.append(
+            [
+                a["situation"],
+                Cell(f"`{a['use']}`"),
+                f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)",
+                f"{a['reached']} of {a['scenes']}",
+                accuracy.rival_words(a["other"]),
+            ]
+        )
+    return (
+        section.table_md(
+            Table(
+                "",
+                "",
+                [
+                    "scene",
+                    "use",
+                    "a step takes",
+                    f"scenes within {accuracy.LEVEL:g}",
+                    "next formulation",
+                ],
+                body,
+            )
+        )
+        if body
+        else ""
+    )
 
 
 def converged_words(own):
@@ -65,8 +97,10 @@ def converged_words(own):
     if not found:
         return ""
     worst = max(found, key=lambda r: r.uncertainty)
-    return (f"{len(found)} scenes have no closed form: they are measured by a converged run of another method, uncertain by {min(r.uncertainty for r in found):.0e} to {worst.uncertainty:.0e} "
-            f"(`{worst.problem}`).")
+    return (
+        f"{len(found)} scenes have no closed form: they are measured by a converged run of another method, uncertain by {min(r.uncertainty for r in found):.0e} to {worst.uncertainty:.0e} "
+        f"(`{worst.problem}`)."
+    )
 
 
 def accuracy_words(cells):
@@ -76,21 +110,35 @@ def accuracy_words(cells):
     for _, g in found:
         best = accuracy.cheapest(g, accuracy.LEVEL)
         if best is not None:
-            tied = {combination.split(" + ")[0].split(":")[0] for combination in accuracy.ties(g, best, accuracy.LEVEL)} - {best["formulation"]}
+            tied = {
+                combination.split(" + ")[0].split(":")[0]
+                for combination in accuracy.ties(g, best, accuracy.LEVEL)
+            } - {best["formulation"]}
             votes.setdefault(best["formulation"], []).append(bool(tied))
     ranked = sorted(votes.items(), key=lambda kv: (-len(kv[1]), kv[0]))
-    first = ", ".join(f"`{name}` in {len(v)}" + (f" ({sum(v)} tied with another)" if any(v) else "") for name, v in ranked[:3])
+    first = ", ".join(
+        f"`{name}` in {len(v)}" + (f" ({sum(v)} tied with another)" if any(v) else "")
+        for name, v in ranked[:3]
+    )
     tenth = []  # times as long for a tenth of the error, along the front
     for _, g in accuracy.trades(found):
         fit = accuracy.usable(g)
         fit = fit[fit["err_ref"] > fit["err_floor"]]
         front = fit.iloc[accuracy.front(fit)]
-        decades = math.log10(front["err_ref"].max() / front["err_ref"].min()) if len(front) > 1 else 0.0
+        decades = (
+            math.log10(front["err_ref"].max() / front["err_ref"].min()) if len(front) > 1 else 0.0
+        )
         if decades >= 1:
             tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
-    price = f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)" if tenth else "no front spans a decade"
-    return (f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below {accuracy.LEVEL:g} "
-            f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}. " + converged_words(own))
+    price = (
+        f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)"
+        if tenth
+        else "no front spans a decade"
+    )
+    return (
+        f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below {accuracy.LEVEL:g} "
+        f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}. " + converged_words(own)
+    )
 
 
 def stability_words(ladders):
@@ -106,9 +154,12 @@ def stability_words(ladders):
             causes[word] = causes.get(word, 0) + len(parts)
     worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
     names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
-    return (f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
-            f"brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
-            + ", ".join(f"{word} ({n})" for word, n in worst) + ".")
+    return (
+        f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
+        f"brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
+        + ", ".join(f"{word} ({n})" for word, n in worst)
+        + "."
+    )
 
 
 def effects_words(cells):
@@ -124,51 +175,90 @@ def effects_words(cells):
     noise = effects.noise_of(compared)
     other = [r for _, _, r, same, _ in compared if not same]
     dearer = sum(r > 1 + noise for r in other)
-    return (f"What an effect is worth: time with everything on, with the effects that a pilot chose (`--effects auto:1e-6`), and with one declared effect dropped, over the time as declared. "
-            f"{len(compared) - len(other)} of {len(compared)} scenes declare all that costs: their work is the same with everything on, and tells the noise ({noise:.0%}). "
-            f"As declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
-            f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}.")
+    return (
+        f"What an effect is worth: time with everything on, with the effects that a pilot chose (`--effects auto:1e-6`), and with one declared effect dropped, over the time as declared. "
+        f"{len(compared) - len(other)} of {len(compared)} scenes declare all that costs: their work is the same with everything on, and tells the noise ({noise:.0%}). "
+        f"As declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
+        f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}."
+    )
 
 
 def measured_words(cells, manifests):
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
-    return (f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
-            "manifests.")
+    return (
+        f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
+        "manifests."
+    )
 
 
 def short_words(cells, have, manifests):
     """The README: which to take, and what accuracy costs."""
-    return "".join([advice_words(cells), "\n",
-                    picture("accuracy_against_time", "Error against time", have, accuracy_words(cells), at="results/reference/figures"),
-                    measured_words(cells, manifests), "\n"])
+    return "".join(
+        [
+            advice_words(cells),
+            "\n",
+            picture(
+                "accuracy_against_time",
+                "Error against time",
+                have,
+                accuracy_words(cells),
+                at="results/reference/figures",
+            ),
+            measured_words(cells, manifests),
+            "\n",
+        ]
+    )
 
 
 def long_words(cells, ladders, have, manifests):
     """results/README.md: all figures, each with what it says."""
     table = paper.summary(paper.own(cells))
-    out = [advice_words(cells), "\n",
-           picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
-           picture("stability", "Stability map", have, stability_words(ladders)),
-           picture("effects", "Effects", have, effects_words(cells)),
-           picture("dimension", "Unknowns of the LCP against contacts", have, "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
-                   "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many."),
-           f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
-           measured_words(cells, manifests), "\n"]
+    out = [
+        advice_words(cells),
+        "\n",
+        picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
+        picture("stability", "Stability map", have, stability_words(ladders)),
+        picture("effects", "Effects", have, effects_words(cells)),
+        picture(
+            "dimension",
+            "Unknowns of the LCP against contacts",
+            have,
+            "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
+            "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many.",
+        ),
+        f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
+        measured_words(cells, manifests),
+        "\n",
+    ]
     return "".join(out)
 
 
 def write_between(page, text):
     """Replaces what stands between the markers of a page."""
     old = page.read_text(encoding="utf-8")
-    page.write_text(re.sub(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, old, flags=re.S), encoding="utf-8")
+    page.write_text(
+        re.sub(
+            re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: BEGIN + text + END, old, flags=re.S
+        ),
+        encoding="utf-8",
+    )
 
 
 def main():
     parser = argparse.ArgumentParser(prog="scripts/reference", description=__doc__)
-    parser.add_argument("folder", nargs="?", default=str(ROOT / "results" / "runs"), help="folder of campaigns (default: results/runs)")
-    parser.add_argument("--out", default=str(ROOT), help="where results/reference, results/README.md and README.md are (default: this project)")
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        default=str(ROOT / "results" / "runs"),
+        help="folder of campaigns (default: results/runs)",
+    )
+    parser.add_argument(
+        "--out",
+        default=str(ROOT),
+        help="where results/reference, results/README.md and README.md are (default: this project)",
+    )
     args = parser.parse_args()
     source, root = pathlib.Path(args.folder), pathlib.Path(args.out)
     try:
@@ -180,7 +270,10 @@ def main():
     for page in pages:
         readme = page.read_text(encoding="utf-8")
         if BEGIN not in readme or END not in readme:
-            print(f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing", file=sys.stderr)
+            print(
+                f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing",
+                file=sys.stderr,
+            )
             return 2
     cells = rows.cells(all_rows)
     accuracy.NOISE = rows.noise(source) or accuracy.NOISE

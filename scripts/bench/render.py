@@ -1,4 +1,5 @@
 """render TRAJECTORY.csv [--out FOLDER] - stills, a contact sheet and a GIF: bodies, force arrows, stick and slip by colour."""
+
 import argparse
 import pathlib
 import sys
@@ -24,28 +25,51 @@ class BadTrajectory(Exception):
 
 def rotation(q):
     w, x, y, z = q
-    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                     [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                     [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 POS, QUAT, SIZE = ["x_m", "y_m", "z_m"], ["qw", "qx", "qy", "qz"], ["sx", "sy", "sz"]
 
 
-COLUMNS = ["t_s", "kind", "name", "word", *POS, *QUAT, "vx_m_s", "vy_m_s", "vz_m_s", "omega_x_rad_s", "omega_y_rad_s", "omega_z_rad_s", *SIZE]
+COLUMNS = [
+    "t_s",
+    "kind",
+    "name",
+    "word",
+    *POS,
+    *QUAT,
+    "vx_m_s",
+    "vy_m_s",
+    "vz_m_s",
+    "omega_x_rad_s",
+    "omega_y_rad_s",
+    "omega_z_rad_s",
+    *SIZE,
+]
 SHAPES = {"point", "sphere", "box", "rod", "disc", "polygon"}
 
 
 def read(path):
     """The rows of a trajectory file, or BadTrajectory with the reason."""
     try:
-        data = pd.read_csv(path, dtype={"kind": str, "name": str, "word": str}, keep_default_na=False)
+        data = pd.read_csv(
+            path, dtype={"kind": str, "name": str, "word": str}, keep_default_na=False
+        )
     except (OSError, ValueError) as error:
         raise BadTrajectory(f"{path}: {str(error).splitlines()[0]}") from None
     if list(data.columns) != COLUMNS:
         raise BadTrajectory(f"{path}: not a trajectory: its columns must be {', '.join(COLUMNS)}")
     numbers = data[["t_s", *COLUMNS[4:]]]
-    if not all(t.kind in "fi" for t in numbers.dtypes) or not np.isfinite(numbers.to_numpy(float)).all():
+    if (
+        not all(t.kind in "fi" for t in numbers.dtypes)
+        or not np.isfinite(numbers.to_numpy(float)).all()
+    ):
         raise BadTrajectory(f"{path}: a number is none, or is not finite")
     count = data["kind"].value_counts()
     if count.get("scene", 0) != 1 or count.get("body", 0) == 0:
@@ -65,12 +89,25 @@ class Run:
         data = read(path)
         scene = data[data["kind"] == "scene"].iloc[0]
         self.title, self.dim = scene["name"], int(scene["word"])
-        self.planes = [(p[POS].to_numpy(float), p[SIZE].to_numpy(float)) for _, p in data[data["kind"] == "plane"].iterrows()]
-        vertices = {n: g[POS].to_numpy(float)[:, :2] for n, g in data[data["kind"] == "vertex"].groupby("name")}
+        self.planes = [
+            (p[POS].to_numpy(float), p[SIZE].to_numpy(float))
+            for _, p in data[data["kind"] == "plane"].iterrows()
+        ]
+        vertices = {
+            n: g[POS].to_numpy(float)[:, :2]
+            for n, g in data[data["kind"] == "vertex"].groupby("name")
+        }
         self.shapes = {}
         for _, s in data[data["kind"] == "shape"].iterrows():
-            self.shapes.setdefault(s["name"], []).append((s["word"], s[SIZE].to_numpy(float), s[POS].to_numpy(float),
-                                                          rotation(s[QUAT].to_numpy(float)), vertices.get(s["name"])))
+            self.shapes.setdefault(s["name"], []).append(
+                (
+                    s["word"],
+                    s[SIZE].to_numpy(float),
+                    s[POS].to_numpy(float),
+                    rotation(s[QUAT].to_numpy(float)),
+                    vertices.get(s["name"]),
+                )
+            )
         bodies = data[data["kind"] == "body"]
         self.times = np.array(sorted(bodies["t_s"].unique()))
         self.bodies = {t: g for t, g in bodies.groupby("t_s")}
@@ -82,7 +119,13 @@ class Run:
         self.look()
 
     def radius(self, name):
-        return max((np.linalg.norm(p) + np.abs(corners(w, s, v)).max() for w, s, p, _, v in self.shapes.get(name, [])), default=0.05)
+        return max(
+            (
+                np.linalg.norm(p) + np.abs(corners(w, s, v)).max()
+                for w, s, p, _, v in self.shapes.get(name, [])
+            ),
+            default=0.05,
+        )
 
     def look(self):
         """What the bodies sweep over the run: in space (low, high) and on the picture (view: low and high corner)."""
@@ -93,7 +136,11 @@ class Run:
                 r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
                 for word, size, pos, turn, vertices in self.shapes.get(body["name"], []):
                     ball = word == "sphere"
-                    points = (at + pos @ r.T)[None, :] if ball else at + (pos + corners(word, size, vertices) @ turn.T) @ r.T
+                    points = (
+                        (at + pos @ r.T)[None, :]
+                        if ball
+                        else at + (pos + corners(word, size, vertices) @ turn.T) @ r.T
+                    )
                     reach = size[0] if ball else 0.0
                     space += [points.min(axis=0) - reach, points.max(axis=0) + reach]
                     on = flat(points)
@@ -118,6 +165,7 @@ class Run:
 
 # ---- the plane -------------------------------------------------------------------------------------------------------------
 
+
 def outline(word, size, vertices):
     """Corner points of a planar shape in its own frame."""
     if vertices is not None:
@@ -140,13 +188,19 @@ def draw_plane(ax, run, t):
         along = np.array([-normal[1], normal[0]])
         base = foot[:2] + along * np.dot(middle - foot[:2], along)
         ends = [base - along * span * 2, base + along * span * 2]
-        ax.fill(*np.array([*ends, ends[1] - normal[:2] * span * 3, ends[0] - normal[:2] * span * 3]).T, color="#efeae2", zorder=0)
+        ax.fill(
+            *np.array([*ends, ends[1] - normal[:2] * span * 3, ends[0] - normal[:2] * span * 3]).T,
+            color="#efeae2",
+            zorder=0,
+        )
         ax.plot(*np.array(ends).T, color=GROUND, linewidth=1.6, zorder=1)
     for _, body in run.bodies[t].iterrows():
         r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
         for word, size, pos, turn, vertices in run.shapes.get(body["name"], []):
             local = outline(word, size, vertices)
-            points = (at + (pos + np.column_stack([local, np.zeros(len(local))]) @ turn.T) @ r.T)[:, :2]
+            points = (at + (pos + np.column_stack([local, np.zeros(len(local))]) @ turn.T) @ r.T)[
+                :, :2
+            ]
             if np.max(np.ptp(points, axis=0)) < 0.02 * span:
                 ax.plot(*points.mean(axis=0), "o", color=EDGE, markersize=8, zorder=3)
                 continue
@@ -168,23 +222,49 @@ def frame_view(ax, run):
 
 def arrow(ax, here, force, color, mark, alpha=1.0):
     if np.linalg.norm(force) > 1e-9:
-        ax.annotate("", here + force, here, zorder=5, arrowprops={"arrowstyle": "-|>", "color": color, "lw": 0.6 + mark, "shrinkA": 0,
-                                                                  "shrinkB": 0, "mutation_scale": 9 * mark, "alpha": alpha})
-    ax.plot(*here, "o", color=color, markersize=1 + 2.5 * mark, zorder=6, alpha=alpha, markeredgewidth=0)
+        ax.annotate(
+            "",
+            here + force,
+            here,
+            zorder=5,
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": color,
+                "lw": 0.6 + mark,
+                "shrinkA": 0,
+                "shrinkB": 0,
+                "mutation_scale": 9 * mark,
+                "alpha": alpha,
+            },
+        )
+    ax.plot(
+        *here, "o", color=color, markersize=1 + 2.5 * mark, zorder=6, alpha=alpha, markeredgewidth=0
+    )
 
 
 def arrows(run, t):
     """Contact points with their force, scaled so that a large force is as long as the largest body; colour: the mode."""
-    for _, c in (run.contacts[t].iterrows() if t in run.contacts else ()):
-        yield c[POS].to_numpy(float), c[SIZE].to_numpy(float) / run.force * run.size * 1.2, MODES.get(c["word"], MODES[""])
+    for _, c in run.contacts[t].iterrows() if t in run.contacts else ():
+        yield (
+            c[POS].to_numpy(float),
+            c[SIZE].to_numpy(float) / run.force * run.size * 1.2,
+            MODES.get(c["word"], MODES[""]),
+        )
 
 
 # ---- space -----------------------------------------------------------------------------------------------------------------
 
+
 def camera():
     azimuth, elevation = VIEW
     right = np.array([np.cos(azimuth), np.sin(azimuth), 0])
-    away = np.array([-np.sin(azimuth) * np.cos(elevation), np.cos(azimuth) * np.cos(elevation), -np.sin(elevation)])
+    away = np.array(
+        [
+            -np.sin(azimuth) * np.cos(elevation),
+            np.cos(azimuth) * np.cos(elevation),
+            -np.sin(elevation),
+        ]
+    )
     return right, np.cross(right, away), away
 
 
@@ -208,12 +288,18 @@ def corners(word, size, vertices):
 
 
 def shaded(tint, normal):
-    return tuple(np.clip(tint * (0.62 + 0.38 * max(0.0, float(np.dot(normal, LIGHT)))) * 1.06, 0, 1))
+    return tuple(
+        np.clip(tint * (0.62 + 0.38 * max(0.0, float(np.dot(normal, LIGHT)))) * 1.06, 0, 1)
+    )
 
 
 def hidden(faces, here, depth, size):
     """Is the point, `depth` away, behind one of the faces drawn? `front` of a face: how far away it is at a point of the picture."""
-    return any(front(here) < depth - 1e-3 * size and inside(here, points) for _, points, _, _, front in faces if front is not None)
+    return any(
+        front(here) < depth - 1e-3 * size and inside(here, points)
+        for _, points, _, _, front in faces
+        if front is not None
+    )
 
 
 def inside(here, points):
@@ -239,12 +325,24 @@ def ball(centre, radius, turn, flat, away, tint):
     out = []
     for i, share in enumerate((1.0, 0.85, 0.7, 0.5, 0.3)):
         color = tuple(np.clip(tint * (0.72 + 0.085 * i), 0, 1))
-        front = (lambda here: depth - np.sqrt(max(0.0, radius ** 2 - np.sum((here - middle) ** 2)))) if i == 0 else None
-        out.append((depth - 1e-6 * i * radius, middle + radius * (share * ring + (1 - share) * 0.8 * lit), color, EDGE if i == 0 else color, front))
+        front = (
+            (lambda here: depth - np.sqrt(max(0.0, radius**2 - np.sum((here - middle) ** 2))))
+            if i == 0
+            else None
+        )
+        out.append(
+            (
+                depth - 1e-6 * i * radius,
+                middle + radius * (share * ring + (1 - share) * 0.8 * lit),
+                color,
+                EDGE if i == 0 else color,
+                front,
+            )
+        )
     circle = radius * np.column_stack([ring, np.zeros(len(ring))]) @ turn.T
     for k in range(len(circle) - 1):
         if circle[k] @ away < 0 and circle[k + 1] @ away < 0:
-            out.append((depth - 1e-5 * radius, flat(centre + circle[k:k + 2]), EDGE, EDGE, None))
+            out.append((depth - 1e-5 * radius, flat(centre + circle[k : k + 2]), EDGE, EDGE, None))
     return out
 
 
@@ -252,7 +350,17 @@ def mesh(word, size):
     """Faces of a box, rod, disc or cylinder in its own frame, each an array of corners seen counter-clockwise from outside."""
     if word == "box":
         c = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size
-        return [c[i] for i in ([0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3])]
+        return [
+            c[i]
+            for i in (
+                [0, 1, 3, 2],
+                [4, 6, 7, 5],
+                [0, 4, 5, 1],
+                [2, 3, 7, 6],
+                [0, 2, 6, 4],
+                [1, 5, 7, 3],
+            )
+        ]
     if word == "rod":
         return tube(max(size[1], 0.03 * size[0]), size[0], axis=0)
     return tube(size[0], max(size[2], 0.04 * size[0]), axis=2)
@@ -261,9 +369,26 @@ def mesh(word, size):
 def tube(radius, half, axis):
     a = np.linspace(0, 2 * np.pi, 25)
     ring = radius * np.column_stack([np.cos(a), np.sin(a)])
-    lift = (lambda p, h: np.array([p[0], p[1], h])) if axis == 2 else (lambda p, h: np.array([h, p[0], p[1]]))
-    sides = [np.array([lift(ring[i], -half), lift(ring[i + 1], -half), lift(ring[i + 1], half), lift(ring[i], half)]) for i in range(24)]
-    return sides + [np.array([lift(p, -half) for p in ring[::-1]]), np.array([lift(p, half) for p in ring])]
+    lift = (
+        (lambda p, h: np.array([p[0], p[1], h]))
+        if axis == 2
+        else (lambda p, h: np.array([h, p[0], p[1]]))
+    )
+    sides = [
+        np.array(
+            [
+                lift(ring[i], -half),
+                lift(ring[i + 1], -half),
+                lift(ring[i + 1], half),
+                lift(ring[i], half),
+            ]
+        )
+        for i in range(24)
+    ]
+    return sides + [
+        np.array([lift(p, -half) for p in ring[::-1]]),
+        np.array([lift(p, half) for p in ring]),
+    ]
 
 
 def draw_space(ax, run, t):
@@ -275,18 +400,36 @@ def draw_space(ax, run, t):
         a /= np.linalg.norm(a)
         b = np.cross(normal, a)
         base = centre - normal * np.dot(centre - foot, normal)
-        corners = np.array([base + span * 0.75 * (i * a + j * b) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
+        corners = np.array(
+            [base + span * 0.75 * (i * a + j * b) for i, j in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        )
         ax.fill(*flat(corners).T, facecolor="#efeae2", edgecolor=GROUND, linewidth=0.8, zorder=0)
         for k in np.linspace(-0.75, 0.75, 7)[1:-1]:
             for p, q in ((a, b), (b, a)):
-                ax.plot(*flat(np.array([base + span * (k * p - 0.75 * q), base + span * (k * p + 0.75 * q)])).T, color="#ded5c6", linewidth=0.5, zorder=0.5)
+                ax.plot(
+                    *flat(
+                        np.array(
+                            [base + span * (k * p - 0.75 * q), base + span * (k * p + 0.75 * q)]
+                        )
+                    ).T,
+                    color="#ded5c6",
+                    linewidth=0.5,
+                    zorder=0.5,
+                )
     faces = []  # depth, corners on the picture, colour of the face, colour of its outline, depth over the picture
-    tint = np.array([int(FILL[i:i + 2], 16) / 255 for i in (1, 3, 5)])
+    tint = np.array([int(FILL[i : i + 2], 16) / 255 for i in (1, 3, 5)])
     for _, body in run.bodies[t].iterrows():
         r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
         for word, size, pos, turn, vertices in run.shapes.get(body["name"], []):
             if word in ("sphere", "point"):
-                faces += ball(at + pos @ r.T, size[0] if word == "sphere" else 0.02 * np.max(run.view[1] - run.view[0]), r @ turn, flat, away, tint)
+                faces += ball(
+                    at + pos @ r.T,
+                    size[0] if word == "sphere" else 0.02 * np.max(run.view[1] - run.view[0]),
+                    r @ turn,
+                    flat,
+                    away,
+                    tint,
+                )
                 continue
             for face in mesh(word, size):
                 points = at + (pos + face @ turn.T) @ r.T
@@ -295,18 +438,40 @@ def draw_space(ax, run, t):
                 if length == 0 or np.dot(normal, away) > 0:
                     continue
                 color = shaded(tint, normal / length)
-                faces.append((float(np.mean(points @ away)), flat(points), color, color if word != "box" and len(face) == 4 else EDGE,
-                              plane_front(points, normal, flat, away)))
+                faces.append(
+                    (
+                        float(np.mean(points @ away)),
+                        flat(points),
+                        color,
+                        color if word != "box" and len(face) == 4 else EDGE,
+                        plane_front(points, normal, flat, away),
+                    )
+                )
     faces.sort(key=lambda f: -f[0])
-    ax.add_collection(PolyCollection([f[1] for f in faces], facecolors=[f[2] for f in faces], edgecolors=[f[3] for f in faces],
-                                     linewidths=0.5, zorder=2))
+    ax.add_collection(
+        PolyCollection(
+            [f[1] for f in faces],
+            facecolors=[f[2] for f in faces],
+            edgecolors=[f[3] for f in faces],
+            linewidths=0.5,
+            zorder=2,
+        )
+    )
     for point, force, color in arrows(run, t):
         here, tip = flat(np.array([point, point + force]))
-        arrow(ax, here, tip - here, color, run.mark(), 0.4 if hidden(faces, here, float(point @ away), run.size) else 1.0)
+        arrow(
+            ax,
+            here,
+            tip - here,
+            color,
+            run.mark(),
+            0.4 if hidden(faces, here, float(point @ away), run.size) else 1.0,
+        )
     frame_view(ax, run)
 
 
 # ---- pictures --------------------------------------------------------------------------------------------------------------
+
 
 def picture(ax, run, t):
     (draw_plane if run.dim == 2 else draw_space)(ax, run, t)
@@ -318,8 +483,16 @@ def picture(ax, run, t):
 def key(figure, run, times):
     """Names the colours that the pictures at these times show."""
     there = {c for t in times for c in (run.contacts[t]["word"] if t in run.contacts else ())}
-    handles = [plt.Line2D([], [], color=MODES[m], marker="o", markersize=4, label=n) for m, n in
-               (("stick", "stick"), ("slip", "slip"), ("open", "no force"), ("", "mode not told")) if m in there]
+    handles = [
+        plt.Line2D([], [], color=MODES[m], marker="o", markersize=4, label=n)
+        for m, n in (
+            ("stick", "stick"),
+            ("slip", "slip"),
+            ("open", "no force"),
+            ("", "mode not told"),
+        )
+        if m in there
+    ]
     if handles:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7)
 
@@ -337,15 +510,19 @@ def raster(figure):
     figure.canvas.draw()
     image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
     plt.close(figure)
-    told = [255] * 3 + [int(c[i:i + 2], 16) for c in MODES.values() for i in (1, 3, 5)]  # rare on the picture, but what it is about
+    told = [255] * 3 + [
+        int(c[i : i + 2], 16) for c in MODES.values() for i in (1, 3, 5)
+    ]  # rare on the picture, but what it is about
     palette = Image.new("P", (1, 1))
-    palette.putpalette(image.quantize(56).getpalette()[:3 * 56] + told)
+    palette.putpalette(image.quantize(56).getpalette()[: 3 * 56] + told)
     return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
 def strip(run, times):
     """A small picture of a few moments side by side."""
-    figure, axes = plt.subplots(1, len(times), figsize=(2.2 * len(times), 2.2 * run.ratio() + 0.5), dpi=110, squeeze=False)
+    figure, axes = plt.subplots(
+        1, len(times), figsize=(2.2 * len(times), 2.2 * run.ratio() + 0.5), dpi=110, squeeze=False
+    )
     for ax, t in zip(axes.flat, times):
         picture(ax, run, t)
     key(figure, run, times)
@@ -353,16 +530,26 @@ def strip(run, times):
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/render", description="Pictures of a run: stills, a contact sheet and a GIF.")
+    parser = argparse.ArgumentParser(
+        prog="scripts/render", description="Pictures of a run: stills, a contact sheet and a GIF."
+    )
     parser.add_argument("trajectory", help="file written by lcpbench simulate --trajectory")
     parser.add_argument("--out", help="folder of the pictures (default: beside the file)")
-    parser.add_argument("--frames", type=int, default=40, help="frames of the GIF (default: 40, 0: no GIF)")
-    parser.add_argument("--times", help="times of the stills [s], separated by commas (default: six over the run)")
+    parser.add_argument(
+        "--frames", type=int, default=40, help="frames of the GIF (default: 40, 0: no GIF)"
+    )
+    parser.add_argument(
+        "--times", help="times of the stills [s], separated by commas (default: six over the run)"
+    )
     args = parser.parse_args()
     path = pathlib.Path(args.trajectory)
     try:
         run = Run(path)
-        wanted = [float(t) for t in args.times.split(",")] if args.times else np.linspace(run.times[0], run.times[-1], 6)
+        wanted = (
+            [float(t) for t in args.times.split(",")]
+            if args.times
+            else np.linspace(run.times[0], run.times[-1], 6)
+        )
     except (BadTrajectory, ValueError) as error:
         print(error, file=sys.stderr)
         return 2
@@ -375,8 +562,13 @@ def main():
         plt.close(figure)
     columns = min(3, len(times))
     lines = -(-len(times) // columns)
-    figure, axes = plt.subplots(lines, columns, figsize=(style.PAGE, (style.PAGE / columns * run.ratio() + 0.25) * lines + 0.35), squeeze=False)
-    for ax in axes.flat[len(times):]:
+    figure, axes = plt.subplots(
+        lines,
+        columns,
+        figsize=(style.PAGE, (style.PAGE / columns * run.ratio() + 0.25) * lines + 0.35),
+        squeeze=False,
+    )
+    for ax in axes.flat[len(times) :]:
         ax.axis("off")
     for ax, t in zip(axes.flat, times):
         picture(ax, run, t)
@@ -390,7 +582,9 @@ def main():
             figure.set_dpi(100)
             images.append(raster(figure))
         duration = max(40, int(1000 * (run.times[-1] - run.times[0]) / max(1, len(images) - 1)))
-        images[0].save(out / "run.gif", save_all=True, append_images=images[1:], duration=duration, loop=0)
+        images[0].save(
+            out / "run.gif", save_all=True, append_images=images[1:], duration=duration, loop=0
+        )
         print(out / "run.gif")
     return 0
 

@@ -1,4 +1,5 @@
 """report DIR [--out FOLDER] [--pdf] - the page and the LaTeX document of one or several campaigns."""
+
 import argparse
 import pathlib
 import shutil
@@ -6,7 +7,20 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, calibration, claims, effects, latex, library, limits, page, paper, rows, scaling, stability  # noqa: E402
+from bench import (
+    accuracy,
+    calibration,
+    claims,
+    effects,
+    latex,
+    library,
+    limits,
+    page,
+    paper,
+    rows,
+    scaling,
+    stability,
+)  # noqa: E402
 from bench.section import Section  # noqa: E402
 
 LIMIT = 5_000_000  # bytes of the page
@@ -17,8 +31,13 @@ def paper_section(cells):
     charts = [c for c in (make(own) for make in paper.CHARTS) if c] if len(own) else []
     if not charts:
         return None
-    return Section("paper", "How large, how long, how wrong", "The regularized formulation against the polyhedral ones: unknowns, time and error.", charts,
-                   [t for t in (paper.summary(own),) if t])
+    return Section(
+        "paper",
+        "How large, how long, how wrong",
+        "The regularized formulation against the polyhedral ones: unknowns, time and error.",
+        charts,
+        [t for t in (paper.summary(own),) if t],
+    )
 
 
 def accuracy_section(cells, calibrated):
@@ -37,10 +56,19 @@ def stability_section(ladders, bounds):
 
 def gather(cells, manifests, ladders, bounds, calibrated, noise):
     """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
-    makers = [("claims", claims.section), ("paper", paper_section), ("accuracy", lambda c: accuracy_section(c, calibrated)), ("stability", lambda _: stability_section(ladders, bounds)),
-              ("effects", effects.section), ("scaling", scaling.section), ("library", lambda c: library.section(c, noise))]
+    makers = [
+        ("claims", claims.section),
+        ("paper", paper_section),
+        ("accuracy", lambda c: accuracy_section(c, calibrated)),
+        ("stability", lambda _: stability_section(ladders, bounds)),
+        ("effects", effects.section),
+        ("scaling", scaling.section),
+        ("library", lambda c: library.section(c, noise)),
+    ]
     sections, absent = [], []
-    asked = cells[~cells["command"].str.contains("--effects|--contact-order")]  # an experiment with effects or orders answers its own section only
+    asked = cells[
+        ~cells["command"].str.contains("--effects|--contact-order")
+    ]  # an experiment with effects or orders answers its own section only
     for name, make in makers:
         made = make(cells if name == "effects" else asked)
         if made:
@@ -50,29 +78,57 @@ def gather(cells, manifests, ladders, bounds, calibrated, noise):
     bad = page.failures_table(cells)
     refused = int(stability.refusals(cells).sum())
     undefined = page.undefined_table(cells)
-    sections.append(Section("failures", "Failures", f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified, {refused} of them refusals where no solution exists, "
-                            f"which is the right answer there; {sum(int(r[2]) for r in undefined.rows)} "
-                            "were not defined or left out.", [], [t for t in (bad, undefined) if t.rows]))
-    sections.append(Section("cells", "All cells", "Filter, sort, and rerun any of them.", [], [page.cells_table(cells)]))
-    lead = ("Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md explains the columns." +
-            (f" No rows for: {', '.join(absent)}." if absent else ""))
+    sections.append(
+        Section(
+            "failures",
+            "Failures",
+            f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified, {refused} of them refusals where no solution exists, "
+            f"which is the right answer there; {sum(int(r[2]) for r in undefined.rows)} "
+            "were not defined or left out.",
+            [],
+            [t for t in (bad, undefined) if t.rows],
+        )
+    )
+    sections.append(
+        Section(
+            "cells",
+            "All cells",
+            "Filter, sort, and rerun any of them.",
+            [],
+            [page.cells_table(cells)],
+        )
+    )
+    lead = (
+        "Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md explains the columns."
+        + (f" No rows for: {', '.join(absent)}." if absent else "")
+    )
     sections.append(Section("method", "Method", lead, [], page.method_tables(manifests)))
     return sections
 
 
 def facts(all_rows, cells, sections, title):
-    out = {"CampaignTitle": title, "NumRows": str(len(all_rows)), "NumCells": str(len(cells)), "NumVerified": str(int(cells["good"].sum())),
-           "NumFalseClaims": str(int((cells["status"] == "unverified").sum()))}
+    out = {
+        "CampaignTitle": title,
+        "NumRows": str(len(all_rows)),
+        "NumCells": str(len(cells)),
+        "NumVerified": str(int(cells["good"].sum())),
+        "NumFalseClaims": str(int((cells["status"] == "unverified").sum())),
+    }
     for s in sections:
         out.update(s.facts)
     return out
 
 
 def main():
-    parser = argparse.ArgumentParser(prog="scripts/report", description="One HTML page and a LaTeX document from the rows under DIR.")
+    parser = argparse.ArgumentParser(
+        prog="scripts/report",
+        description="One HTML page and a LaTeX document from the rows under DIR.",
+    )
     parser.add_argument("folder", metavar="DIR", help="campaign, or folder of campaigns")
     parser.add_argument("--out", help="where the report goes (default: DIR/report)")
-    parser.add_argument("--pgf", action="store_true", help="also the figures as PGF (slow; needs pdflatex)")
+    parser.add_argument(
+        "--pgf", action="store_true", help="also the figures as PGF (slow; needs pdflatex)"
+    )
     parser.add_argument("--pdf", action="store_true", help="build the LaTeX document")
     args = parser.parse_args()
     out = pathlib.Path(args.out or pathlib.Path(args.folder) / "report")
@@ -87,28 +143,54 @@ def main():
     accuracy.NOISE = noise  # ties of this report
     names = sorted(set(cells["campaign"]))
     title = "lcpbench: " + ", ".join(names)
-    bounds = [r for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv")) for r in limits.load(path)]
-    calibrated = [f for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl")) for f in calibration.load(path)]
+    bounds = [
+        r
+        for path in sorted(pathlib.Path(args.folder).glob("**/limits.csv"))
+        for r in limits.load(path)
+    ]
+    calibrated = [
+        f
+        for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl"))
+        for f in calibration.load(path)
+    ]
     ladders = stability.ladders(cells)
     sections = gather(cells, manifests, ladders, bounds, calibrated, noise)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
-    counts = (f"{len(all_rows)} rows are repetitions of {len(cells)} cells, each one problem with one formulation, solver and setting: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
-              f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
-              f"Times closer than {noise - 1:.0%} are ties ({'noise floor, measured as the same work under two names' if measured else 'noise floor not measured'}). "
-              f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}.")
+    counts = (
+        f"{len(all_rows)} rows are repetitions of {len(cells)} cells, each one problem with one formulation, solver and setting: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
+        f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
+        f"Times closer than {noise - 1:.0%} are ties ({'noise floor, measured as the same work under two names' if measured else 'noise floor not measured'}). "
+        f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}."
+    )
     advised = accuracy.scenes(accuracy.own(cells))
     cards = accuracy.advise(cells) if advised else []
     falls = stability.falls(ladders)
     for card in cards:
-        card["breaks"] = stability.fall_words(falls.get((card.get("formulation"), card.get("solver"))))
+        card["breaks"] = stability.fall_words(
+            falls.get((card.get("formulation"), card.get("solver")))
+        )
     advice = accuracy.advice(cards) if cards else None
     out.mkdir(parents=True, exist_ok=True)
-    text = page.render(title, counts, "Made by scripts/report from results.csv and manifest.json.", cards, advice, sections)
+    text = page.render(
+        title,
+        counts,
+        "Made by scripts/report from results.csv and manifest.json.",
+        cards,
+        advice,
+        sections,
+    )
     (out / "index.html").write_text(text)
-    latex.write(out / "latex", facts(all_rows, cells, sections, title), ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections, args.pgf)
+    latex.write(
+        out / "latex",
+        facts(all_rows, cells, sections, title),
+        ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections,
+        args.pgf,
+    )
     print(out / "index.html")
     if len(text.encode()) > LIMIT:
-        print(f"report: the page has {len(text.encode())} bytes, more than {LIMIT}", file=sys.stderr)
+        print(
+            f"report: the page has {len(text.encode())} bytes, more than {LIMIT}", file=sys.stderr
+        )
         return 1
     return build(out / "latex") if args.pdf else 0
 
@@ -118,8 +200,14 @@ def build(folder, document="main.tex"):
     if not shutil.which("latexmk"):
         print("report: no latexmk; run scripts/setup latex", file=sys.stderr)
         return 1
-    done = subprocess.run(["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", document], cwd=folder, stdin=subprocess.DEVNULL,
-                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run(
+        ["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", document],
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
     if done.returncode:
         print(done.stdout[-3000:], file=sys.stderr)
         return 1

@@ -1,4 +1,5 @@
 """Rows of a campaign: reads results.csv and manifest.json, and sums the repetitions of each cell up."""
+
 import json
 import pathlib
 
@@ -7,15 +8,83 @@ import pandas as pd
 
 from bench import converged, stats
 
-TIMES = ["t_contacts_s", "t_assemble_s", "t_setup_s", "t_factor_s", "t_solve_s", "t_advance_s", "t_total_s",
-         "t_step_max_s"]
-TEXT = ["campaign", "cell_id", "problem_family", "problem", "problem_sha256", "formulation", "formulation_options",
-        "solver", "solver_options", "solver_variant", "start", "effects", "storage", "status", "status_claimed", "note",
-        "err_quantity", "err_source", "end_quantity", "solution_hash", "host", "host_class", "suite_commit", "command", "cpu_set", "exit_signal",
-        "started_utc", "build_hash", "part", "model", "flags", "effects_seen", "solver_version", "formulation_config",
-        "solver_config", "missed", "effects_auto"]
-NUMBERS = ["step_s", "n_contacts", "n_active", "err_worst", "n_dof", "n_bodies", "lcp_dim", "rho", "res_ncp_rel", "err_ref", "penetration_m",
-           "energy_drift_rel", "n_predictions", "n_predictions_missed", "n_steps", "workspace_B", "err_tol", "n_evaluations", "n_solves", "n_pivot", "n_iter", "t_limit_s", "rss_peak_B", "n_matvec", "stiffness_ratio", "end_value"]
+TIMES = [
+    "t_contacts_s",
+    "t_assemble_s",
+    "t_setup_s",
+    "t_factor_s",
+    "t_solve_s",
+    "t_advance_s",
+    "t_total_s",
+    "t_step_max_s",
+]
+TEXT = [
+    "campaign",
+    "cell_id",
+    "problem_family",
+    "problem",
+    "problem_sha256",
+    "formulation",
+    "formulation_options",
+    "solver",
+    "solver_options",
+    "solver_variant",
+    "start",
+    "effects",
+    "storage",
+    "status",
+    "status_claimed",
+    "note",
+    "err_quantity",
+    "err_source",
+    "end_quantity",
+    "solution_hash",
+    "host",
+    "host_class",
+    "suite_commit",
+    "command",
+    "cpu_set",
+    "exit_signal",
+    "started_utc",
+    "build_hash",
+    "part",
+    "model",
+    "flags",
+    "effects_seen",
+    "solver_version",
+    "formulation_config",
+    "solver_config",
+    "missed",
+    "effects_auto",
+]
+NUMBERS = [
+    "step_s",
+    "n_contacts",
+    "n_active",
+    "err_worst",
+    "n_dof",
+    "n_bodies",
+    "lcp_dim",
+    "rho",
+    "res_ncp_rel",
+    "err_ref",
+    "penetration_m",
+    "energy_drift_rel",
+    "n_predictions",
+    "n_predictions_missed",
+    "n_steps",
+    "workspace_B",
+    "err_tol",
+    "n_evaluations",
+    "n_solves",
+    "n_pivot",
+    "n_iter",
+    "t_limit_s",
+    "rss_peak_B",
+    "n_matvec",
+    "stiffness_ratio",
+    "end_value",
+]
 
 
 class BadRows(Exception):
@@ -25,7 +94,9 @@ class BadRows(Exception):
 def load(folder):
     """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an empty figure."""
     path = pathlib.Path(folder) / "results.csv"
-    if not path.exists() and path.with_name("results.csv.xz").exists():  # as results/reference keeps them
+    if (
+        not path.exists() and path.with_name("results.csv.xz").exists()
+    ):  # as results/reference keeps them
         path = path.with_name("results.csv.xz")
     if not path.exists():
         raise BadRows(f"{path}: no such file; run the campaign first")
@@ -38,10 +109,14 @@ def load(folder):
     for c in TEXT:
         if c in rows:
             rows[c] = rows[c].fillna("").astype(object)
-    absent = {c: np.nan for c in set(NUMBERS + TIMES) - set(rows.columns)} | {c: "" for c in set(TEXT) - set(rows.columns)}
+    absent = {c: np.nan for c in set(NUMBERS + TIMES) - set(rows.columns)} | {
+        c: "" for c in set(TEXT) - set(rows.columns)
+    }
     rows = pd.concat([rows, pd.DataFrame(absent, index=rows.index)], axis=1)
     asked = rows["command"].str.extract(r"--step '?([-+.0-9eE]+)")[0].astype(float)
-    rows["step_s"] = rows["step_s"].astype(float).fillna(asked)  # a process that was killed told no more than what it was asked for
+    rows["step_s"] = (
+        rows["step_s"].astype(float).fillna(asked)
+    )  # a process that was killed told no more than what it was asked for
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
 
@@ -55,7 +130,9 @@ def load_all(folder):
         found = sorted({p.parent for p in folder.glob("*/results.csv*")})
     if not found:
         raise BadRows(f"{folder}: no results.csv here or one level below")
-    return pd.concat([load(f) for f in found], ignore_index=True), {f.name: manifest(f) for f in found}
+    return pd.concat([load(f) for f in found], ignore_index=True), {
+        f.name: manifest(f) for f in found
+    }
 
 
 def noise(folder):
@@ -63,7 +140,11 @@ def noise(folder):
     floors = []
     for path in sorted(pathlib.Path(folder).glob("**/doctor.json")):
         found = json.loads(path.read_text())
-        floors += [c["noise_floor"] for c in found.get("classes", []) if c.get("size") == "cache" and c.get("noise_floor") is not None]
+        floors += [
+            c["noise_floor"]
+            for c in found.get("classes", [])
+            if c.get("size") == "cache" and c.get("noise_floor") is not None
+        ]
     return 1 + max(0.02, float(np.median(floors))) if floors else None
 
 
@@ -88,6 +169,7 @@ def formulation_label(name, opts):
 def combination(form, form_opts, solver, solver_opts):
     def one(name, opts):
         return name + (f":{opts}" if opts else "")
+
     if not form:
         return one(solver, solver_opts)
     return f"{one(form, form_opts)} + {one(solver, solver_opts)}"
@@ -114,18 +196,33 @@ def cells(rows):
     out = []
     for group in groups.values():
         first = group[0]
-        line = {c: first[c] for c in kept} | {"reps": len(group), "verified": all(row["verified"] for row in group)}
+        line = {c: first[c] for c in kept} | {
+            "reps": len(group),
+            "verified": all(row["verified"] for row in group),
+        }
         bad = next((row for row in group if row["status"] != "ok"), None)
         if bad:
             line.update(status=bad["status"], note=bad.get("note", ""))
         line["good"] = line["verified"] and line["status"] == "ok"
         for c in TIMES:
-            line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval([row[c] for row in group])
-        line["cost"] = line["t_total_s"] if line["good"] and np.isfinite(line["t_total_s"]) else np.inf
+            line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval(
+                [row[c] for row in group]
+            )
+        line["cost"] = (
+            line["t_total_s"] if line["good"] and np.isfinite(line["t_total_s"]) else np.inf
+        )
         out.append(line)
     frame = pd.DataFrame(out)
-    frame["label"] = [formulation_label(f, o) for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))]
-    frame["combination"] = [combination(*r) for r in frame[["formulation", "formulation_options", "solver", "solver_options"]].itertuples(index=False)]
+    frame["label"] = [
+        formulation_label(f, o)
+        for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))
+    ]
+    frame["combination"] = [
+        combination(*r)
+        for r in frame[
+            ["formulation", "formulation_options", "solver", "solver_options"]
+        ].itertuples(index=False)
+    ]
     frame["p"] = sizes(frame)
     if "n_steps" in frame:
         for c in TIMES[:-1]:

@@ -1,4 +1,5 @@
 """What a report is made of: sections of text, charts and tables; each is written as HTML and as LaTeX."""
+
 import dataclasses
 import html
 import math
@@ -43,7 +44,15 @@ def si(value, unit="", digits=3):
         return ""
     if value == 0:
         return f"0 {unit}".strip()
-    for factor, prefix in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")):
+    for factor, prefix in (
+        (1e9, "G"),
+        (1e6, "M"),
+        (1e3, "k"),
+        (1, ""),
+        (1e-3, "m"),
+        (1e-6, "µ"),
+        (1e-9, "n"),
+    ):
         if abs(value) >= factor * 0.9995:
             break
     return f"{float(f'{value / factor:.{digits}g}'):g} {prefix}{unit}".strip()
@@ -63,8 +72,10 @@ def interval(mid, low, high, digits=3):
 
 
 def table_html(table):
-    out = [f'<p class="caption" id="caption-{table.name}">{html.escape(table.caption)}</p>'  # a caption inside would be as wide as the table, and cut
-           f'<div class="scroll"><table id="table-{table.name}" class="sortable" aria-describedby="caption-{table.name}"><thead><tr>']
+    out = [
+        f'<p class="caption" id="caption-{table.name}">{html.escape(table.caption)}</p>'  # a caption inside would be as wide as the table, and cut
+        f'<div class="scroll"><table id="table-{table.name}" class="sortable" aria-describedby="caption-{table.name}"><thead><tr>'
+    ]
     out += [f"<th>{html.escape(h)}</th>" for h in table.header]
     out.append("</tr></thead><tbody>")
     for row in table.rows:
@@ -79,17 +90,39 @@ def table_html(table):
                 attributes += f' title="{html.escape(cell.title)}"'
             if cell.sort is not None:
                 attributes += f' data-sort="{cell.sort:.9g}"'
-            out.append(f"<td{attributes}>{text}")  # HTML needs no end tags of cells and rows; a tenth of the page
+            out.append(
+                f"<td{attributes}>{text}"
+            )  # HTML needs no end tags of cells and rows; a tenth of the page
     out.append("</tbody></table></div>")
     if table.note:
         out.append(f'<p class="note">{html.escape(table.note)}</p>')
     return "".join(out)
 
 
-TEX = {"\\": r"\textbackslash{}", "_": r"\_", "%": r"\%", "&": r"\&", "#": r"\#", "$": r"\$", "{": r"\{", "}": r"\}",
-       "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "µ": r"\ensuremath{\mu}", "≤": r"\ensuremath{\le}", "≥": r"\ensuremath{\ge}",
-       "×": r"\ensuremath{\times}", "→": r"\ensuremath{\to}", "<": r"\ensuremath{<}", ">": r"\ensuremath{>}", "–": "--", "—": "---",
-       "∞": r"\ensuremath{\infty}", ",": r",\allowbreak{}", ":": r":\allowbreak{}"}
+TEX = {
+    "\\": r"\textbackslash{}",
+    "_": r"\_",
+    "%": r"\%",
+    "&": r"\&",
+    "#": r"\#",
+    "$": r"\$",
+    "{": r"\{",
+    "}": r"\}",
+    "~": r"\textasciitilde{}",
+    "^": r"\textasciicircum{}",
+    "µ": r"\ensuremath{\mu}",
+    "≤": r"\ensuremath{\le}",
+    "≥": r"\ensuremath{\ge}",
+    "×": r"\ensuremath{\times}",
+    "→": r"\ensuremath{\to}",
+    "<": r"\ensuremath{<}",
+    ">": r"\ensuremath{>}",
+    "–": "--",
+    "—": "---",
+    "∞": r"\ensuremath{\infty}",
+    ",": r",\allowbreak{}",
+    ":": r":\allowbreak{}",
+}
 
 
 def tex(text):
@@ -104,11 +137,17 @@ LINES, ACROSS = 62, 118  # lines of a page, characters of a line
 
 def fitting(rows, wraps):
     """How many of the rows fit on a page when the long texts wrap in what the short columns leave."""
-    narrow = sum(max([len(as_cell(row[k]).text) for row in rows] + [0]) + 2 for k, w in enumerate(wraps) if not w)
+    narrow = sum(
+        max([len(as_cell(row[k]).text) for row in rows] + [0]) + 2
+        for k, w in enumerate(wraps)
+        if not w
+    )
     width = max(8, (ACROSS - narrow) // max(1, sum(wraps)))
     left = LINES
     for n, row in enumerate(rows):
-        left -= max(-(-max(len(as_cell(c).text), 1) // width) if w else 1 for c, w in zip(row, wraps))
+        left -= max(
+            -(-max(len(as_cell(c).text), 1) // width) if w else 1 for c, w in zip(row, wraps)
+        )
         if left < 0:
             return n
     return len(rows)
@@ -123,12 +162,31 @@ def table_tex(table):
     most = 40 if wide else fitting(rows, wraps)
     body = rows[:most]
     columns = "l" * len(keep) if wide else "".join("Y" if w else "l" for w in wraps)
-    start = (["\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%", f"\\begin{{tabular}}{{{columns}}}"] if wide
-             else [f"\\begin{{tabularx}}{{\\textwidth}}{{{columns}}}"])
-    out = ["\\begin{table}[htbp]", "\\centering\\footnotesize", f"\\caption{{{tex(table.caption)}}}\\label{{tab:{table.name}}}", *start, "\\toprule",
-           " & ".join(tex(table.header[i]) for i in keep) + r" \\", "\\midrule"]
+    start = (
+        [
+            "\\resizebox{\\ifdim\\width>\\textwidth\\textwidth\\else\\width\\fi}{!}{%",
+            f"\\begin{{tabular}}{{{columns}}}",
+        ]
+        if wide
+        else [f"\\begin{{tabularx}}{{\\textwidth}}{{{columns}}}"]
+    )
+    out = [
+        "\\begin{table}[htbp]",
+        "\\centering\\footnotesize",
+        f"\\caption{{{tex(table.caption)}}}\\label{{tab:{table.name}}}",
+        *start,
+        "\\toprule",
+        " & ".join(tex(table.header[i]) for i in keep) + r" \\",
+        "\\midrule",
+    ]
     for row in body:
-        out.append(" & ".join(f"\\textbf{{{tex(c.text)}}}" if c.mark == "good" and c.text else tex(c.text) for c in row) + r" \\")
+        out.append(
+            " & ".join(
+                f"\\textbf{{{tex(c.text)}}}" if c.mark == "good" and c.text else tex(c.text)
+                for c in row
+            )
+            + r" \\"
+        )
     out += ["\\bottomrule", "\\end{tabular}}" if wide else "\\end{tabularx}"]
     if len(table.rows) > most:
         out.append(f"\\par {most} of {len(table.rows)} rows; all of them in the page.")
@@ -139,5 +197,8 @@ def table_tex(table):
 def table_md(table):
     """A Markdown table, for the README."""
     lines = ["| " + " | ".join(table.header) + " |", "|" + "---|" * len(table.header)]
-    lines += ["| " + " | ".join(as_cell(v).text.replace("\n", " ").replace("|", "/") for v in row) + " |" for row in table.rows]
+    lines += [
+        "| " + " | ".join(as_cell(v).text.replace("\n", " ").replace("|", "/") for v in row) + " |"
+        for row in table.rows
+    ]
     return "\n".join(lines) + "\n"

@@ -1,4 +1,5 @@
 """What breaks first: every stressor against every formulation and every solver, with the reason."""
+
 import collections
 import math
 import re
@@ -12,25 +13,69 @@ from bench.section import Cell, Section, Table
 from bench.style import FORMULATIONS, SOLVERS
 
 # Words of a run, the worst first; one letter each for the maps
-LETTERS = {"false claim": "x", "dies": "d", "time-out": "t", "fails honestly": "f", "gains energy": "e", "penetrates": "p", "creeps": "c", "misses": "m", "not defined": "–"}
-MARK = {"stands": "good", "not defined": "none", "gains energy": "bad", "false claim": "bad", "dies": "bad", "time-out": "bad", "fails honestly": "bad"}
+LETTERS = {
+    "false claim": "x",
+    "dies": "d",
+    "time-out": "t",
+    "fails honestly": "f",
+    "gains energy": "e",
+    "penetrates": "p",
+    "creeps": "c",
+    "misses": "m",
+    "not defined": "–",
+}
+MARK = {
+    "stands": "good",
+    "not defined": "none",
+    "gains energy": "bad",
+    "false claim": "bad",
+    "dies": "bad",
+    "time-out": "bad",
+    "fails honestly": "bad",
+}
 DEATHS = {"crash", "oom", "no_output", "flood"}  # ends of a process that are nobody's word
 DEEP = 1e-2  # penetration [m] that counts where the scene begins without any
 # What is turned up along a ladder whose problems differ in more than one number, and where it is mild: part -> (name, key)
-MILD = {"near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
-        "vanishing inertia": ("inertia", lambda v: -v), "short step": ("h", lambda v: -v), "long step": ("h", lambda v: v),
-        "gyroscopic": ("", None)}  # no key: problems of different kinds
+MILD = {
+    "near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
+    "vanishing inertia": ("inertia", lambda v: -v),
+    "short step": ("h", lambda v: -v),
+    "long step": ("h", lambda v: v),
+    "gyroscopic": ("", None),
+}  # no key: problems of different kinds
 NO_SOLUTION = {"vise"}  # stressors without a solution for rigid bodies: only a refusal is right
 
 
 # The stressors and the ends of a run for a reader who meets the names for the first time
-SAID = {"mass ratio": "a heavy box on a light one", "height": "tall stacks", "duplicated contacts": "the same contact listed many times", "near-parallel normals": "planes that nearly agree or oppose each other",
-        "large friction": "very large friction", "long step": "very long time steps", "short step": "very short time steps", "long run": "very long runs", "chatter": "rattling corners",
-        "fast impact": "very fast impacts", "vanishing inertia": "bodies that hardly resist turning", "jam": "a plug pressed into a slot", "vise": "jaws that close on a rigid part (no solution exists)",
-        "heavy end of a row": "a row of bodies with a heavy end", "gyroscopic": "fast spinning bodies", "initial overlap": "bodies that overlap at the start",
-        "stiffness": "the formulation's own stiffness from very soft to very stiff"}
-ENDS = {"false claim": "claims a wrong answer", "dies": "crashes", "time-out": "runs out of time", "fails honestly": "gives up and says so", "gains energy": "energy grows", "penetrates": "bodies sink into each other",
-        "creeps": "bodies at rest creep", "misses": "the known answer is missed"}
+SAID = {
+    "mass ratio": "a heavy box on a light one",
+    "height": "tall stacks",
+    "duplicated contacts": "the same contact listed many times",
+    "near-parallel normals": "planes that nearly agree or oppose each other",
+    "large friction": "very large friction",
+    "long step": "very long time steps",
+    "short step": "very short time steps",
+    "long run": "very long runs",
+    "chatter": "rattling corners",
+    "fast impact": "very fast impacts",
+    "vanishing inertia": "bodies that hardly resist turning",
+    "jam": "a plug pressed into a slot",
+    "vise": "jaws that close on a rigid part (no solution exists)",
+    "heavy end of a row": "a row of bodies with a heavy end",
+    "gyroscopic": "fast spinning bodies",
+    "initial overlap": "bodies that overlap at the start",
+    "stiffness": "the formulation's own stiffness from very soft to very stiff",
+}
+ENDS = {
+    "false claim": "claims a wrong answer",
+    "dies": "crashes",
+    "time-out": "runs out of time",
+    "fails honestly": "gives up and says so",
+    "gains energy": "energy grows",
+    "penetrates": "bodies sink into each other",
+    "creeps": "bodies at rest creep",
+    "misses": "the known answer is missed",
+}
 
 
 def fall_words(found):
@@ -38,7 +83,10 @@ def fall_words(found):
     if not found:
         return ""
     stands, of, fell = found
-    ends = [f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(SAID.get(p, p) for p in parts)}." for w, parts in sorted(fell.items())]
+    ends = [
+        f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(SAID.get(p, p) for p in parts)}."
+        for w, parts in sorted(fell.items())
+    ]
     return " ".join([f"Passes {stands} of {of} stress tests."] + ends)
 
 
@@ -60,7 +108,16 @@ def unsolvable(cell):
 
 def refusals(cells):
     """Which cells did what is right where no solution exists: they said so."""
-    return pd.Series([c["campaign"].startswith("stability") and unsolvable(c) and c["status"] not in ("unsupported", "skipped") and word(c)[0] == "stands" for c in cells.to_dict("records")], dtype=bool)
+    return pd.Series(
+        [
+            c["campaign"].startswith("stability")
+            and unsolvable(c)
+            and c["status"] not in ("unsupported", "skipped")
+            and word(c)[0] == "stands"
+            for c in cells.to_dict("records")
+        ],
+        dtype=bool,
+    )
 
 
 def word(cell):
@@ -81,7 +138,9 @@ def word(cell):
     if unsolvable(cell):
         return "misses", "gives an answer where none exists"
     if cell.get("n_predictions_missed", 0) > 0:
-        return missed_word(cell.get("missed", "")), f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}"
+        return missed_word(
+            cell.get("missed", "")
+        ), f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}"
     if cell["part"] not in ("initial overlap",) and cell.get("penetration_m", 0) > DEEP:
         return "penetrates", f"{cell['penetration_m']:.2g} m"
     return "stands", ""
@@ -89,9 +148,16 @@ def word(cell):
 
 def severity(part, cells):
     """What is turned up along a ladder, and how far each of its cells is: (name, values, printed)."""
-    options = [{**rows_.options(str(p).partition(":")[2]), **rows_.options(f)} for p, f in zip(cells["problem"], cells["formulation_options"])]
+    options = [
+        {**rows_.options(str(p).partition(":")[2]), **rows_.options(f)}
+        for p, f in zip(cells["problem"], cells["formulation_options"])
+    ]
     if part in MILD and MILD[part][0] == "h":
-        return "h", [MILD[part][1](h) for h in cells["step_s"]], [f"{h:g} s" for h in cells["step_s"]]
+        return (
+            "h",
+            [MILD[part][1](h) for h in cells["step_s"]],
+            [f"{h:g} s" for h in cells["step_s"]],
+        )
     if part in MILD and MILD[part][1]:
         values = [float(o[MILD[part][0]]) for o in options]
         return MILD[part][0], [MILD[part][1](v) for v in values], [f"{v:g}" for v in values]
@@ -108,7 +174,10 @@ class Ladder:
     def __init__(self, part, cells):
         name, values, printed = severity(part, cells)
         order = np.argsort(values, kind="stable")
-        self.rungs = [(*word(cells.iloc[i]), name, printed[i], cells.iloc[i].get("command", "")) for i in order]
+        self.rungs = [
+            (*word(cells.iloc[i]), name, printed[i], cells.iloc[i].get("command", ""))
+            for i in order
+        ]
         self.defined = [r for r in self.rungs if r[0] != "not defined"]
         self.stands = sum(r[0] == "stands" for r in self.defined)
         self.first = next((r for r in self.defined if r[0] != "stands"), None)
@@ -120,7 +189,12 @@ class Ladder:
         if self.first is None:
             return Cell(f"stands {n}/{n}", "good", "on every rung", sort=1.0)
         what, why, name, at, command = self.first
-        return Cell(f"{what} {self.stands}/{n}", MARK.get(what, "fair"), f"first at {name} = {at}: {why}\n{command}", sort=self.stands / n)
+        return Cell(
+            f"{what} {self.stands}/{n}",
+            MARK.get(what, "fair"),
+            f"first at {name} = {at}: {why}\n{command}",
+            sort=self.stands / n,
+        )
 
 
 def order(names, known):
@@ -130,7 +204,9 @@ def order(names, known):
 def ladders(cells):
     """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without solver have the solver ''."""
     out = {}
-    some = cells[cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")]
+    some = cells[
+        cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")
+    ]
     for (form, solver, part), g in some.groupby(["formulation", "solver", "part"]):
         out.setdefault((form, "" if form == "penalty" else solver), {})[part] = Ladder(part, g)
     return out
@@ -151,11 +227,35 @@ LEGEND = ", ".join(f"{letter} {name}" for name, letter in LETTERS.items())
 
 
 def overview(by, parts):
-    forms, solvers = order({f for f, _ in by}, FORMULATIONS), order({s for _, s in by if s}, SOLVERS)
-    panels = [HeatPanel("formulations", [f if f != "penalty" else "penalty (no solver)" for f in forms], [[summed([l for (f, _), l in by.items() if f == form], p) for p in parts] for form in forms]),
-              HeatPanel("solvers", solvers, [[summed([l for (_, s), l in by.items() if s == solver], p) for p in parts] for solver in solvers])]
-    return Heat("stability", "What breaks first: combinations that stand on every rung of a stressor's ladder, of those that are defined, by formulation (top) and by "
-                f"solver (bottom); the letter is what brings most of the others down ({LEGEND}). Dark: all stand. Stressors from the mildest to the hardest.", parts, panels)
+    forms, solvers = (
+        order({f for f, _ in by}, FORMULATIONS),
+        order({s for _, s in by if s}, SOLVERS),
+    )
+    panels = [
+        HeatPanel(
+            "formulations",
+            [f if f != "penalty" else "penalty (no solver)" for f in forms],
+            [
+                [summed([l for (f, _), l in by.items() if f == form], p) for p in parts]
+                for form in forms
+            ],
+        ),
+        HeatPanel(
+            "solvers",
+            solvers,
+            [
+                [summed([l for (_, s), l in by.items() if s == solver], p) for p in parts]
+                for solver in solvers
+            ],
+        ),
+    ]
+    return Heat(
+        "stability",
+        "What breaks first: combinations that stand on every rung of a stressor's ladder, of those that are defined, by formulation (top) and by "
+        f"solver (bottom); the letter is what brings most of the others down ({LEGEND}). Dark: all stand. Stressors from the mildest to the hardest.",
+        parts,
+        panels,
+    )
 
 
 def map_of_all(by, parts):
@@ -170,12 +270,25 @@ def map_of_all(by, parts):
                 if ladder is None or not ladder.defined:
                     line.append((LETTERS["not defined"], None))
                 else:
-                    line.append(("" if ladder.first is None else LETTERS[ladder.first[0]], ladder.stands / len(ladder.defined)))
+                    line.append(
+                        (
+                            "" if ladder.first is None else LETTERS[ladder.first[0]],
+                            ladder.stands / len(ladder.defined),
+                        )
+                    )
             words.append(line)
         alone = solvers == [""]  # one row: its name stands on it, a title beside it would not fit
-        panels.append(HeatPanel("" if alone else form, [f"{form} (no solver)"] if alone else solvers, words))
-    return Heat("stability_all", f"The whole map: every formulation with every solver. Dark: stands on every rung; otherwise what the first failing rung does: {LEGEND}.",
-                parts, panels, across=3, size=5.5)
+        panels.append(
+            HeatPanel("" if alone else form, [f"{form} (no solver)"] if alone else solvers, words)
+        )
+    return Heat(
+        "stability_all",
+        f"The whole map: every formulation with every solver. Dark: stands on every rung; otherwise what the first failing rung does: {LEGEND}.",
+        parts,
+        panels,
+        across=3,
+        size=5.5,
+    )
 
 
 def falls(by):
@@ -191,7 +304,17 @@ def falls(by):
     return out
 
 
-UNITS = {"depth": "m", "speed": "m/s", "duration": "s", "press": "N", "beta_deg": "deg", "height": "m", "inertia": "kg m^2", "k": "N/m", "stiffness": "N/m"}
+UNITS = {
+    "depth": "m",
+    "speed": "m/s",
+    "duration": "s",
+    "press": "N",
+    "beta_deg": "deg",
+    "height": "m",
+    "inertia": "kg m^2",
+    "k": "N/m",
+    "stiffness": "N/m",
+}
 
 
 def turned_up(ladder):
@@ -207,8 +330,20 @@ def stressors_table(by, parts):
     rows = []
     for part in parts:
         found = [ladders_[part] for ladders_ in by.values() if part in ladders_]
-        rows.append([part, SAID.get(part, ""), "; ".join(dict.fromkeys(turned_up(l) for l in found)), str(max(len(l.rungs) for l in found))])
-    return Table("stressors", "The stressors: what is made harder, from the mildest to the hardest rung of these rows.", ["stressor", "in words", "turned up", "rungs"], rows)
+        rows.append(
+            [
+                part,
+                SAID.get(part, ""),
+                "; ".join(dict.fromkeys(turned_up(l) for l in found)),
+                str(max(len(l.rungs) for l in found)),
+            ]
+        )
+    return Table(
+        "stressors",
+        "The stressors: what is made harder, from the mildest to the hardest rung of these rows.",
+        ["stressor", "in words", "turned up", "rungs"],
+        rows,
+    )
 
 
 def why_missing(form, solver, part):
@@ -222,9 +357,21 @@ def section(by):
     """The map, from ladders()."""
     if not by:
         return None
-    parts = sorted({p for found in by.values() for p in found}, key=lambda p: (-np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]), p))
+    parts = sorted(
+        {p for found in by.values() for p in found},
+        key=lambda p: (
+            -np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]),
+            p,
+        ),
+    )
     table, reasons = [], collections.Counter()
-    for form, solver in sorted(by, key=lambda k: (order({f for f, _ in by}, FORMULATIONS).index(k[0]), order({s for _, s in by}, SOLVERS).index(k[1]))):
+    for form, solver in sorted(
+        by,
+        key=lambda k: (
+            order({f for f, _ in by}, FORMULATIONS).index(k[0]),
+            order({s for _, s in by}, SOLVERS).index(k[1]),
+        ),
+    ):
         line = [form, solver or "none (integrator)"]
         for part in parts:
             ladder = by[form, solver].get(part)
@@ -234,10 +381,23 @@ def section(by):
         table.append(line)
     fields = sum(reasons.values())
     counts = ", ".join(f"{name} {n}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
-    return Section("stability", "What breaks first",
-                   f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
-                   "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
-                   f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
-                   f"({', '.join(NO_SOLUTION)}), only a refusal stands.", [overview(by, parts), map_of_all(by, parts)],
-                   [stressors_table(by, parts), Table("stability", f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.", ["formulation", "solver"] + parts, table, paper=False)],
-                   {"StabilityFields": str(fields), "StabilityStands": str(reasons["stands"])})
+    return Section(
+        "stability",
+        "What breaks first",
+        f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
+        "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
+        f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
+        f"({', '.join(NO_SOLUTION)}), only a refusal stands.",
+        [overview(by, parts), map_of_all(by, parts)],
+        [
+            stressors_table(by, parts),
+            Table(
+                "stability",
+                f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.",
+                ["formulation", "solver"] + parts,
+                table,
+                paper=False,
+            ),
+        ],
+        {"StabilityFields": str(fields), "StabilityStands": str(reasons["stands"])},
+    )

@@ -3,6 +3,7 @@
 A failure is an infinite cost: it stays in every denominator and never gets a time (PAR-k penalties are applied only
 where a function says so). Random draws come from a fixed seed, so that every number repeats.
 """
+
 import math
 
 import numpy as np
@@ -127,8 +128,14 @@ def fit_exponent(n, cost, level=LEVEL, draws=2000):
 
 def observed_order(h, error):
     """Order p of error ~ h^p from a ladder of steps (median of the successive slopes); NaN with fewer than two."""
-    pairs = sorted((float(a), float(b)) for a, b in zip(h, error) if a > 0 and b > 0 and math.isfinite(b))
-    slopes = [math.log(e1 / e0) / math.log(h1 / h0) for (h0, e0), (h1, e1) in zip(pairs, pairs[1:]) if h1 > h0]
+    pairs = sorted(
+        (float(a), float(b)) for a, b in zip(h, error) if a > 0 and b > 0 and math.isfinite(b)
+    )
+    slopes = [
+        math.log(e1 / e0) / math.log(h1 / h0)
+        for (h0, e0), (h1, e1) in zip(pairs, pairs[1:])
+        if h1 > h0
+    ]
     return float(np.median(slopes)) if slopes else math.nan
 
 

@@ -1,11 +1,13 @@
 """What the tests of GNU parallel and of Slurm share: 200 cells, and what must come out of them whoever started the shards."""
+
 import os
 import subprocess
 
 from support import LCPBENCH, campaign, rows, run
 
 NUMBERS = ",".join(str(n) for n in range(1, 51))
-TEXT = """
+TEXT = (
+    """
 name: engines
 limits: {time: 10s, grace: 0.5s}
 sampling: {processes: 1, samples: 2, max_samples: 2, inner: 0.005s}
@@ -13,14 +15,27 @@ parts:
   - name: a
     problems: ["random_spd:n=20,seed={%s}"]
     solvers: [lemke, pgs, projected_gradient, apgd]
-""" % NUMBERS
+"""
+    % NUMBERS
+)
 SHARDS = 6
 WHOLE_ROWS = 400
 
 
 def verdicts(folder):
-    return {(r["cell_id"], r["process"], r["rep"], r["status"], r["solution_hash"], r["n_iter"], r["problem"], r["solver"])
-            for r in rows(folder)}
+    return {
+        (
+            r["cell_id"],
+            r["process"],
+            r["rep"],
+            r["status"],
+            r["solution_hash"],
+            r["n_iter"],
+            r["problem"],
+            r["solver"],
+        )
+        for r in rows(folder)
+    }
 
 
 def built_in(d):
@@ -32,15 +47,31 @@ def built_in(d):
 
 
 def submit_words(d, c, engine, *more):
-    return ["submit", c, "--engine", engine, "--shards", SHARDS, "--out", d / "many", "--wait", *more]
+    return [
+        "submit",
+        c,
+        "--engine",
+        engine,
+        "--shards",
+        SHARDS,
+        "--out",
+        d / "many",
+        "--wait",
+        *more,
+    ]
 
 
 def start(words, path=None, stdout=subprocess.DEVNULL):
     env = dict(os.environ, OPENBLAS_NUM_THREADS="1")
     if path:
         env["PATH"] = f"{path}:{env['PATH']}"
-    return subprocess.Popen([LCPBENCH, *map(str, words)], stdout=stdout, stderr=subprocess.DEVNULL, env=env,
-                            start_new_session=True)
+    return subprocess.Popen(
+        [LCPBENCH, *map(str, words)],
+        stdout=stdout,
+        stderr=subprocess.DEVNULL,
+        env=env,
+        start_new_session=True,
+    )
 
 
 def rows_so_far(d):

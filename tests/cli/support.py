@@ -1,4 +1,5 @@
 """What the command-line tests share: running the program, rows of a campaign, a TAP runner."""
+
 import csv
 import json
 import os
@@ -22,11 +23,17 @@ class Skip(Exception):
 def run(*args, exe=LCPBENCH, code=0, timeout=120, cwd=None, **env):
     """Runs lcpbench; checks the exit code (None: any) and returns the completed process."""
     full = dict(os.environ, OPENBLAS_NUM_THREADS="1", **env)
-    for name in [n for n in full if n.startswith("LCPBENCH_") and n not in env and n != "LCPBENCH_SANITIZE"]:
+    for name in [
+        n for n in full if n.startswith("LCPBENCH_") and n not in env and n != "LCPBENCH_SANITIZE"
+    ]:
         del full[name]
-    done = subprocess.run([exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, cwd=cwd, env=full)
+    done = subprocess.run(
+        [exe, *map(str, args)], capture_output=True, text=True, timeout=timeout, cwd=cwd, env=full
+    )
     if code is not None and done.returncode != code:
-        raise AssertionError(f"{' '.join(map(str, args))}: exit {done.returncode}, want {code}\n{done.stdout}{done.stderr}")
+        raise AssertionError(
+            f"{' '.join(map(str, args))}: exit {done.returncode}, want {code}\n{done.stdout}{done.stderr}"
+        )
     return done
 
 
@@ -50,9 +57,11 @@ def rows(folder):
 
 
 # what may differ between two measurements of the same cell: times, and what the machine was doing
-TIMES = set("""t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_step_p50_s
+TIMES = set(
+    """t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_step_p50_s
 t_step_p95_s t_step_p99_s share_1ms share_4ms share_16ms t_cpu_s n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults
-load1 throttled canary_s started_utc order""".split())
+load1 throttled canary_s started_utc order""".split()
+)
 TIME_FLAGS = {"outlier", "remeasured", "canary_drift", "first_run"}
 
 
@@ -67,7 +76,9 @@ def diagonal(folder, n, name="diag"):
     path = pathlib.Path(folder) / f"{name}{n}.M.mtx"
     entries = "".join(f"{i} {i} {i + 1}\n" for i in range(1, n + 1))
     path.write_text(f"%%MatrixMarket matrix coordinate real general\n{n} {n} {n}\n{entries}")
-    path.with_name(f"{name}{n}.q.mtx").write_text(f"%%MatrixMarket matrix array real general\n{n} 1\n" + "-1\n" * n)
+    path.with_name(f"{name}{n}.q.mtx").write_text(
+        f"%%MatrixMarket matrix array real general\n{n} 1\n" + "-1\n" * n
+    )
     return path
 
 

@@ -1,4 +1,5 @@
 """Campaigns: plan, filters, resume, shards, rerun commands, stale rows, locale, readers' conventions."""
+
 import csv
 import json
 import re
@@ -8,7 +9,19 @@ import signal
 import subprocess
 import time
 
-from support import FAULTY, LCPBENCH, SANITIZED, TESTS, campaign, diagonal, one_line_error, rows, run, tap, untimed
+from support import (
+    FAULTY,
+    LCPBENCH,
+    SANITIZED,
+    TESTS,
+    campaign,
+    diagonal,
+    one_line_error,
+    rows,
+    run,
+    tap,
+    untimed,
+)
 
 SMALL = """
 name: small
@@ -39,13 +52,19 @@ def cells(folder):
 
 def matrix(path, scale):
     path.with_suffix("").with_suffix(".M.mtx").write_text(
-        f"%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 {scale}\n2 2 3\n")
-    path.with_suffix("").with_suffix(".q.mtx").write_text("%%MatrixMarket matrix array real general\n2 1\n-1\n1\n")
+        f"%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 {scale}\n2 2 3\n"
+    )
+    path.with_suffix("").with_suffix(".q.mtx").write_text(
+        "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n"
+    )
 
 
 def plan_is_printed(d):
     out = run("run", campaign(d, SMALL), "--out", d / "o", "--dry-run").stdout.splitlines()
-    assert len([x for x in out if x.startswith("todo ")]) == 18 and "18 cells, 36 processes: 0 done, 36 to do" in out[-1], out[-1]
+    assert (
+        len([x for x in out if x.startswith("todo ")]) == 18
+        and "18 cells, 36 processes: 0 done, 36 to do" in out[-1]
+    ), out[-1]
     assert not (d / "o").exists()
 
 
@@ -54,7 +73,9 @@ def filters_choose(d):
 
     def count(*filters):
         words = [w for f in filters for w in ("--filter", f)]
-        return sum(x.startswith("todo") for x in run("run", c, "--dry-run", *words).stdout.splitlines())
+        return sum(
+            x.startswith("todo") for x in run("run", c, "--dry-run", *words).stdout.splitlines()
+        )
 
     assert count("solver=lemke") == 9 and count("-solver=lemke") == 9
     assert count("problem=stack*", "formulation=reg*") == 4
@@ -64,7 +85,12 @@ def filters_choose(d):
 
 def schema_errors_name_line_and_key(d):
     def bad(old, new, *names):
-        one_line_error("run", campaign(d, SMALL.replace(old, new), "bad.yaml"), "--dry-run", names=["bad.yaml", *names])
+        one_line_error(
+            "run",
+            campaign(d, SMALL.replace(old, new), "bad.yaml"),
+            "--dry-run",
+            names=["bad.yaml", *names],
+        )
 
     bad("seed: 3", "sed: 3", ":4:", "sed", "unknown key")
     bad("time: 10s", "time: soon", ":5:", "time")
@@ -104,12 +130,18 @@ def files_stand_below_a_variable(d):
     assert planned(plain, LCPBENCH_LIB="b") == {"b/diag4.M.mtx", "b/e4.M.mtx"}
     one_line_error("run", plain, "--dry-run", names=["LCPBENCH_LIB", "not set"])
     for wrong in ("${LCPBENCH_LIB}/x.mtx", "${LCPBENCH_LIB:-a", "$/x.mtx"):
-        one_line_error("run", campaign(d, ONE_PART % wrong, "w.yaml"), "--dry-run",
-                       names=["w.yaml", wrong, "${NAME:-FOLDER}"])
+        one_line_error(
+            "run",
+            campaign(d, ONE_PART % wrong, "w.yaml"),
+            "--dry-run",
+            names=["w.yaml", wrong, "${NAME:-FOLDER}"],
+        )
     assert planned("library", cwd=TESTS.parent) >= {
-        "tests/data/lcp/lcp_mmc.dat", "tests/data/mlcp/m2n1_mlcp.dat",
+        "tests/data/lcp/lcp_mmc.dat",
+        "tests/data/mlcp/m2n1_mlcp.dat",
         "tests/data/fclib/Box_Stacks-i0122-82-5.hdf5:facets=4",
-        "tests/cases/contact_lcps/frand4_p5.M.mtx"}
+        "tests/cases/contact_lcps/frand4_p5.M.mtx",
+    }
 
 
 def rows_are_whole_and_resumed(d):
@@ -121,23 +153,43 @@ def rows_are_whole_and_resumed(d):
     assert "0 measured now" in done.stdout and (d / "o/results.csv").read_bytes() == first
     for r in rows(d / "o"):
         assert r["status"] == "ok" and r["verified"] == "true" and float(r["t_total_s"]) > 0, r
-    assert {r["process"] for r in rows(d / "o")} == {"0", "1"} and len({r["order"] for r in rows(d / "o")}) == 36
+    assert {r["process"] for r in rows(d / "o")} == {"0", "1"} and len(
+        {r["order"] for r in rows(d / "o")}
+    ) == 36
     # a torn last row is dropped and its process measured again
     (d / "o/results.csv").write_bytes(first[:-100])
     run("run", c, "--out", d / "o", "--quiet")
-    assert cells(d / "o") == {(r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(first.decode().splitlines())}
+    assert cells(d / "o") == {
+        (r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(first.decode().splitlines())
+    }
     # what is asked for again is measured again, nothing else
     done = run("run", c, "--out", d / "o", "--quiet", "--rerun", "lemke")
     assert "18 measured now" in done.stdout, done.stdout
-    assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet", "--rerun", "failed").stdout
+    assert (
+        "0 measured now" in run("run", c, "--out", d / "o", "--quiet", "--rerun", "failed").stdout
+    )
 
 
 def manifest_is_complete(d):
     run("run", campaign(d, SMALL), "--out", d / "o", "--quiet", "--filter", "solver=lemke")
     m = json.loads((d / "o/manifest.json").read_text())
     assert m["campaign"]["seed"] == 3 and "stack:n={1,2}" in m["campaign"]["text"]
-    for path in ("build/commit", "build/compiler", "build/build_hash", "machine/cpu", "machine/kernel", "machine/memory", "machine/clock_cost_s", "campaign/order", "campaign/cache",
-                 "libraries/openblas", "libraries/suitesparse", "libraries/gsl", "environment/OPENBLAS_NUM_THREADS", "results_sha256"):
+    for path in (
+        "build/commit",
+        "build/compiler",
+        "build/build_hash",
+        "machine/cpu",
+        "machine/kernel",
+        "machine/memory",
+        "machine/clock_cost_s",
+        "campaign/order",
+        "campaign/cache",
+        "libraries/openblas",
+        "libraries/suitesparse",
+        "libraries/gsl",
+        "environment/OPENBLAS_NUM_THREADS",
+        "results_sha256",
+    ):
         value = m
         for key in path.split("/"):
             value = value[key]
@@ -150,8 +202,12 @@ def g5_shards_merge_to_the_whole(d):
     run("run", c, "--out", d / "whole", "--quiet")
     for k in (1, 2, 3):
         run("run", c, "--out", d / f"s{k}", "--quiet", "--shard", f"{k}/3")
-    assert all(len({r["problem"] for r in rows(d / f"s{k}")} & {r["problem"] for r in rows(d / f"s{j}")}) == 0
-               for k in (1, 2, 3) for j in range(1, k)), "a problem with all its solvers belongs to one shard"
+    assert all(
+        len({r["problem"] for r in rows(d / f"s{k}")} & {r["problem"] for r in rows(d / f"s{j}")})
+        == 0
+        for k in (1, 2, 3)
+        for j in range(1, k)
+    ), "a problem with all its solvers belongs to one shard"
     run("merge", d / "s1", d / "s2", d / "s3", "--out", d / "merged")
     assert {untimed(r) for r in rows(d / "merged")} == {untimed(r) for r in rows(d / "whole")}
     one_line_error("merge", d / "s1", d / "s1", "--out", d / "twice", names=["twice"])
@@ -177,7 +233,13 @@ def g6_one_bit_invalidates_its_cells_only(d):
     gone = [before[k] for k in before.keys() - after.keys()]
     assert len(gone) == 2 and all(r["problem"].endswith("a.M.mtx") for r in gone)
     # an option invalidates its solver's cells
-    done = run("run", campaign(d, (FILES % d).replace("pgs]", "'pgs:omega=1.1']")), "--out", d / "o", "--quiet")
+    done = run(
+        "run",
+        campaign(d, (FILES % d).replace("pgs]", "'pgs:omega=1.1']")),
+        "--out",
+        d / "o",
+        "--quiet",
+    )
     assert "4 measured now" in done.stdout, done.stdout
 
 
@@ -194,7 +256,9 @@ def g6_other_shared_code_invalidates_all(d):
     assert "18 measured now" in done.stdout and "stale rows" in done.stdout, done.stdout
     done = run("run", c, "--out", d / "o", "--quiet")
     assert "18 measured now" in done.stdout or "0 measured now" not in done.stdout, done.stdout
-    assert cells(d / "o") == {(r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(text.splitlines())}
+    assert cells(d / "o") == {
+        (r["cell_id"], r["process"], r["rep"]) for r in csv.DictReader(text.splitlines())
+    }
     with open(d / "o/stale.csv", newline="") as f:
         assert len(list(csv.DictReader(f))) == 72, "nothing is thrown away"
     assert ", 0 differ" in run("verify", d / "o").stdout
@@ -231,7 +295,10 @@ def verdicts_come_from_stored_answers(d):
     n = len({r["cell_id"] for r in rows(d / "o")})
     empty = len({r["cell_id"] for r in rows(d / "o") if not r["solution_hash"]})
     done = run("verify", d / "o")
-    assert f"{n - empty} cells verified ({n - empty} from stored answers, 0 run again), 0 differ, {empty} without" in done.stdout, done.stdout
+    assert (
+        f"{n - empty} cells verified ({n - empty} from stored answers, 0 run again), 0 differ, {empty} without"
+        in done.stdout
+    ), done.stdout
     text = (d / "o/results.csv").read_text()
 
     def falsified(old, new):
@@ -243,19 +310,41 @@ def verdicts_come_from_stored_answers(d):
 
     assert "solution_hash is" in falsified(rows(d / "o")[0]["solution_hash"], "0123456789abcdef")
     liar = next(r for r in rows(d / "o") if r["status"] == "max_iter")
-    assert "status is max_iter, the row says ok" in falsified(",max_iter,max_iter,", ",ok,max_iter,"), liar["cell_id"]
-    worst = next(r["rho"] for r in rows(d / "o") if r["solver"] == "pgs" and float(r["rho"] or 0) > 1e-15)
+    assert "status is max_iter, the row says ok" in falsified(
+        ",max_iter,max_iter,", ",ok,max_iter,"
+    ), liar["cell_id"]
+    worst = next(
+        r["rho"] for r in rows(d / "o") if r["solver"] == "pgs" and float(r["rho"] or 0) > 1e-15
+    )
     assert "rho is" in falsified(f",{worst},", ",1e-17,")
     # one bit of one stored answer, a file cut short, one from another cell
-    one = d / "o/solutions" / (next(r for r in rows(d / "o") if r["problem"].startswith("stack") and r["solver"] == "lemke")["cell_id"] + ".ans")
+    one = (
+        d
+        / "o/solutions"
+        / (
+            next(
+                r
+                for r in rows(d / "o")
+                if r["problem"].startswith("stack") and r["solver"] == "lemke"
+            )["cell_id"]
+            + ".ans"
+        )
+    )
     whole = one.read_bytes()
-    for broken in (whole[:-1] + bytes([whole[-1] ^ 4]), whole[:-3], whole + b"more", b"something else"):
+    for broken in (
+        whole[:-1] + bytes([whole[-1] ^ 4]),
+        whole[:-3],
+        whole + b"more",
+        b"something else",
+    ):
         one.write_bytes(broken)
         assert "1 differ" in run("verify", d / "o", code=3).stdout
     one.write_bytes(whole)
     # where nothing is stored, the command is run again
     run("run", campaign(d, SMALL), "--out", d / "p", "--quiet", "--solutions", "off")
-    assert "18 cells verified (0 from stored answers, 18 run again)" in run("verify", d / "p").stdout
+    assert (
+        "18 cells verified (0 from stored answers, 18 run again)" in run("verify", d / "p").stdout
+    )
 
 
 def commands_rerun_their_cells(d):
@@ -273,10 +362,25 @@ def commands_rerun_their_cells(d):
         seen.add(kind)
         words = shlex.split(r["command"])
         assert words[0] == "lcpbench"
-        o = json.loads(subprocess.run([LCPBENCH, *words[1:]], capture_output=True, text=True).stdout)
-        got = [o["status"], o["solution_hash"] or "", str(o["n_iter"]), str(o["n_pivot"]), str(o["n_factor"]), str(o["n_matvec"])]
-        want = [r[k] for k in ("status", "solution_hash", "n_iter", "n_pivot", "n_factor", "n_matvec")]
-        assert got == want or not r["solution_hash"] and got[0] == want[0], (r["command"], got, want)
+        o = json.loads(
+            subprocess.run([LCPBENCH, *words[1:]], capture_output=True, text=True).stdout
+        )
+        got = [
+            o["status"],
+            o["solution_hash"] or "",
+            str(o["n_iter"]),
+            str(o["n_pivot"]),
+            str(o["n_factor"]),
+            str(o["n_matvec"]),
+        ]
+        want = [
+            r[k] for k in ("status", "solution_hash", "n_iter", "n_pivot", "n_factor", "n_matvec")
+        ]
+        assert got == want or not r["solution_hash"] and got[0] == want[0], (
+            r["command"],
+            got,
+            want,
+        )
     assert len(seen) > 20, len(seen)
 
 
@@ -300,7 +404,9 @@ def histories_come_from_twins(d):
         if r["solver"] == "pgs" and r["status"] == "ok":
             assert max(last.values()) <= float(r["tol"]) and len(points) > 1, (r["trace"], last)
     assert lengths["pgs"] >= 4 and lengths["projected_gradient"] > 20, lengths
-    assert {untimed(r) for r in rows(d / "plain")} == {untimed(dict(r, trace="")) for r in rows(d / "o")}
+    assert {untimed(r) for r in rows(d / "plain")} == {
+        untimed(dict(r, trace="")) for r in rows(d / "o")
+    }
     # a history that is missing is made afterwards; nothing is measured again
     (d / "o" / next(iter(ids.values()))["trace"]).unlink()
     assert "0 measured now" in run("run", c, "--out", d / "o", "--quiet", "--trace").stdout
@@ -308,10 +414,17 @@ def histories_come_from_twins(d):
 
 
 def interrupted_runs_flush_and_go_on(d):
-    text = SMALL.replace("projected_gradient", "'faulty_steady:seconds=0.2'").replace("velocity:facets={4,8}", "normal")
+    text = SMALL.replace("projected_gradient", "'faulty_steady:seconds=0.2'").replace(
+        "velocity:facets={4,8}", "normal"
+    )
     c = campaign(d, text)
     for number, code in ((signal.SIGINT, 130), (signal.SIGTERM, 4)):
-        p = subprocess.Popen([FAULTY, "run", str(c), "--out", str(d / "o")], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        p = subprocess.Popen(
+            [FAULTY, "run", str(c), "--out", str(d / "o")],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
         time.sleep(1.0)
         p.send_signal(number)
         p.communicate(timeout=30)
@@ -336,12 +449,21 @@ def large_tables_are_compared_at_once(d):
         to.write(header + "\n")
         for k in range(140):
             for line, r in zip(lines, csv.DictReader([header, *lines])):
-                to.write(line.replace(r["cell_id"], f"{k:04d}{r['cell_id'][4:]}").replace(r["problem"], f"{r['problem']}+{k}") + "\n")
+                to.write(
+                    line.replace(r["cell_id"], f"{k:04d}{r['cell_id'][4:]}").replace(
+                        r["problem"], f"{r['problem']}+{k}"
+                    )
+                    + "\n"
+                )
     from_ = time.time()
     out = run("compare", d / "big", d / "big").stdout.splitlines()
     took = time.time() - from_
     print(f"# {len(lines) * 140} rows, {len(out) - 2} pairs in {took:.1f} s")
-    assert len(out) - 2 == 18 * 140 and all("no difference" in line for line in out[:-2]) and (SANITIZED or took < 20)
+    assert (
+        len(out) - 2 == 18 * 140
+        and all("no difference" in line for line in out[:-2])
+        and (SANITIZED or took < 20)
+    )
 
 
 def progress_is_plain_where_nobody_watches(d):
@@ -349,7 +471,9 @@ def progress_is_plain_where_nobody_watches(d):
     c = campaign(d, SMALL)
     lines = run("run", c, "--out", d / "o", "--filter", "solver=lemke").stderr.splitlines()
     assert lines and "\x1b" not in "".join(lines) and "\r" not in "".join(lines)
-    assert re.fullmatch(r"\[18/18\] 100\.0 % ETA 00:00 \S+/\S+/lemke ok \S+ s", lines[-1]), lines[-1]
+    assert re.fullmatch(r"\[18/18\] 100\.0 % ETA 00:00 \S+/\S+/lemke ok \S+ s", lines[-1]), lines[
+        -1
+    ]
     assert run("run", c, "--out", d / "o", "--quiet").stderr == ""
     # what was there already is counted from the start
     lines = run("run", c, "--out", d / "o", "--rerun", "lemke").stderr.splitlines()
@@ -363,7 +487,9 @@ def smoke_is_quick_and_explained(d):
     took = time.time() - from_
     got = rows(d / "o")
     explained = {"unsupported", "max_iter", "time_limit", "stalled", "near"}
-    strange = [r for r in got if r["status"] != "ok" and (r["status"] not in explained or not r["note"])]
+    strange = [
+        r for r in got if r["status"] != "ok" and (r["status"] not in explained or not r["note"])
+    ]
     print(f"# {len(got)} rows in {took:.1f} s, {len(strange)} unexplained")
     assert len({r["cell_id"] for r in got}) > 50 and not strange, strange[:1]
     assert SANITIZED or took < 60, took
@@ -374,13 +500,17 @@ def paper_prints_its_plan(d):
     last = run("run", "paper", "--dry-run", "--out", d / "o").stdout.splitlines()[-1]
     form = r"(\d+) cells, (\d+) processes: (\d+) done, (\d+) to do; about (\d+) s \((\S+) s by earlier rows, (\d+) processes of .* at most (\d+) s"
     m = re.fullmatch(form, last)
-    assert m and int(m[1]) > 100 and m[2] == m[4] == m[7] and 0 < int(m[5]) < int(m[8]) and m[6] == "0", last
+    assert (
+        m and int(m[1]) > 100 and m[2] == m[4] == m[7] and 0 < int(m[5]) < int(m[8]) and m[6] == "0"
+    ), last
     c = campaign(d, SMALL)
     run("run", c, "--out", d / "p", "--quiet", "--filter", "solver=lemke")
     m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
     assert (m[1], m[2], m[3], m[4], m[7]) == ("18", "36", "18", "18", "18"), m[0]
     lines = (d / "p/results.csv").read_text().splitlines(keepends=True)
-    (d / "p/results.csv").write_text("".join(x for i, x in enumerate(lines) if i == 0 or ",1," not in x[:90]))
+    (d / "p/results.csv").write_text(
+        "".join(x for i, x in enumerate(lines) if i == 0 or ",1," not in x[:90])
+    )
     m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
     assert int(m[3]) < 18 and float(m[6]) > 0, m[0]
 
@@ -394,7 +524,10 @@ def merged_folders_keep_their_answers(d):
     noisy["noise_floor"] = 99.0
     (d / "s2/doctor.json").write_text(json.dumps(noisy))
     run("merge", d / "s1", d / "s2", "--out", d / "m")
-    assert "18 cells verified (18 from stored answers, 0 run again), 0 differ" in run("verify", d / "m").stdout
+    assert (
+        "18 cells verified (18 from stored answers, 0 run again), 0 differ"
+        in run("verify", d / "m").stdout
+    )
     assert all((d / "m" / r["trace"]).exists() and r["trace"] for r in rows(d / "m"))
     assert len(list(csv.DictReader((d / "m/traces/index.csv").open()))) == 18
     assert json.loads((d / "m/doctor.json").read_text())["noise_floor"] == 99.0
@@ -402,9 +535,26 @@ def merged_folders_keep_their_answers(d):
     assert {float(r["canary_s"]) for r in rows(d / "m")} <= canaries and len(canaries) >= 4
 
 
-tap([plan_is_printed, filters_choose, schema_errors_name_line_and_key,
-     files_stand_below_a_variable, rows_are_whole_and_resumed, manifest_is_complete,
-     g5_shards_merge_to_the_whole, g6_one_bit_invalidates_its_cells_only, g6_other_shared_code_invalidates_all, verdicts_come_from_stored_answers, commands_rerun_their_cells, histories_come_from_twins,
-     interrupted_runs_flush_and_go_on,
-     status_counts, smoke_is_quick_and_explained, paper_prints_its_plan,
-     merged_folders_keep_their_answers, large_tables_are_compared_at_once, progress_is_plain_where_nobody_watches])
+tap(
+    [
+        plan_is_printed,
+        filters_choose,
+        schema_errors_name_line_and_key,
+        files_stand_below_a_variable,
+        rows_are_whole_and_resumed,
+        manifest_is_complete,
+        g5_shards_merge_to_the_whole,
+        g6_one_bit_invalidates_its_cells_only,
+        g6_other_shared_code_invalidates_all,
+        verdicts_come_from_stored_answers,
+        commands_rerun_their_cells,
+        histories_come_from_twins,
+        interrupted_runs_flush_and_go_on,
+        status_counts,
+        smoke_is_quick_and_explained,
+        paper_prints_its_plan,
+        merged_folders_keep_their_answers,
+        large_tables_are_compared_at_once,
+        progress_is_plain_where_nobody_watches,
+    ]
+)

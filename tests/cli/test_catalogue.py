@@ -1,4 +1,5 @@
 """The committed catalogue of scenes says what the program says, and has a picture of every scene."""
+
 import pathlib
 import subprocess
 import sys
@@ -10,9 +11,16 @@ FOLDER = ROOT / "problems" / "scenes"
 
 
 def text_is_current(d):
-    out = subprocess.run([sys.executable, ROOT / "scripts" / "bench" / "catalogue.py", "--stdout"], check=True, capture_output=True, text=True,
-                         env={"LCPBENCH": LCPBENCH, "PATH": ""}).stdout
-    assert out == (FOLDER / "README.md").read_text(encoding="utf-8"), "problems/scenes/README.md is old: run scripts/catalogue"
+    out = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "bench" / "catalogue.py", "--stdout"],
+        check=True,
+        capture_output=True,
+        text=True,
+        env={"LCPBENCH": LCPBENCH, "PATH": ""},
+    ).stdout
+    assert out == (FOLDER / "README.md").read_text(encoding="utf-8"), (
+        "problems/scenes/README.md is old: run scripts/catalogue"
+    )
 
 
 def every_scene_has_a_picture(d):

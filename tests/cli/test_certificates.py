@@ -1,5 +1,6 @@
 """Certificates from the command line: what any solver claims of an unsolvable problem is written, read back and checked in
 rational arithmetic by `lcpbench verify`, which refuses planted ones."""
+
 import json
 
 from support import CASES, one_line_error, run, run_json, tap
@@ -21,7 +22,10 @@ def write_problem(d, case):
 
 
 def write_certificate(path, kind, rows):
-    path.write_text(f"lcpbench certificate 1\nkind {kind}\nn {len(rows)}\n" + "".join(f"{i} {row}\n" for i, row in enumerate(rows)))
+    path.write_text(
+        f"lcpbench certificate 1\nkind {kind}\nn {len(rows)}\n"
+        + "".join(f"{i} {row}\n" for i, row in enumerate(rows))
+    )
     return path
 
 
@@ -60,7 +64,9 @@ def unsolvable_cases_end_with_certificates_that_hold(d):
                 assert v["certificate"] == ("farkas" if said == "infeasible" else "ray"), v
                 assert v["exact"] == (said == "infeasible"), v
                 (exact if v["exact"] else rays).add((case["id"], solver))
-    for case in cases:  # all of these are monotone or copositive-plus, or have a row that no z >= 0 can help
+    for case in (
+        cases
+    ):  # all of these are monotone or copositive-plus, or have a row that no z >= 0 can help
         if case["kind"] == "infeasible":
             assert (case["id"], "lemke") in exact, f"lemke proves nothing of {case['id']}"
         else:
@@ -74,17 +80,27 @@ def planted_certificates_are_refused(d):
     cases = catalogue()
     walls = write_problem(d, cases["A4.05"])  # infeasible by 2^-20
     assert holds(walls, write_certificate(d / "y", "farkas", ["1", "1"]))["exact"]
-    for wrong in (["1", "1.0000000000000002"], ["-1", "-1"], ["0", "0"], ["1", "0"], ["1e-300", "2e-300"]):
+    for wrong in (
+        ["1", "1.0000000000000002"],
+        ["-1", "-1"],
+        ["0", "0"],
+        ["1", "0"],
+        ["1e-300", "2e-300"],
+    ):
         assert not holds(walls, write_certificate(d / "y", "farkas", wrong))["holds"], wrong
     soft = write_problem(d, cases["A4.06"])  # its feasible neighbour
     assert not holds(soft, write_certificate(d / "y", "farkas", ["1", "1"]))["holds"]
-    feasible = write_problem(d, cases["A8.03"])  # copositive, feasible, without a solution: a ray is no proof
+    feasible = write_problem(
+        d, cases["A8.03"]
+    )  # copositive, feasible, without a solution: a ray is no proof
     said = claim(feasible, "lemke", d / "ray")
     assert said == "ray" and holds(feasible, d / "ray")["holds"]
     (d / "y").write_text((d / "ray").read_text().replace("kind ray", "kind farkas"))
     assert not holds(feasible, d / "y")["holds"]
     spd = write_problem(d, cases["A2.01"])
-    assert not holds(spd, write_certificate(d / "v", "ray", ["1", "1"]))["holds"]  # reverses no sign
+    assert not holds(spd, write_certificate(d / "v", "ray", ["1", "1"]))[
+        "holds"
+    ]  # reverses no sign
     assert run_json("solve", spd, "--solver", "lemke", "--certificate", d / "basis")["verified"]
     assert holds(spd, d / "basis")["exact"]
     text = (d / "basis").read_text()
@@ -92,7 +108,13 @@ def planted_certificates_are_refused(d):
     other = write_certificate(d / "other", "basis", ["0 0", "1 2.3333333333333335"])
     assert not holds(spd, other)["holds"]
     one_line_error("verify", spd, "--certificate", d / "none", names=["none"])
-    one_line_error("verify", spd, "--certificate", write_certificate(d / "long", "farkas", ["1", "1", "1"]), names=["3", "2"])
+    one_line_error(
+        "verify",
+        spd,
+        "--certificate",
+        write_certificate(d / "long", "farkas", ["1", "1", "1"]),
+        names=["3", "2"],
+    )
     one_line_error("verify", d, "--q", d / "a.q.mtx", names=["--certificate"])
 
 

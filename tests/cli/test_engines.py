@@ -1,13 +1,23 @@
 """More than one machine: 200 cells through GNU parallel and through a Slurm array, killed in the middle and started again, merge
 to the cells and verdicts of the built-in runner. Here an sbatch that runs each array index stands in for Slurm; scripts/test_slurm
 does the same with a Slurm of its own."""
+
 import os
 import pathlib
 import shutil
 import signal
 import time
 
-from engines import TEXT, WHOLE_ROWS, built_in, merged_equals_built_in, rows_so_far, start, submit_words
+from engines import (
+    TEXT,
+    WHOLE_ROWS,
+    built_in,
+    merged_equals_built_in,
+    rows_so_far,
+    start,
+    submit_words,
+)
+
 from support import Skip, campaign, one_line_error, run, tap
 
 FAKE_SBATCH = """#!/bin/sh
@@ -58,7 +68,14 @@ def scripts_are_written(d):
     c = campaign(d, TEXT)
     run("submit", c, "--engine", "slurm", "--shards", 4, "--out", d / "o", "--dry-run")
     text = (d / "o/slurm.sh").read_text()
-    for want in ("--array=1-4", "--exclusive", "--requeue", "--signal=B:TERM@60", "--shard \"$SLURM_ARRAY_TASK_ID/4\"", f"--output={d}/o/slurm.%a.log"):
+    for want in (
+        "--array=1-4",
+        "--exclusive",
+        "--requeue",
+        "--signal=B:TERM@60",
+        '--shard "$SLURM_ARRAY_TASK_ID/4"',
+        f"--output={d}/o/slurm.%a.log",
+    ):
         assert want in text, want  # the log is no shard.*, which is what is merged
     one_line_error("submit", c, "--engine", "abacus", "--shards", 2, names=["abacus"])
     one_line_error("submit", c, "--engine", "slurm", "--shards", 0, names=["--shards"])

@@ -1,4 +1,5 @@
 """Solvers that lie, crash, hang, hog, quit and flood: one typed row each, and the campaign completes."""
+
 import json
 import shlex
 
@@ -14,8 +15,16 @@ parts:
     formulations: ["velocity:facets=4"]
     solvers: [lemke, faulty_liar, faulty_nan, faulty_crash, faulty_hang, faulty_hog, faulty_quit, faulty_flood]
 """
-WANT = {"lemke": "ok", "faulty_liar": "unverified", "faulty_nan": "numerical", "faulty_crash": "crash", "faulty_hang": "timeout",
-        "faulty_hog": "oom", "faulty_quit": "no_output", "faulty_flood": "flood"}
+WANT = {
+    "lemke": "ok",
+    "faulty_liar": "unverified",
+    "faulty_nan": "numerical",
+    "faulty_crash": "crash",
+    "faulty_hang": "timeout",
+    "faulty_hog": "oom",
+    "faulty_quit": "no_output",
+    "faulty_flood": "flood",
+}
 
 if SANITIZED:  # no memory limit there, and the sanitizer turns SIGSEGV into its own abort
     TEXT = TEXT.replace("faulty_hog, ", "")
@@ -34,7 +43,9 @@ def g3_each_death_has_its_word(d):
     assert {(r["t_limit_s"], r["mem_limit_B"]) for r in got} == {("2", str(2 << 30))}
     liar = next(r for r in got if r["solver"] == "faulty_liar")
     assert liar["status_claimed"] == "ok" and float(liar["rho"]) > 1e-3 and liar["note"]
-    assert next(r for r in got if r["solver"] == "faulty_crash")["exit_signal"] == ("6" if SANITIZED else "11")
+    assert next(r for r in got if r["solver"] == "faulty_crash")["exit_signal"] == (
+        "6" if SANITIZED else "11"
+    )
 
 
 def g3_strict_says_so(d):
@@ -43,23 +54,49 @@ def g3_strict_says_so(d):
 
 
 def g2_liar_in_json(d):
-    o = json.loads(run("solve", "random_spd:n=5", "--solver", "faulty_liar", exe=FAULTY, code=3).stdout)
+    o = json.loads(
+        run("solve", "random_spd:n=5", "--solver", "faulty_liar", exe=FAULTY, code=3).stdout
+    )
     assert (o["status"], o["claimed"], o["verified"]) == ("unverified", "ok", False), o
-    o = json.loads(run("simulate", "stack:n=1", "--formulation", "normal", "--solver", "faulty_liar", exe=FAULTY, code=3).stdout)
+    o = json.loads(
+        run(
+            "simulate",
+            "stack:n=1",
+            "--formulation",
+            "normal",
+            "--solver",
+            "faulty_liar",
+            exe=FAULTY,
+            code=3,
+        ).stdout
+    )
     assert (o["status"], o["claimed"], o["verified"]) == ("unverified", "ok", False), o
 
 
 def rerun_measures_what_is_asked_for(d):
     """timeouts: what timed out; failed: every cell that is not ok; a solver: its cells; all: all. Nothing asked: nothing."""
-    text = FLAGS % (1, 1, diagonal(d, 6), "[lemke, pgs, faulty_liar, faulty_crash, faulty_hang, faulty_patient]")
+    text = FLAGS % (
+        1,
+        1,
+        diagonal(d, 6),
+        "[lemke, pgs, faulty_liar, faulty_crash, faulty_hang, faulty_patient]",
+    )
     c = campaign(d, text.replace("time: 1s", "time: 0.8s"))
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
     first = {r["solver"]: r["status"] for r in rows(d / "o")}
-    assert first["faulty_hang"] == "timeout" and first["faulty_patient"] == "time_limit" and first["faulty_crash"] == "crash", first
+    assert (
+        first["faulty_hang"] == "timeout"
+        and first["faulty_patient"] == "time_limit"
+        and first["faulty_crash"] == "crash"
+    ), first
     for what, count in ((None, 0), ("timeouts", 2), ("failed", 4), ("pgs", 1), ("all", 6)):
-        done = run("run", c, "--out", d / "o", "--quiet", *(("--rerun", what) if what else ()), exe=FAULTY)
+        done = run(
+            "run", c, "--out", d / "o", "--quiet", *(("--rerun", what) if what else ()), exe=FAULTY
+        )
         assert f" {count} measured now" in done.stdout, (what, done.stdout)
-        assert {r["solver"]: r["status"] for r in rows(d / "o")} == first and len(rows(d / "o")) == 6
+        assert {r["solver"]: r["status"] for r in rows(d / "o")} == first and len(
+            rows(d / "o")
+        ) == 6
 
 
 FLAGS = """
@@ -75,18 +112,40 @@ parts:
 
 def flagged(d, solvers, samples=2, limit="1s"):
     out = d / f"o{len(list(d.iterdir()))}"
-    run("run", campaign(d, (FLAGS % (samples, samples, diagonal(d, 6), solvers)).replace("time: 1s", f"time: {limit}")), "--out", out, "--quiet", exe=FAULTY)
+    run(
+        "run",
+        campaign(
+            d,
+            (FLAGS % (samples, samples, diagonal(d, 6), solvers)).replace(
+                "time: 1s", f"time: {limit}"
+            ),
+        ),
+        "--out",
+        out,
+        "--quiet",
+        exe=FAULTY,
+    )
     return [(r["solver"], set(r["flags"].split()), r) for r in rows(out)]
 
 
 def suspicious_rows_are_flagged(d):
     """Twins in disguise, answers without work, a method that asked another, answers that change: none passes in silence."""
-    got = flagged(d, "[lemke, faulty_damped, faulty_copy, faulty_idle, faulty_fallback, faulty_fickle]")
-    word = {"faulty_damped": "same_bits", "faulty_copy": "same_bits", "faulty_idle": "zero_iterations", "faulty_fallback": "fallback",
-            "faulty_fickle": "not_repeatable"}
+    got = flagged(
+        d, "[lemke, faulty_damped, faulty_copy, faulty_idle, faulty_fallback, faulty_fickle]"
+    )
+    word = {
+        "faulty_damped": "same_bits",
+        "faulty_copy": "same_bits",
+        "faulty_idle": "zero_iterations",
+        "faulty_fallback": "fallback",
+        "faulty_fickle": "not_repeatable",
+    }
     for solver, flags, r in got:
         assert r["status"] == "ok", r
-        assert (word[solver] in flags) if solver in word else not flags & set(word.values()), (solver, flags)
+        assert (word[solver] in flags) if solver in word else not flags & set(word.values()), (
+            solver,
+            flags,
+        )
     assert {s for s, _, _ in got} == set(word) | {"lemke"}
     # one of the two alone is nothing special
     assert all("same_bits" not in flags for _, flags, _ in flagged(d, "[lemke, faulty_damped]"))
@@ -104,7 +163,12 @@ def outliers_are_kept_and_measured_again(d):
 
 def long_runs_keep_their_first_time(d):
     """Where no second evaluation fits before the limit, the first is the row; a solver is told the limit before it is killed."""
-    got = {s: (flags, r) for s, flags, r in flagged(d, "['faulty_sleeper:seconds=0.8', faulty_patient]", limit="1.5s")}
+    got = {
+        s: (flags, r)
+        for s, flags, r in flagged(
+            d, "['faulty_sleeper:seconds=0.8', faulty_patient]", limit="1.5s"
+        )
+    }
     flags, r = got["faulty_sleeper"]
     assert r["status"] == "ok" and "first_run" in flags and 0.8 <= float(r["t_total_s"]) < 1.5, r
     flags, r = got["faulty_patient"]
@@ -127,5 +191,16 @@ def faults_are_not_in_the_release(d):
     one_line_error("solve", "random_spd:n=5", "--solver", "faulty_liar", names=["faulty_liar"])
 
 
-tap([g3_each_death_has_its_word, g3_strict_says_so, g2_liar_in_json, rerun_measures_what_is_asked_for, suspicious_rows_are_flagged, outliers_are_kept_and_measured_again,
-     long_runs_keep_their_first_time, limits_do_not_part_pairs, faults_are_not_in_the_release])
+tap(
+    [
+        g3_each_death_has_its_word,
+        g3_strict_says_so,
+        g2_liar_in_json,
+        rerun_measures_what_is_asked_for,
+        suspicious_rows_are_flagged,
+        outliers_are_kept_and_measured_again,
+        long_runs_keep_their_first_time,
+        limits_do_not_part_pairs,
+        faults_are_not_in_the_release,
+    ]
+)

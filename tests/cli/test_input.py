@@ -1,4 +1,5 @@
 """Bad input gives one line on stderr that names the culprit and the rule, and exit code 2."""
+
 import csv
 import json
 import pathlib
@@ -25,7 +26,9 @@ def usage_errors(d):
     one_line_error("solve", problem(d), "--solver", "pgs:omega=7", names=["omega", "7"])
     one_line_error("solve", problem(d), "--solver", "pgs:nosuch=1", names=["nosuch", "omega"])
     one_line_error("solve", problem(d), "--solver", "pgs", "--tol", "big", names=["tol", "big"])
-    one_line_error("solve", problem(d), "--solver", "pgs", "--max-iter", "0", names=["max_iter", "0"])
+    one_line_error(
+        "solve", problem(d), "--solver", "pgs", "--max-iter", "0", names=["max_iter", "0"]
+    )
     one_line_error("solve", problem(d), "--solver", names=["--solver"])
     one_line_error("list", "colours", names=["colours"])
     one_line_error("list", "solvers", "--format", "xml", names=["xml"])
@@ -34,18 +37,33 @@ def usage_errors(d):
 def options_out_of_range_are_refused(d):
     """Not taken for their defaults."""
     plan = ("run", "smoke", "--dry-run")
-    for option, value in (("--reps", 0), ("--reps", -1), ("--seed", -5), ("--time-limit", 0), ("--time-limit", "-3s"), ("--memory-limit", "-1"), ("--out", "")):
+    for option, value in (
+        ("--reps", 0),
+        ("--reps", -1),
+        ("--seed", -5),
+        ("--time-limit", 0),
+        ("--time-limit", "-3s"),
+        ("--memory-limit", "-1"),
+        ("--out", ""),
+    ):
         one_line_error(*plan, option, value, names=[option])
     for folder in ("x" * 2000, "/".join(["y" * 200] * 6)):
         one_line_error("run", "smoke", "--out", d / folder, names=["999"])
     one_line_error("doctor", "--seconds", 0, names=["--seconds"])
     one_line_error("doctor", "--out", "/proc/none", names=["/proc/none"])
     one_line_error("check", problem(d), "--time-limit", 0, names=["--time-limit"])
-    one_line_error("export", "murty:n=4", "--format", "fclib", "--out", d / "x", names=["murty", "fclib"])
-    (d / "long.yaml").write_text("name: long\nparts: [{name: a, problems: ['murty:%s'], solvers: [lemke]}]\n" % ",".join(["n=4"] * 99))
+    one_line_error(
+        "export", "murty:n=4", "--format", "fclib", "--out", d / "x", names=["murty", "fclib"]
+    )
+    (d / "long.yaml").write_text(
+        "name: long\nparts: [{name: a, problems: ['murty:%s'], solvers: [lemke]}]\n"
+        % ",".join(["n=4"] * 99)
+    )
     one_line_error("run", d / "long.yaml", "--dry-run", names=["long.yaml", "319"])
     (d / "it's.M.mtx").write_text(GOOD_M)
-    (d / "quote.yaml").write_text('name: q\nparts: [{name: a, problems: ["%s/*.M.mtx"], solvers: [lemke]}]\n' % d)
+    (d / "quote.yaml").write_text(
+        'name: q\nparts: [{name: a, problems: ["%s/*.M.mtx"], solvers: [lemke]}]\n' % d
+    )
     one_line_error("run", d / "quote.yaml", "--dry-run", names=["it's.M.mtx"])
 
 
@@ -53,29 +71,53 @@ def options_without_a_meaning_are_refused(d):
     """Not accepted and forgotten."""
     m = problem(d)
     solve = ("solve", "murty:n=4", "--solver", "lemke")
-    for words, names in (((*solve, "--facets", 8), ["facets", "murty"]), ((*solve, "--formulation", "coulomb"), ["--formulation", "murty"]),
-                         ((*solve, "--formulation", "velocity"), ["facets"]), ((*solve, "--q", d / "a.q.mtx"), ["--q", "murty"]),
-                         (("solve", m, "--solver", "lemke", "--facets", 4), ["facets", "a.M.mtx"]),
-                         (("export", "murty:n=4", "--format", "mtx", "--out", d / "x", "--q", d / "a.q.mtx"), ["--q"]),
-                         (("verify", m, "--certificate", d / "c", "--rerun"), ["--rerun"]),
-                         (("compare", d, d, "--noise", -1), ["--noise"]), (("compare", d, d, "--column", "rho"), ["--column", "rho"])):
+    for words, names in (
+        ((*solve, "--facets", 8), ["facets", "murty"]),
+        ((*solve, "--formulation", "coulomb"), ["--formulation", "murty"]),
+        ((*solve, "--formulation", "velocity"), ["facets"]),
+        ((*solve, "--q", d / "a.q.mtx"), ["--q", "murty"]),
+        (("solve", m, "--solver", "lemke", "--facets", 4), ["facets", "a.M.mtx"]),
+        (
+            ("export", "murty:n=4", "--format", "mtx", "--out", d / "x", "--q", d / "a.q.mtx"),
+            ["--q"],
+        ),
+        (("verify", m, "--certificate", d / "c", "--rerun"), ["--rerun"]),
+        (("compare", d, d, "--noise", -1), ["--noise"]),
+        (("compare", d, d, "--column", "rho"), ["--column", "rho"]),
+    ):
         one_line_error(*words, names=names)
     lcp = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds" / "lcp.dat"
     for path in (lcp, lcp.with_name("mlcp.dat")):
-        one_line_error("solve", f"{path}:facets=4", "--solver", "lemke", names=["facets", path.name])
+        one_line_error(
+            "solve", f"{path}:facets=4", "--solver", "lemke", names=["facets", path.name]
+        )
     submit = ("submit", "smoke", "--out", d / "s", "--dry-run", "--engine")
     one_line_error(*submit, "slurm", "--jobs", 2, names=["--jobs", "slurm"])
     one_line_error(*submit, "parallel", "--slurm-time", 10, names=["--slurm-time", "parallel"])
     one_line_error(*submit, "slurm", "--slurm-time", "1; rm", names=["--slurm-time", "1; rm"])
-    one_line_error("submit", "smoke", "--out", d / "it's", "--dry-run", "--engine", "slurm", names=["it's"])
+    one_line_error(
+        "submit", "smoke", "--out", d / "it's", "--dry-run", "--engine", "slurm", names=["it's"]
+    )
 
 
 def output_that_does_not_arrive_is_no_success(d):
     problem(d)
-    for words in (("list", "solvers"), ("list", "scenes", "--format", "json"), ("--help",), ("run", "smoke", "--dry-run"), ("solve", d / "a.M.mtx", "--solver", "lemke")):
+    for words in (
+        ("list", "solvers"),
+        ("list", "scenes", "--format", "json"),
+        ("--help",),
+        ("run", "smoke", "--dry-run"),
+        ("solve", d / "a.M.mtx", "--solver", "lemke"),
+    ):
         with open("/dev/full", "w") as full:
-            done = subprocess.run([LCPBENCH, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True)
-        assert done.returncode == 1 and done.stderr.startswith("lcpbench: stdout: ") and done.stderr.count("\n") == 1, (words, done.returncode, done.stderr)
+            done = subprocess.run(
+                [LCPBENCH, *map(str, words)], stdout=full, stderr=subprocess.PIPE, text=True
+            )
+        assert (
+            done.returncode == 1
+            and done.stderr.startswith("lcpbench: stdout: ")
+            and done.stderr.count("\n") == 1
+        ), (words, done.returncode, done.stderr)
 
 
 def problem_errors(d):
@@ -98,7 +140,9 @@ def problem_errors(d):
 
 def scene_errors(d):
     def sim(scene, *more, names):
-        one_line_error("simulate", scene, "--formulation", "velocity", "--solver", "lemke", *more, names=names)
+        one_line_error(
+            "simulate", scene, "--formulation", "velocity", "--solver", "lemke", *more, names=names
+        )
 
     sim("nosuchscene", names=["nosuchscene"])
     sim("incline:mass=-1", names=["mass", "-1"])
@@ -107,10 +151,36 @@ def scene_errors(d):
     sim("incline", "--duration", "-1", names=["--duration"])
     sim("incline", "--start", "lukewarm", names=["lukewarm"])
     sim("incline", "--effects", "+magic", names=["magic"])
-    one_line_error("simulate", "incline", "--formulation", "nosuch", "--solver", "lemke", names=["nosuch"])
-    one_line_error("simulate", "incline", "--formulation", "velocity:facets=1", "--solver", "lemke", names=["facets"])
-    scene = {"id": "x", "title": "t", "dim": 2, "gravity": [0, -9.81], "T": 0.1, "static": [], "checks": [],
-             "bodies": [{"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": -1.0, "pos": [0, 0], "inertia": 0.1}]}
+    one_line_error(
+        "simulate", "incline", "--formulation", "nosuch", "--solver", "lemke", names=["nosuch"]
+    )
+    one_line_error(
+        "simulate",
+        "incline",
+        "--formulation",
+        "velocity:facets=1",
+        "--solver",
+        "lemke",
+        names=["facets"],
+    )
+    scene = {
+        "id": "x",
+        "title": "t",
+        "dim": 2,
+        "gravity": [0, -9.81],
+        "T": 0.1,
+        "static": [],
+        "checks": [],
+        "bodies": [
+            {
+                "name": "b",
+                "shape": {"type": "disc", "r": 0.1},
+                "mass": -1.0,
+                "pos": [0, 0],
+                "inertia": 0.1,
+            }
+        ],
+    }
     (d / "x.json").write_text(json.dumps(scene))
     sim(d / "x.json", names=["mass", "-1"])
     (d / "y.json").write_text('{"id": "x", ')
@@ -132,27 +202,63 @@ def check_skips_no_case_for_want_of_anything(d):
     wanted = {c["id"] for group in ("lcp", "scenes", "stress") for c in cases[group]}
     assert wanted <= {c["id"] for c in o["checks"]}, wanted - {c["id"] for c in o["checks"]}
     for c in o["checks"]:
-        assert c["result"] != "skipped" or c["reason"].startswith(("models no ", "honest failure: ")), c
+        assert c["result"] != "skipped" or c["reason"].startswith(
+            ("models no ", "honest failure: ")
+        ), c
     # the stiffest compliant contact, 1e16 N/m, is inside the range of the formulation made for it
-    o = run_json("check", CASES, "--filter", "id=C07.5", "--formulation", "penalty", "--solver", "lemke", "--json")
+    o = run_json(
+        "check",
+        CASES,
+        "--filter",
+        "id=C07.5",
+        "--formulation",
+        "penalty",
+        "--solver",
+        "lemke",
+        "--json",
+    )
     assert o["passed"] == 4, o
 
 
 def check_fails_what_it_cannot_run(d):
     """A scene that asks for something that does not exist is a failure, not a skip."""
-    ball = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1], "vel": [0, 1]}
-    good = {"id": "s", "dim": 2, "T": 0.02, "bodies": [ball], "checks": [{"type": "state", "var": "b.y", "t": 0.02, "value": 1.02,
-                                                                          "tol": {"abs": 1e-9}}]}
-    wants = [{"bodies": [dict(ball, shape={"type": "torus", "r": 0.1})]}, {"needs": ["magnetism"]},
-             {"loads": [{"body": "b", "type": "wind"}]}]
+    ball = {
+        "name": "b",
+        "shape": {"type": "disc", "r": 0.1},
+        "mass": 1.0,
+        "pos": [0, 1],
+        "vel": [0, 1],
+    }
+    good = {
+        "id": "s",
+        "dim": 2,
+        "T": 0.02,
+        "bodies": [ball],
+        "checks": [{"type": "state", "var": "b.y", "t": 0.02, "value": 1.02, "tol": {"abs": 1e-9}}],
+    }
+    wants = [
+        {"bodies": [dict(ball, shape={"type": "torus", "r": 0.1})]},
+        {"needs": ["magnetism"]},
+        {"loads": [{"body": "b", "type": "wind"}]},
+    ]
     for want in wants:
         (d / "s.json").write_text(json.dumps([dict(good, id="good"), dict(good, **want)]))
         done = run("check", d / "s.json", "--formulation", "velocity", "--solver", "lemke", code=3)
-        assert "FAILED s - - [run]" in done.stdout and done.stdout.endswith(" 1 failed, 0 skipped\n"), done.stdout
+        assert "FAILED s - - [run]" in done.stdout and done.stdout.endswith(
+            " 1 failed, 0 skipped\n"
+        ), done.stdout
 
 
 def lists_are_bare_names(d):
-    for what in ("problems", "scenes", "formulations", "solvers", "campaigns", "effects", "situations"):
+    for what in (
+        "problems",
+        "scenes",
+        "formulations",
+        "solvers",
+        "campaigns",
+        "effects",
+        "situations",
+    ):
         names = run("list", what).stdout.splitlines()
         assert names and all(n and " " not in n and "," not in n for n in names), (what, names)
         assert [o["name"] for o in run_json("list", what, "--format", "json")] == names
@@ -164,31 +270,47 @@ def scenes_are_described_in_full(d):
     """What a tool needs to offer every scene: parameters with ranges and units, effects, observables, sourced predictions."""
     effects = set(run("list", "effects").stdout.split())
     situations = run("list", "situations").stdout.split()
-    assert not next(s for s in run_json("list", "scenes", "--format", "json") if s["name"] == "vise")["solvable"]
+    assert not next(
+        s for s in run_json("list", "scenes", "--format", "json") if s["name"] == "vise"
+    )["solvable"]
     for s in run_json("list", "scenes", "--format", "json"):
         where = s["name"]
         assert s["situation"] in {"", *situations}, where
-        assert len(s["title"]) > 5 and len(s["about"]) > 80 and s["parameters"] and s["predictions"], where
+        assert (
+            len(s["title"]) > 5 and len(s["about"]) > 80 and s["parameters"] and s["predictions"]
+        ), where
         assert s["dim"] in (2, 3) and s["duration_s"] > 0 and s["step_s"] > 0, where
-        assert s["effects"] and set(s["effects"]) <= effects and ("spatial" in s["effects"]) == (s["dim"] == 3), where
+        assert (
+            s["effects"]
+            and set(s["effects"]) <= effects
+            and ("spatial" in s["effects"]) == (s["dim"] == 3)
+        ), where
         for p in s["parameters"]:
             assert p["unit"] and len(p["help"]) > 3, (where, p)
             if p["kind"] == "choice":
                 assert p["default"] in p["words"] and len(p["words"]) > 1, (where, p)
             else:
-                assert p["kind"] in ("integer", "real") and p["min"] <= p["default"] <= p["max"], (where, p)
+                assert p["kind"] in ("integer", "real") and p["min"] <= p["default"] <= p["max"], (
+                    where,
+                    p,
+                )
         for o in s["observables"]:
             assert o["name"] and o["unit"], (where, o)
         for c in s["predictions"]:
             assert c["quantity"] and c["unit"] and c["source"], (where, c)
             assert all(t is not None and t >= 0 for t in c["tolerance"].values()), (where, c)
-            assert c["value"] is not None or c["quantity"] in ("finite", "energy_nonincrease"), (where, c)
+            assert c["value"] is not None or c["quantity"] in ("finite", "energy_nonincrease"), (
+                where,
+                c,
+            )
 
 
 def solve_prints_one_object(d):
     o = run_json("solve", problem(d), "--solver", "lemke", "--z", d / "z.mtx")
-    for key in ("problem n nnz storage solver options status claimed verified rho res_natural res_natural_rel res_comp "
-                "n_iter n_pivot n_factor n_matvec t_setup_s t_factor_s t_solve_s certificate").split():
+    for key in (
+        "problem n nnz storage solver options status claimed verified rho res_natural res_natural_rel res_comp "
+        "n_iter n_pivot n_factor n_matvec t_setup_s t_factor_s t_solve_s certificate"
+    ).split():
         assert key in o, key
     assert o["status"] == "ok" and o["verified"] is True and o["n"] == 2
     z = [float(x) for x in (d / "z.mtx").read_text().splitlines()[-2:]]
@@ -202,22 +324,43 @@ def solve_reports_infeasible(d):
 
 
 def simulate_prints_one_object(d):
-    o = run_json("simulate", "slide:speed=1", "--formulation", "velocity", "--solver", "lemke", "--trajectory", d / "t.csv")
-    for key in ("scene parameters formulation solver step_s steps status observables predictions lcp_dim_max n_contact_max n_solves "
-                "n_pivot n_iter res_natural_max res_ncp_max penetration_max_m energy_defect_J effects_declared effects_seen "
-                "t_assemble_s t_solve_s t_total_s").split():
+    o = run_json(
+        "simulate",
+        "slide:speed=1",
+        "--formulation",
+        "velocity",
+        "--solver",
+        "lemke",
+        "--trajectory",
+        d / "t.csv",
+    )
+    for key in (
+        "scene parameters formulation solver step_s steps status observables predictions lcp_dim_max n_contact_max n_solves "
+        "n_pivot n_iter res_natural_max res_ncp_max penetration_max_m energy_defect_J effects_declared effects_seen "
+        "t_assemble_s t_solve_s t_total_s"
+    ).split():
         assert key in o, key
     assert o["status"] == "ok" and o["predictions"] and all(p["ok"] for p in o["predictions"])
     for key in "quantity time_s value predicted error tolerance ok source".split():
         assert key in o["predictions"][0], key
     lines = (d / "t.csv").read_text().splitlines()
-    assert lines[0].startswith("t_s,kind,name,") and sum(",body,block," in line for line in lines) == o["steps"] + 1
+    assert (
+        lines[0].startswith("t_s,kind,name,")
+        and sum(",body,block," in line for line in lines) == o["steps"] + 1
+    )
 
 
 def dimensions_of_the_three_formulations(d):
     """The 3D block with four contacts: p(nd + 2) unknowns against p."""
     for form, dim in (("velocity:facets=8", 40), ("velocity:facets=4", 24), ("regularized", 4)):
-        o = run_json("simulate", "incline:theta_deg=17.1887,mu=0.5", "--formulation", form, "--solver", "lemke")
+        o = run_json(
+            "simulate",
+            "incline:theta_deg=17.1887,mu=0.5",
+            "--formulation",
+            form,
+            "--solver",
+            "lemke",
+        )
         assert o["lcp_dim_max"] == dim, (form, o["lcp_dim_max"])
         assert all(p["ok"] for p in o["predictions"]) and o["predictions"]
 
@@ -225,8 +368,18 @@ def dimensions_of_the_three_formulations(d):
 def certificates_are_written(d):
     o = run_json("solve", "random_spd:n=6", "--solver", "lemke", "--certificate", d / "c.txt")
     text = (d / "c.txt").read_text()
-    assert o["certificate"] == "basis" and text.startswith("lcpbench certificate 1\nkind basis\nn 6\n"), text[:60]
-    one_line_error("solve", "random_spd:n=6", "--solver", "pgs", "--certificate", d / "c.txt", names=["--certificate", "pgs"])
+    assert o["certificate"] == "basis" and text.startswith(
+        "lcpbench certificate 1\nkind basis\nn 6\n"
+    ), text[:60]
+    one_line_error(
+        "solve",
+        "random_spd:n=6",
+        "--solver",
+        "pgs",
+        "--certificate",
+        d / "c.txt",
+        names=["--certificate", "pgs"],
+    )
 
 
 def export_reads_back(d):
@@ -238,15 +391,27 @@ def export_reads_back(d):
     for part in ("M", "q"):
         assert (d / f"again.{part}.mtx").read_text() == (d / f"p.{part}.mtx").read_text()
     seeds = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds"
-    for seed in ("fc2d_dense", "fc2d_blocks", "fc2d_csparse", "global", "rolling", "rolling_global"):
+    for seed in (
+        "fc2d_dense",
+        "fc2d_blocks",
+        "fc2d_csparse",
+        "global",
+        "rolling",
+        "rolling_global",
+    ):
         run("export", seeds / f"{seed}.dat", "--format", "siconos", "--out", d / "a.dat")
         if seed != "rolling":  # FCLIB has no local rolling problems
             run("export", d / "a.dat", "--format", "fclib", "--out", d / "b.hdf5")
             run("export", d / "b.hdf5", "--format", "siconos", "--out", d / "b.dat")
             assert (d / "a.dat").read_text() == (d / "b.dat").read_text(), seed
-        hashes = {run_json("solve", path, "--solver", "nsgs")["solution_hash"] for path in (seeds / f"{seed}.dat", d / "a.dat")}
+        hashes = {
+            run_json("solve", path, "--solver", "nsgs")["solution_hash"]
+            for path in (seeds / f"{seed}.dat", d / "a.dat")
+        }
         assert len(hashes) == 1, seed
-    one_line_error("export", "random_spd:n=9", "--format", "papyrus", "--out", d / "p", names=["papyrus"])
+    one_line_error(
+        "export", "random_spd:n=9", "--format", "papyrus", "--out", d / "p", names=["papyrus"]
+    )
     one_line_error("export", "random_spd:n=9", "--format", "mtx", names=["--out"])
     name = TESTS / "data/friction/FrictionContactProblem00031.dat"
     for kind, ending in (("fclib", "hdf5"), ("siconos", "dat")):
@@ -254,13 +419,28 @@ def export_reads_back(d):
         o = run_json("solve", d / f"f.{ending}", "--solver", "nsgs")
         same = run_json("solve", name, "--solver", "nsgs")
         assert o["status"] == "ok" and o["solution_hash"] == same["solution_hash"], kind
-    one_line_error("export", name, "--format", "siconos", "--out", d / "x", "--q", d / "p.q.mtx",
-                   names=["--q", name.name])
+    one_line_error(
+        "export",
+        name,
+        "--format",
+        "siconos",
+        "--out",
+        d / "x",
+        "--q",
+        d / "p.q.mtx",
+        names=["--q", name.name],
+    )
     mixed = TESTS / "data/mlcp/RLCD_mlcp.dat"
-    for problem_text in ("random_spd:n=9", f"{name}:facets=4", mixed):  # LCPs and mixed LCPs as text
+    for problem_text in (
+        "random_spd:n=9",
+        f"{name}:facets=4",
+        mixed,
+    ):  # LCPs and mixed LCPs as text
         run("export", problem_text, "--format", "siconos", "--out", d / "l.dat")
-        hashes = {run_json("solve", path, "--solver", "lemke")["solution_hash"]
-                  for path in (problem_text, d / "l.dat")}
+        hashes = {
+            run_json("solve", path, "--solver", "lemke")["solution_hash"]
+            for path in (problem_text, d / "l.dat")
+        }
         assert len(hashes) == 1, problem_text
     one_line_error("export", mixed, "--format", "mtx", "--out", d / "x", names=[d / "x"])
     one_line_error("export", mixed, "--format", "fclib", "--out", d / "x", names=[mixed.name])
@@ -274,21 +454,41 @@ def friction_stays_physical(d):
         assert exact["res_ncp"] < 1e-10, exact
         for facets in (4, 8, 16):
             o = run_json("solve", f"{seeds / seed}.dat:facets={facets}", "--solver", "lemke")
-            assert o["status"] == "ok" and o["n"] == {"rolling": 2 * facets + 3}.get(seed, 4) and o["res_ncp"] is not None, o
+            assert (
+                o["status"] == "ok"
+                and o["n"] == {"rolling": 2 * facets + 3}.get(seed, 4)
+                and o["res_ncp"] is not None
+            ), o
     # friction that points between the facets: 4 facets leave it out, 16 hardly
     (d / "oblique.dat").write_text("3 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 -1 2 1 0.5")
-    error = [run_json("solve", f"{d}/oblique.dat:facets={n}", "--solver", "lemke")["res_ncp"] for n in (4, 8, 16)]
-    assert error[0] > 0.05 and error[0] > error[1] > error[2] > 1e-4 and error[2] < 0.2 * error[0], error
+    error = [
+        run_json("solve", f"{d}/oblique.dat:facets={n}", "--solver", "lemke")["res_ncp"]
+        for n in (4, 8, 16)
+    ]
+    assert (
+        error[0] > 0.05 and error[0] > error[1] > error[2] > 1e-4 and error[2] < 0.2 * error[0]
+    ), error
     for bad in (":facets=1", ":facets=x", ":facets=", ":nosuch=3"):
         one_line_error("solve", f"{d}/oblique.dat{bad}", "--solver", "lemke", names=["oblique.dat"])
-    one_line_error("solve", f"{d}/oblique.dat:facets=4", "--facets", "8", "--solver", "lemke", names=["twice"])
-    (d / "c.yaml").write_text(f"name: c\nparts:\n  - name: p\n    problems: ['{d}/*.dat:facets={{4,8}}', '{d}/*.dat']\n    solvers: [lemke, nsgs]\n"
-                              "sampling: {processes: 1, samples: 1, max_samples: 1}\n")
+    one_line_error(
+        "solve", f"{d}/oblique.dat:facets=4", "--facets", "8", "--solver", "lemke", names=["twice"]
+    )
+    (d / "c.yaml").write_text(
+        f"name: c\nparts:\n  - name: p\n    problems: ['{d}/*.dat:facets={{4,8}}', '{d}/*.dat']\n    solvers: [lemke, nsgs]\n"
+        "sampling: {processes: 1, samples: 1, max_samples: 1}\n"
+    )
     run("run", d / "c.yaml", "--out", d / "out")
     rows = list(csv.DictReader((d / "out" / "results.csv").read_text().splitlines()))
-    judged = {(r["problem"][-8:], r["solver"]): float(r["res_ncp"]) for r in rows if r["status"] == "ok"}
-    assert abs(judged["facets=4", "lemke"] - error[0]) < 1e-12 and abs(judged["facets=8", "lemke"] - error[1]) < 1e-12, judged
-    assert judged["ique.dat", "nsgs"] < 1e-6 and len({r["problem_sha256"] for r in rows}) == 3, judged
+    judged = {
+        (r["problem"][-8:], r["solver"]): float(r["res_ncp"]) for r in rows if r["status"] == "ok"
+    }
+    assert (
+        abs(judged["facets=4", "lemke"] - error[0]) < 1e-12
+        and abs(judged["facets=8", "lemke"] - error[1]) < 1e-12
+    ), judged
+    assert judged["ique.dat", "nsgs"] < 1e-6 and len({r["problem_sha256"] for r in rows}) == 3, (
+        judged
+    )
 
 
 def steps_are_dumped(d):
@@ -296,21 +496,53 @@ def steps_are_dumped(d):
     scene = ("simulate", "stack:n=2", "--formulation", "velocity:facets=4", "--solver", "lemke")
     run(*scene, "--dump-steps", "2:4", "--out", d / "seq")
     index = [line.split(",") for line in (d / "seq" / "index.csv").read_text().splitlines()]
-    assert index[0] == "step,solve,n,nnz,status,problem,answer".split(",") and [row[0] for row in index[1:]] == ["2", "3", "4"], index
+    assert index[0] == "step,solve,n,nnz,status,problem,answer".split(",") and [
+        row[0] for row in index[1:]
+    ] == ["2", "3", "4"], index
     for row in index[1:]:
         o = run_json("solve", d / "seq" / row[5], "--solver", "lemke", "--z", d / "z.mtx")
         assert o["status"] == row[4] == "ok" and o["n"] == int(row[2]), o
         assert (d / "z.mtx").read_text() == (d / "seq" / row[6]).read_text(), row
-    run("simulate", "stack:n=2", "--formulation", "coulomb", "--solver", "nsgs", "--dump-step", "3", "--out", d / "cone")
-    assert sorted(p.name for p in (d / "cone").iterdir()) == ["index.csv", "step_000003_01.dat", "step_000003_01.z.mtx"]
+    run(
+        "simulate",
+        "stack:n=2",
+        "--formulation",
+        "coulomb",
+        "--solver",
+        "nsgs",
+        "--dump-step",
+        "3",
+        "--out",
+        d / "cone",
+    )
+    assert sorted(p.name for p in (d / "cone").iterdir()) == [
+        "index.csv",
+        "step_000003_01.dat",
+        "step_000003_01.z.mtx",
+    ]
     o = run_json("solve", d / "cone" / "step_000003_01.dat", "--solver", "nsgs", "--z", d / "z.mtx")
-    assert o["status"] == "ok" and (d / "z.mtx").read_text() == (d / "cone" / "step_000003_01.z.mtx").read_text()
+    assert (
+        o["status"] == "ok"
+        and (d / "z.mtx").read_text() == (d / "cone" / "step_000003_01.z.mtx").read_text()
+    )
     one_line_error(*scene, "--dump-step", "0", "--out", d / "x", names=["0", "A:B"])
     one_line_error(*scene, "--dump-steps", "3:2", "--out", d / "x", names=["3:2"])
     one_line_error(*scene, "--dump-step", "2", names=["--out"])
     done = run(*scene, "--dump-step", "5000", "--out", d / "x", code=2)
     assert "no problem was posed" in done.stderr
-    box = run("simulate", "slide", "--formulation", "boxed", "--solver", "ppm", "--dump-step", "1", "--out", d / "x", code=2)
+    box = run(
+        "simulate",
+        "slide",
+        "--formulation",
+        "boxed",
+        "--solver",
+        "ppm",
+        "--dump-step",
+        "1",
+        "--out",
+        d / "x",
+        code=2,
+    )
     assert "cones of 2, 3 or 5 rows" in box.stderr
 
 
@@ -319,10 +551,29 @@ def mechanisms_are_refused_where_they_are_not_simulated(d):
     for formulation in ("event", "penalty"):
         o = run_json("simulate", "chain", "--formulation", formulation, "--solver", "lemke", code=3)
         assert o["status"] == "unsupported" and "does not simulate joints" in o["note"], o["note"]
-        free = ("simulate", "chain", "--formulation", formulation, "--solver", "lemke", "--duration", "0.01")
+        free = (
+            "simulate",
+            "chain",
+            "--formulation",
+            formulation,
+            "--solver",
+            "lemke",
+            "--duration",
+            "0.01",
+        )
         o = run_json(*free, "--effects=-joints", code=None)  # asked for: the bodies alone
         assert o["status"] == "ok", o["note"]
-    o = run_json("simulate", "chain", "--formulation", "velocity", "--solver", "lemke", "--duration", "0.01", code=None)
+    o = run_json(
+        "simulate",
+        "chain",
+        "--formulation",
+        "velocity",
+        "--solver",
+        "lemke",
+        "--duration",
+        "0.01",
+        code=None,
+    )
     assert o["status"] == "ok", o["note"]
 
 
@@ -343,14 +594,45 @@ def environment_gives_options(d):
     assert o["solver"] == "lemke"
     plan = ("run", "families", "--dry-run", "--out", d / "o")
     whole, quick = (run(*plan, *more).stdout for more in ((), ("--quick",)))
-    assert whole != quick and run(*plan, LCPBENCH_QUICK="1").stdout == quick and run(*plan, LCPBENCH_QUICK="0").stdout == whole
-    for name, value in (("LCPBENCH_QUICK", "maybe"), ("LCPBENCH_REPS", "many"), ("LCPBENCH_TIME_LIMIT", "soon")):
+    assert (
+        whole != quick
+        and run(*plan, LCPBENCH_QUICK="1").stdout == quick
+        and run(*plan, LCPBENCH_QUICK="0").stdout == whole
+    )
+    for name, value in (
+        ("LCPBENCH_QUICK", "maybe"),
+        ("LCPBENCH_REPS", "many"),
+        ("LCPBENCH_TIME_LIMIT", "soon"),
+    ):
         done = run(*plan, code=2, **{name: value})
-        assert name in done.stderr and value in done.stderr and done.stderr.count("\n") == 1, done.stderr
+        assert name in done.stderr and value in done.stderr and done.stderr.count("\n") == 1, (
+            done.stderr
+        )
 
 
-tap([usage_errors, options_out_of_range_are_refused, options_without_a_meaning_are_refused, output_that_does_not_arrive_is_no_success, problem_errors, scene_errors, check_errors, check_skips_no_case_for_want_of_anything,
-     check_fails_what_it_cannot_run, lists_are_bare_names, scenes_are_described_in_full, solve_prints_one_object,
-     solve_reports_infeasible, simulate_prints_one_object, dimensions_of_the_three_formulations,
-     mechanisms_are_refused_where_they_are_not_simulated, what_is_not_computed_is_empty, environment_gives_options,
-     certificates_are_written, export_reads_back, friction_stays_physical, steps_are_dumped])
+tap(
+    [
+        usage_errors,
+        options_out_of_range_are_refused,
+        options_without_a_meaning_are_refused,
+        output_that_does_not_arrive_is_no_success,
+        problem_errors,
+        scene_errors,
+        check_errors,
+        check_skips_no_case_for_want_of_anything,
+        check_fails_what_it_cannot_run,
+        lists_are_bare_names,
+        scenes_are_described_in_full,
+        solve_prints_one_object,
+        solve_reports_infeasible,
+        simulate_prints_one_object,
+        dimensions_of_the_three_formulations,
+        mechanisms_are_refused_where_they_are_not_simulated,
+        what_is_not_computed_is_empty,
+        environment_gives_options,
+        certificates_are_written,
+        export_reads_back,
+        friction_stays_physical,
+        steps_are_dumped,
+    ]
+)

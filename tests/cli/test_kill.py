@@ -1,4 +1,5 @@
 """Killed at random moments and started again: the same cells as an uninterrupted run, none twice, none torn."""
+
 import collections
 import csv
 import json
@@ -46,7 +47,11 @@ def g4_fifty_kills_lose_nothing(d):
     folders = 1
     while kills < KILLS:
         out = d / f"killed{folders}"
-        p = subprocess.Popen([FAULTY, "run", str(c), "--out", str(out), "--quiet"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        p = subprocess.Popen(
+            [FAULTY, "run", str(c), "--out", str(out), "--quiet"],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
         time.sleep(rng.uniform(0.005, 0.4))
         hit = p.poll() is None
         p.send_signal(signal.SIGKILL)
@@ -54,14 +59,22 @@ def g4_fifty_kills_lose_nothing(d):
         kills += hit
         folders += not hit
         check_rows(out)
-    before = sum(len(rows(d / f"killed{k}")) for k in range(1, folders + 1) if (d / f"killed{k}/results.csv").exists())
-    assert json.loads((d / "killed1/manifest.json").read_text())["campaign"]["seed"] == 5, "the settings stand beside the rows from the start"
+    before = sum(
+        len(rows(d / f"killed{k}"))
+        for k in range(1, folders + 1)
+        if (d / f"killed{k}/results.csv").exists()
+    )
+    assert json.loads((d / "killed1/manifest.json").read_text())["campaign"]["seed"] == 5, (
+        "the settings stand beside the rows from the start"
+    )
     for k in range(1, folders + 1):
         out = d / f"killed{k}"
         run("run", c, "--out", out, "--quiet", exe=FAULTY)
         got = collections.Counter((r["cell_id"], r["process"], r["rep"]) for r in rows(out))
         assert got == whole, (k, len(got), len(whole))
-    print(f"# {kills} kills hit a running campaign, {folders} campaigns, {before} rows measured between kills")
+    print(
+        f"# {kills} kills hit a running campaign, {folders} campaigns, {before} rows measured between kills"
+    )
     assert before > KILLS, "the kills came before anything was measured"
 
 

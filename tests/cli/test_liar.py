@@ -1,4 +1,5 @@
 """A solver that returns z = 0 and claims success, from the campaign to the page: it scores as failing everywhere."""
+
 import json
 import pathlib
 import re
@@ -47,15 +48,25 @@ def g2_liar_fails_in_the_rows(d):
     got = rows(lying_campaign(d) / "library")
     mine = [r for r in got if r["solver"] == "faulty_liar"]
     assert len(mine) == 9 and {r["status_claimed"] for r in mine} <= {"solved", "ok"}
-    assert all(r["status"] == "unverified" and r["verified"] == "false" and r["t_total_s"] == "" and float(r["rho"]) > 1e-3 for r in mine)
-    assert all(r["status"] == "ok" and r["verified"] == "true" for r in got if r["solver"] == "lemke")
+    assert all(
+        r["status"] == "unverified"
+        and r["verified"] == "false"
+        and r["t_total_s"] == ""
+        and float(r["rho"]) > 1e-3
+        for r in mine
+    )
+    assert all(
+        r["status"] == "ok" and r["verified"] == "true" for r in got if r["solver"] == "lemke"
+    )
 
 
 def g2_liar_fails_in_every_score(d):
     if not PYTHON.exists():
         raise Skip("no .venv: scripts/setup python")
     folder = lying_campaign(d) / "library"
-    done = subprocess.run([PYTHON, "-c", SCORES, folder, ROOT / "scripts"], capture_output=True, text=True)
+    done = subprocess.run(
+        [PYTHON, "-c", SCORES, folder, ROOT / "scripts"], capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stderr
     got = json.loads(done.stdout)
     j = got["solvers"].index("faulty_liar")
@@ -68,10 +79,18 @@ def g2_liar_fails_in_every_score(d):
 def g2_liar_fails_on_the_page(d):
     if not PYTHON.exists():
         raise Skip("no .venv: scripts/setup python")
-    done = subprocess.run([ROOT / "scripts/report", lying_campaign(d), "--out", d / "page"], capture_output=True, text=True)
+    done = subprocess.run(
+        [ROOT / "scripts/report", lying_campaign(d), "--out", d / "page"],
+        capture_output=True,
+        text=True,
+    )
     assert done.returncode == 0, done.stderr
     page = (d / "page/index.html").read_text()
-    row = next(r for r in re.findall(r"<tr[^>]*>.*?(?=<tr|</tbody>)", page, re.S) if "faulty_liar" in r and "of 5" in r)
+    row = next(
+        r
+        for r in re.findall(r"<tr[^>]*>.*?(?=<tr|</tbody>)", page, re.S)
+        if "faulty_liar" in r and "of 5" in r
+    )
     cells = [re.sub(r"<[^>]*>", "", c).strip() for c in re.findall(r"<td[^>]*>[^<]*", row)]
     assert "0 of 5" in cells and "5" in cells and "0%" in cells, cells
 

@@ -1,4 +1,5 @@
 """Where a process runs and how fast the CPU goes meanwhile: pinned, bound to a node where the system permits, followed where it tells."""
+
 import csv
 import ctypes
 import os
@@ -26,7 +27,9 @@ def binding_permitted():
 import ctypes, sys
 c = ctypes.CDLL(None, use_errno=True)
 sys.exit(c.syscall({SET_MEMPOLICY}, {MPOL_BIND}, ctypes.byref(ctypes.c_ulong(1)), 64) != 0)"""
-    return os.uname().machine == "x86_64" and subprocess.run(["python3", "-c", code]).returncode == 0
+    return (
+        os.uname().machine == "x86_64" and subprocess.run(["python3", "-c", code]).returncode == 0
+    )
 
 
 def children(pid):
@@ -36,7 +39,11 @@ def children(pid):
 def memory_is_bound_where_it_can_be(d):
     """Column mem_node tells the node, and the pages of the process are bound to it; unpinned processes are not bound."""
     c = campaign(d, TEXT % (diagonal(d, 4), 0.3))
-    p = subprocess.Popen([FAULTY, "run", str(c), "--out", str(d / "o"), "--quiet"], stdout=subprocess.DEVNULL, env=dict(os.environ, OPENBLAS_NUM_THREADS="1"))
+    p = subprocess.Popen(
+        [FAULTY, "run", str(c), "--out", str(d / "o"), "--quiet"],
+        stdout=subprocess.DEVNULL,
+        env=dict(os.environ, OPENBLAS_NUM_THREADS="1"),
+    )
     seen = ""
     give_up = time.time() + 30
     while p.poll() is None and time.time() < give_up and "bind" not in seen:
@@ -54,7 +61,9 @@ def memory_is_bound_where_it_can_be(d):
         assert nodes == {""}, nodes
         raise Skip("the system does not permit binding; the column is empty")
     assert len(nodes) == 1 and "" not in nodes, nodes
-    assert not pathlib.Path("/proc/self/numa_maps").exists() or f" bind:{nodes.pop()} " in seen, seen[:300]
+    assert not pathlib.Path("/proc/self/numa_maps").exists() or f" bind:{nodes.pop()} " in seen, (
+        seen[:300]
+    )
 
 
 def frequency_is_read_during_the_run(d):
@@ -68,7 +77,10 @@ def frequency_is_read_during_the_run(d):
     # canaries of another version make room
     (d / "o/canary.csv").write_text("utc,host,canary_s,load1\nthen,there,1,1\n")
     run("run", campaign(d, TEXT % (diagonal(d, 4), 0.002)), "--out", d / "o", "--quiet", exe=FAULTY)
-    assert "then,there" in (d / "o/canary.old.csv").read_text() and "then" not in (d / "o/canary.csv").read_text()
+    assert (
+        "then,there" in (d / "o/canary.old.csv").read_text()
+        and "then" not in (d / "o/canary.csv").read_text()
+    )
 
 
 tap([memory_is_bound_where_it_can_be, frequency_is_read_during_the_run])

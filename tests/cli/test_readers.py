@@ -1,4 +1,5 @@
 """results.csv under a German locale and in the hands of pandas and R: the same numbers, the same names, the same types."""
+
 import csv
 import json
 import os
@@ -22,9 +23,11 @@ parts:
     problems: ["murty:n={4,6}"]
     solvers: [lemke, "pgs:max_iter=1"]
 """
-WORDS = ("campaign part cell_id problem_family problem problem_sha256 formulation formulation_options formulation_config model solver "
-         "solver_options solver_config solver_variant solver_version start contact_order effects effects_auto cache storage status status_claimed note flags "
-         "err_quantity err_source end_quantity missed effects_seen solution_hash host host_class trace started_utc suite_commit build_hash base_hash command").split()
+WORDS = (
+    "campaign part cell_id problem_family problem problem_sha256 formulation formulation_options formulation_config model solver "
+    "solver_options solver_config solver_variant solver_version start contact_order effects effects_auto cache storage status status_claimed note flags "
+    "err_quantity err_source end_quantity missed effects_seen solution_hash host host_class trace started_utc suite_commit build_hash base_hash command"
+).split()
 BOOLEANS = "quick verified throttled suite_dirty".split()
 
 
@@ -38,11 +41,17 @@ def german(d):
     if shutil.which("localedef") is None:
         raise Skip("localedef is not installed")
     (d / "locale").mkdir()
-    made = subprocess.run(["localedef", "--no-archive", "-i", "de_DE", "-f", "UTF-8", d / "locale/de_DE.UTF-8"], capture_output=True, text=True)
+    made = subprocess.run(
+        ["localedef", "--no-archive", "-i", "de_DE", "-f", "UTF-8", d / "locale/de_DE.UTF-8"],
+        capture_output=True,
+        text=True,
+    )
     env = {"LOCPATH": str(d / "locale"), "LC_ALL": "de_DE.UTF-8"}
     if SANITIZED:  # glibc keeps what it made of LOCPATH
         env["ASAN_OPTIONS"] = "detect_leaks=0:abort_on_error=1"
-    point = subprocess.run(["locale", "decimal_point"], capture_output=True, text=True, env=dict(os.environ, **env)).stdout.strip()
+    point = subprocess.run(
+        ["locale", "decimal_point"], capture_output=True, text=True, env=dict(os.environ, **env)
+    ).stdout.strip()
     if point != ",":
         raise Skip(f"no German locale on this machine: {made.stderr.strip()[:80]}")
     return env
@@ -58,7 +67,9 @@ def g8_same_rows_under_a_german_locale(d):
     for name, more in (("C", {"LC_ALL": "C"}), ("de", env)):
         run("merge", d / "C", "--out", d / f"m_{name}", **more)
     assert (d / "m_C/results.csv").read_bytes() == (d / "m_de/results.csv").read_bytes()
-    assert sorted((d / "m_de/results.csv").read_bytes().splitlines()) == sorted(plain.read_bytes().splitlines())
+    assert sorted((d / "m_de/results.csv").read_bytes().splitlines()) == sorted(
+        plain.read_bytes().splitlines()
+    )
 
 
 def g8_bytes_keep_the_rules(d):
@@ -66,17 +77,27 @@ def g8_bytes_keep_the_rules(d):
     path = measured(d)
     text = path.read_bytes()
     got = rows(path.parent)
-    assert b"\r" not in text and text.endswith(b"\n") and text.decode("utf-8").count("\n") == len(got) + 1
+    assert (
+        b"\r" not in text
+        and text.endswith(b"\n")
+        and text.decode("utf-8").count("\n") == len(got) + 1
+    )
     header = text.decode().splitlines()[0].split(",")
-    assert len(header) == len(set(header)) and all(h.replace("_", "").isalnum() and h[0].isalpha() for h in header)
+    assert len(header) == len(set(header)) and all(
+        h.replace("_", "").isalnum() and h[0].isalpha() for h in header
+    )
     assert set(WORDS) | set(BOOLEANS) <= set(header)
     for r in got:
         for name in set(header) - set(WORDS) - set(BOOLEANS) - {"cpu_set"}:
             assert r[name] == "" or float(r[name]) == float(r[name]), (name, r[name])
         assert all(r[name] in ("true", "false", "") for name in BOOLEANS)
-    assert {r["status"] for r in got} >= {"ok", "unsupported"} and "" in {r["t_total_s"] for r in got}
+    assert {r["status"] for r in got} >= {"ok", "unsupported"} and "" in {
+        r["t_total_s"] for r in got
+    }
     run("run", campaign(d, TEXT), "--out", d / "s", "--quiet", "--shard", "1/2")
-    assert (d / "s/results.csv").read_bytes().splitlines()[0] == text.splitlines()[0], "the header is the same for all shards"
+    assert (d / "s/results.csv").read_bytes().splitlines()[0] == text.splitlines()[0], (
+        "the header is the same for all shards"
+    )
 
 
 def every_column_is_explained(d):
@@ -109,7 +130,9 @@ def agree(path, got, booleans=True):
             assert name in got["bool"], f"{name} was not read as true and false"
     for column, key in (("t_total_s", "t"), ("rho", "rho")):
         for text, value in zip((r[column] for r in want), got[key]):
-            assert (value.lower() in ("nan", "na")) if text == "" else float(text) == float(value), (column, text, value)
+            assert (
+                (value.lower() in ("nan", "na")) if text == "" else float(text) == float(value)
+            ), (column, text, value)
 
 
 def g8_pandas_reads_the_same(d):
@@ -138,7 +161,9 @@ def g8_r_reads_the_same(d):
         raise Skip("R is not installed")
     path = measured(d)
     (d / "read.R").write_text(R)
-    done = subprocess.run(["Rscript", "--vanilla", d / "read.R", path], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["Rscript", "--vanilla", d / "read.R", path], capture_output=True, text=True, check=True
+    )
     got = {}
     for line in done.stdout.splitlines():
         key, *values = line.rstrip("\t ").split("\t")
@@ -147,4 +172,12 @@ def g8_r_reads_the_same(d):
     agree(path, got, booleans=False)
 
 
-tap([g8_same_rows_under_a_german_locale, g8_bytes_keep_the_rules, g8_pandas_reads_the_same, g8_r_reads_the_same, every_column_is_explained])
+tap(
+    [
+        g8_same_rows_under_a_german_locale,
+        g8_bytes_keep_the_rules,
+        g8_pandas_reads_the_same,
+        g8_r_reads_the_same,
+        every_column_is_explained,
+    ]
+)

@@ -1,10 +1,21 @@
 """A real Slurm on one machine (scripts/test_slurm starts it): an array killed in the middle and submitted again, and a task that
 meets its time limit, both end with the rows of the built-in runner."""
+
 import re
 import subprocess
 import time
 
-from engines import SHARDS, TEXT, WHOLE_ROWS, built_in, merged_equals_built_in, rows_so_far, start, submit_words
+from engines import (
+    SHARDS,
+    TEXT,
+    WHOLE_ROWS,
+    built_in,
+    merged_equals_built_in,
+    rows_so_far,
+    start,
+    submit_words,
+)
+
 from support import FAULTY, campaign, diagonal, rows, run, tap
 
 
@@ -23,7 +34,11 @@ def array_killed_once(d):
     """SIGKILL for everything of the running task, the rest of the array cancelled; the same command again finishes it."""
     words = submit_words(d, built_in(d), "slurm")
     p = start(words)
-    wait_until(lambda: (d / "many/shard.3/results.csv").exists() and rows_so_far(d) > 150, 120, "no third task")
+    wait_until(
+        lambda: (d / "many/shard.3/results.csv").exists() and rows_so_far(d) > 150,
+        120,
+        "no third task",
+    )
     running = slurm("squeue", "-h", "-t", "running", "-o", "%A %F").split()
     assert running, "it was over before it could be killed"
     slurm("scancel", "--full", "--signal=KILL", running[0])
@@ -63,7 +78,19 @@ parts:
 def limit_requeues(d):
     """A task longer than its limit: SIGTERM comes before the end, the rows are flushed, the task is queued again and goes on."""
     c = campaign(d, LONG % diagonal(d, 3))
-    run("submit", c, "--engine", "slurm", "--shards", 1, "--out", d / "many", "--slurm-time", "00:01:00", exe=FAULTY)
+    run(
+        "submit",
+        c,
+        "--engine",
+        "slurm",
+        "--shards",
+        1,
+        "--out",
+        d / "many",
+        "--slurm-time",
+        "00:01:00",
+        exe=FAULTY,
+    )
     job = slurm("squeue", "-h", "-o", "%F").split()[0]
     restarts = 0
     give_up = time.time() + 200

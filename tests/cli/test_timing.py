@@ -1,5 +1,6 @@
 """Timing that can be trusted: A/A names no winner, five per cent is found, a planted sleep lands in its column, the harness
 costs less than five per cent."""
+
 import json
 import os
 import re
@@ -27,7 +28,9 @@ def verdict(d, text, a, b, *more, column="t_solve_s"):
     """The word of compare for b against a, its ratio, its line, and how often the samples were interrupted."""
     out = d / f"o{len(list(d.iterdir()))}"
     run("run", campaign(d, text), "--out", out, "--quiet", exe=FAULTY)
-    done = run("compare", out, out, "--solver-a", a, "--solver-b", b, "--column", column, *more, exe=FAULTY)
+    done = run(
+        "compare", out, out, "--solver-a", a, "--solver-b", b, "--column", column, *more, exe=FAULTY
+    )
     line = done.stdout.splitlines()[0]
     ratio = float(re.search(r"ratio ([0-9.]+)", line).group(1))
     cut = statistics.mean(int(r["ctx_invol"]) > 0 for r in rows(out))
@@ -38,7 +41,10 @@ def g1_same_work_has_no_winner(d):
     """A/A against a floor of 3 %, and against the floor that the doctor measured on this machine. The interval holds 95 times in a
     hundred, so one false winner is looked at again; two in a row are a fault."""
     text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_twin:seconds=0.01']")
-    for change, floor in (("inner: 0.01s", ("--noise", 0.03)), ("inner: 0.01s, order: abba, doctor: 1s", ())):
+    for change, floor in (
+        ("inner: 0.01s", ("--noise", 0.03)),
+        ("inner: 0.01s, order: abba, doctor: 1s", ()),
+    ):
         for attempt in range(2):
             again = text.replace("seed: 2", f"seed: {8 + attempt}").replace("inner: 0.01s", change)
             word, _, line, _ = verdict(d, again, "faulty_steady", "faulty_twin", *floor)
@@ -50,11 +56,20 @@ def g1_same_work_has_no_winner(d):
 
 def g1_five_per_cent_are_found_by_wall_time(d):
     """On a quiet machine, within three tries. A busy one is told so, in the plan of the test: it shows nothing here."""
-    text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_slower:seconds=0.01']").replace("inner: 0.01s", "inner: 0.01s, order: abba")
+    text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_slower:seconds=0.01']").replace(
+        "inner: 0.01s", "inner: 0.01s, order: abba"
+    )
     busy = False
     for attempt in range(3):
         before = os.getloadavg()[0]
-        word, ratio, line, cut = verdict(d, text.replace("seed: 2", f"seed: {2 + attempt}"), "faulty_steady", "faulty_slower", "--noise", 0.01)
+        word, ratio, line, cut = verdict(
+            d,
+            text.replace("seed: 2", f"seed: {2 + attempt}"),
+            "faulty_steady",
+            "faulty_slower",
+            "--noise",
+            0.01,
+        )
         print(f"# load {before:.2f}, {100 * cut:.0f} % of the samples interrupted: {line}")
         if word == "slower" and 1.03 < ratio < 1.08:
             return
@@ -68,8 +83,15 @@ def g1_five_per_cent_are_found_by_cpu_time(d):
     """The same whatever the load is."""
     text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_slower:seconds=0.01']")
     for attempt in range(3):
-        word, ratio, line, _ = verdict(d, text.replace("seed: 2", f"seed: {5 + attempt}"), "faulty_steady", "faulty_slower", "--noise", 0.01,
-                                       column="t_cpu_s")
+        word, ratio, line, _ = verdict(
+            d,
+            text.replace("seed: 2", f"seed: {5 + attempt}"),
+            "faulty_steady",
+            "faulty_slower",
+            "--noise",
+            0.01,
+            column="t_cpu_s",
+        )
         print(f"# load {os.getloadavg()[0]:.2f}: {line}")
         if word == "slower" and 1.03 < ratio < 1.08:
             return
@@ -77,7 +99,14 @@ def g1_five_per_cent_are_found_by_cpu_time(d):
 
 
 def g1_sleep_lands_in_its_column(d):
-    run("run", campaign(d, text_of(d, "['faulty_sleeper:seconds=0.001']")), "--out", d / "o", "--quiet", exe=FAULTY)
+    run(
+        "run",
+        campaign(d, text_of(d, "['faulty_sleeper:seconds=0.001']")),
+        "--out",
+        d / "o",
+        "--quiet",
+        exe=FAULTY,
+    )
     got = rows(d / "o")
     factor = statistics.median(float(r["t_factor_s"]) for r in got)
     others = statistics.median(float(r["t_setup_s"]) + float(r["t_solve_s"]) for r in got)
@@ -86,7 +115,9 @@ def g1_sleep_lands_in_its_column(d):
 
 def cold_caches_are_slower_and_say_so(d):
     """A matrix that lives in the cache, met cold: never looped, labelled, and slower than when it is warm."""
-    text = TEXT.replace("processes: 5, samples: 7, max_samples: 15", "processes: 2, samples: 9, max_samples: 9") % ("random_spd:n=150", "[pgs]")
+    text = TEXT.replace(
+        "processes: 5, samples: 7, max_samples: 15", "processes: 2, samples: 9, max_samples: 9"
+    ) % ("random_spd:n=150", "[pgs]")
     c = campaign(d, text)
     median = {}
     for cache in ("warm", "cold"):
@@ -94,29 +125,53 @@ def cold_caches_are_slower_and_say_so(d):
         got = rows(d / cache)
         assert {r["cache"] for r in got} == {cache}
         median[cache] = statistics.median(float(r["t_setup_s"]) for r in got)
-    assert {r["n_inner"] for r in rows(d / "cold")} == {"1"} and {r["n_inner"] for r in rows(d / "warm")} != {"1"}
-    assert {r["cell_id"] for r in rows(d / "cold")}.isdisjoint({r["cell_id"] for r in rows(d / "warm")}), "another experiment"
+    assert {r["n_inner"] for r in rows(d / "cold")} == {"1"} and {
+        r["n_inner"] for r in rows(d / "warm")
+    } != {"1"}
+    assert {r["cell_id"] for r in rows(d / "cold")}.isdisjoint(
+        {r["cell_id"] for r in rows(d / "warm")}
+    ), "another experiment"
     print(f"# set-up {median['warm']:.3g} s warm, {median['cold']:.3g} s cold")
     assert median["cold"] > 1.2 * median["warm"], median
 
 
 def abba_runs_forth_and_back(d):
-    text = TEXT.replace("processes: 5, samples: 7, max_samples: 15", "processes: 4, samples: 1, max_samples: 1, order: abba")
-    run("run", campaign(d, text % ("random_spd:n={5,6,7}", "[lemke, pgs, apgd]")), "--out", d / "o", "--quiet")
+    text = TEXT.replace(
+        "processes: 5, samples: 7, max_samples: 15",
+        "processes: 4, samples: 1, max_samples: 1, order: abba",
+    )
+    run(
+        "run",
+        campaign(d, text % ("random_spd:n={5,6,7}", "[lemke, pgs, apgd]")),
+        "--out",
+        d / "o",
+        "--quiet",
+    )
     forth = {}
     for r in sorted(rows(d / "o"), key=lambda r: int(r["order"])):
         forth.setdefault((r["problem"], int(r["process"])), []).append(r["solver"])
     assert len(forth) == 12 and all(len(v) == 3 for v in forth.values())
     for (problem, process), solvers in forth.items():
-        assert solvers == (forth[problem, 0] if process % 2 == 0 else forth[problem, 0][::-1]), (problem, process)
+        assert solvers == (forth[problem, 0] if process % 2 == 0 else forth[problem, 0][::-1]), (
+            problem,
+            process,
+        )
 
 
 def sampling_stops_when_the_median_is_known(d):
     """Half-width 2 %: fewer samples where they agree than where they scatter; never fewer than asked, never more."""
-    text = TEXT.replace("max_samples: 15", "max_samples: 25").replace("budget: 2s", "budget: 20s").replace("processes: 5", "processes: 1")
+    text = (
+        TEXT.replace("max_samples: 15", "max_samples: 25")
+        .replace("budget: 2s", "budget: 20s")
+        .replace("processes: 5", "processes: 1")
+    )
     taken = {}
     for half in ("1000", "1e-9"):
-        c = campaign(d, text.replace("inner: 0.01s", f"inner: 0.001s, half_width: {half}") % (diagonal(d, 10), "['faulty_steady:seconds=0.002']"))
+        c = campaign(
+            d,
+            text.replace("inner: 0.01s", f"inner: 0.001s, half_width: {half}")
+            % (diagonal(d, 10), "['faulty_steady:seconds=0.002']"),
+        )
         run("run", c, "--out", d / half, "--quiet", exe=FAULTY)
         taken[half] = sum("remeasured" not in r["flags"] for r in rows(d / half))
     assert taken == {"1000": 7, "1e-9": 25}, taken
@@ -130,8 +185,16 @@ def short_solves_are_looped(d):
 
 def deadlines_are_reported(d):
     """Quantiles of the steps of one run, and the share of steps within 1, 4 and 16 ms."""
-    text = TEXT.replace("processes: 5, samples: 7, max_samples: 15", "processes: 1, samples: 3, max_samples: 3")
-    c = campaign(d, text.replace("solvers: %s", 'formulations: [velocity]\n    solvers: [lemke]\n    durations: [0.3]') % "stack:n={1,20}")
+    text = TEXT.replace(
+        "processes: 5, samples: 7, max_samples: 15", "processes: 1, samples: 3, max_samples: 3"
+    )
+    c = campaign(
+        d,
+        text.replace(
+            "solvers: %s", "formulations: [velocity]\n    solvers: [lemke]\n    durations: [0.3]"
+        )
+        % "stack:n={1,20}",
+    )
     run("run", c, "--out", d / "o", "--quiet")
     for r in rows(d / "o"):
         p50, p95, p99, most = (float(r[f"t_step_{k}_s"]) for k in ("p50", "p95", "p99", "max"))
@@ -143,7 +206,9 @@ def deadlines_are_reported(d):
 
 def overhead_below_five_per_cent(d):
     text = text_of(d, "['faulty_steady:seconds=0.1', 'faulty_twin:seconds=0.1']")
-    text = text.replace("processes: 5, samples: 7, max_samples: 15", "processes: 10, samples: 1, max_samples: 1")
+    text = text.replace(
+        "processes: 5, samples: 7, max_samples: 15", "processes: 10, samples: 1, max_samples: 1"
+    )
     done = run("run", campaign(d, text), "--out", d / "o", exe=FAULTY)
     share = float(re.search(r"harness ([0-9.]+) %", done.stdout).group(1))
     print(f"# harness share {share} % of the wall time")
@@ -154,7 +219,10 @@ def doctor_measures_the_machine(d):
     o = run_json("doctor", "--seconds", "1", "--out", d / "o")
     assert 0 < o["clock_cost_s"] < 1e-5 and 0 < o["noise_floor"] < 1 and len(o["classes"]) == 3
     assert o["bandwidth_B_s"] > 1e8 and (d / "o/doctor.json").exists()
-    assert o["classes"][0]["up_to_B"] < o["classes"][1]["up_to_B"] and o["classes"][2]["up_to_B"] is None
+    assert (
+        o["classes"][0]["up_to_B"] < o["classes"][1]["up_to_B"]
+        and o["classes"][2]["up_to_B"] is None
+    )
 
 
 def no_winner_inside_the_floor_of_the_size(d):
@@ -162,10 +230,27 @@ def no_winner_inside_the_floor_of_the_size(d):
     c = campaign(d, text_of(d, "['faulty_steady:seconds=0.002', 'faulty_twin:seconds=0.003']"))
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
     words = {}
-    for name, floors in (("small is noisy", (0.8, 0.01, 0.01)), ("large is noisy", (0.01, 0.8, 0.8))):
-        classes = [{"size": s, "up_to_B": b, "noise_floor": f} for s, b, f in zip("abc", (131072, 4194304, None), floors)]
+    for name, floors in (
+        ("small is noisy", (0.8, 0.01, 0.01)),
+        ("large is noisy", (0.01, 0.8, 0.8)),
+    ):
+        classes = [
+            {"size": s, "up_to_B": b, "noise_floor": f}
+            for s, b, f in zip("abc", (131072, 4194304, None), floors)
+        ]
         (d / "o/doctor.json").write_text(json.dumps({"classes": classes, "noise_floor": 0.8}))
-        out = run("compare", d / "o", d / "o", "--solver-a", "faulty_steady", "--solver-b", "faulty_twin", "--column", "t_cpu_s", exe=FAULTY)
+        out = run(
+            "compare",
+            d / "o",
+            d / "o",
+            "--solver-a",
+            "faulty_steady",
+            "--solver-b",
+            "faulty_twin",
+            "--column",
+            "t_cpu_s",
+            exe=FAULTY,
+        )
         words[name] = out.stdout.splitlines()[0].split("] ")[1]
         assert "by size" in out.stdout and "80.00 %" in out.stdout
     assert words == {"small is noisy": "no difference", "large is noisy": "slower"}, words
@@ -174,6 +259,19 @@ def no_winner_inside_the_floor_of_the_size(d):
 if SANITIZED:
     print("1..0 # SKIP sanitized builds are not timed")
     raise SystemExit(0)
-tap([g1_same_work_has_no_winner, g1_five_per_cent_are_found_by_wall_time, g1_five_per_cent_are_found_by_cpu_time,
-     g1_sleep_lands_in_its_column, cold_caches_are_slower_and_say_so, abba_runs_forth_and_back, sampling_stops_when_the_median_is_known,
-     short_solves_are_looped, deadlines_are_reported, overhead_below_five_per_cent, doctor_measures_the_machine, no_winner_inside_the_floor_of_the_size])
+tap(
+    [
+        g1_same_work_has_no_winner,
+        g1_five_per_cent_are_found_by_wall_time,
+        g1_five_per_cent_are_found_by_cpu_time,
+        g1_sleep_lands_in_its_column,
+        cold_caches_are_slower_and_say_so,
+        abba_runs_forth_and_back,
+        sampling_stops_when_the_median_is_known,
+        short_solves_are_looped,
+        deadlines_are_reported,
+        overhead_below_five_per_cent,
+        doctor_measures_the_machine,
+        no_winner_inside_the_floor_of_the_size,
+    ]
+)

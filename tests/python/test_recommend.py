@@ -1,4 +1,5 @@
 """The recommended commands, rerun: the error and the counters of the rows, to the last bit."""
+
 import contextlib
 import io
 import json
@@ -34,8 +35,19 @@ parts:
     tolerances: [1e-3, 1e-6]
 """
 LEVELS = ("0.1", "0.01", "0.001", "0.0001")
-SAME = {"trajectory_error": "err_ref", "end_quantity": "end_quantity", "end_value": "end_value", "res_ncp_rel_max": "res_ncp_rel", "rho_max": "rho", "n_pivot": "n_pivot", "n_iter": "n_iter", "n_solves": "n_solves",
-        "solution_hash": "solution_hash", "lcp_dim_max": "lcp_dim", "steps": "n_steps"}
+SAME = {
+    "trajectory_error": "err_ref",
+    "end_quantity": "end_quantity",
+    "end_value": "end_value",
+    "res_ncp_rel_max": "res_ncp_rel",
+    "rho_max": "rho",
+    "n_pivot": "n_pivot",
+    "n_iter": "n_iter",
+    "n_solves": "n_solves",
+    "solution_hash": "solution_hash",
+    "lcp_dim_max": "lcp_dim",
+    "steps": "n_steps",
+}
 
 
 class Recommended(unittest.TestCase):
@@ -45,7 +57,12 @@ class Recommended(unittest.TestCase):
         folder = pathlib.Path(cls.tmp.name)
         (folder / "accuracy.yaml").write_text(CAMPAIGN)
         cls.runs = folder / "runs"
-        subprocess.run([LCPBENCH, "run", folder / "accuracy.yaml", "--out", cls.runs / "accuracy", "--quiet"], check=True, stdout=subprocess.DEVNULL, stdin=subprocess.DEVNULL)
+        subprocess.run(
+            [LCPBENCH, "run", folder / "accuracy.yaml", "--out", cls.runs / "accuracy", "--quiet"],
+            check=True,
+            stdout=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL,
+        )
         cls.cells = rows.cells(rows.load(cls.runs / "accuracy"))
 
     @classmethod
@@ -54,7 +71,11 @@ class Recommended(unittest.TestCase):
 
     def asked(self, *args):
         out, err = io.StringIO(), io.StringIO()
-        with mock.patch.object(sys, "argv", ["recommend", str(self.runs), *args]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        with (
+            mock.patch.object(sys, "argv", ["recommend", str(self.runs), *args]),
+            contextlib.redirect_stdout(out),
+            contextlib.redirect_stderr(err),
+        ):
             code = recommend.main()
         return code, out.getvalue(), err.getvalue()
 
@@ -63,13 +84,21 @@ class Recommended(unittest.TestCase):
         for yardstick in accuracy.YARDSTICKS:
             for level in LEVELS:
                 _, text, _ = self.asked("--scene", "*", "--error", level, "--yardstick", yardstick)
-                commands.update(line.strip() for line in text.splitlines() if line.startswith("  lcpbench"))
+                commands.update(
+                    line.strip() for line in text.splitlines() if line.startswith("  lcpbench")
+                )
         self.assertGreater(len(commands), 5)
         for command in commands:
             row = self.cells[self.cells["command"] == command].iloc[0]
             words = shlex.split(command)
-            again = json.loads(subprocess.run([LCPBENCH, *words[1:]], stdin=subprocess.DEVNULL, capture_output=True, text=True).stdout)
-            again |= {key: again["trajectory_error"].get(key) for key in ("end_quantity", "end_value")}
+            again = json.loads(
+                subprocess.run(
+                    [LCPBENCH, *words[1:]], stdin=subprocess.DEVNULL, capture_output=True, text=True
+                ).stdout
+            )
+            again |= {
+                key: again["trajectory_error"].get(key) for key in ("end_quantity", "end_value")
+            }
             again["trajectory_error"] = again["trajectory_error"].get("error")
             for now, then in SAME.items():
                 if again[now] is None:  # no closed form for this scene: the row has none either
@@ -81,7 +110,9 @@ class Recommended(unittest.TestCase):
         found = self.cells[(self.cells["problem_family"] == "gripper") & self.cells["good"]]
         self.assertEqual(set(found["end_quantity"]), {"object.y"})
         self.assertEqual(set(found["err_quantity"]), {"state object.y"})
-        self.assertEqual((found["end_value"] - found["err_predicted"]).abs().tolist(), found["err_ref"].tolist())
+        self.assertEqual(
+            (found["end_value"] - found["err_predicted"]).abs().tolist(), found["err_ref"].tolist()
+        )
 
     def test_the_recommended_error_is_kept_by_the_yardstick(self):
         _, text, _ = self.asked("--scene", "slide", "--error", "0.1")

@@ -1,4 +1,5 @@
 """Trajectories that are no trajectories are refused in one line; a real one becomes stills, a sheet and an animation."""
+
 import os
 import pathlib
 import subprocess
@@ -15,11 +16,29 @@ D = pathlib.Path(FOLDER.name)
 
 
 def render(path, *more):
-    return subprocess.run([sys.executable, ROOT / "scripts" / "bench" / "render.py", path, *map(str, more)], capture_output=True, text=True)
+    return subprocess.run(
+        [sys.executable, ROOT / "scripts" / "bench" / "render.py", path, *map(str, more)],
+        capture_output=True,
+        text=True,
+    )
 
 
 def trajectory(scene, path):
-    subprocess.run([LCPBENCH, "simulate", scene, "--formulation", "velocity", "--solver", "lemke", "--trajectory", path], check=True, capture_output=True)
+    subprocess.run(
+        [
+            LCPBENCH,
+            "simulate",
+            scene,
+            "--formulation",
+            "velocity",
+            "--solver",
+            "lemke",
+            "--trajectory",
+            path,
+        ],
+        check=True,
+        capture_output=True,
+    )
     return path.read_text()
 
 
@@ -30,7 +49,12 @@ def test_pictures():
         done = render(path, "--frames", 3, "--times", "0,0.05")
         assert done.returncode == 0, done.stderr
         out = path.with_suffix("")
-        for name, head in (("still_0.png", b"\x89PNG"), ("still_1.png", b"\x89PNG"), ("sheet.png", b"\x89PNG"), ("run.gif", b"GIF8")):
+        for name, head in (
+            ("still_0.png", b"\x89PNG"),
+            ("still_1.png", b"\x89PNG"),
+            ("sheet.png", b"\x89PNG"),
+            ("run.gif", b"GIF8"),
+        ):
             data = (out / name).read_bytes()
             assert data.startswith(head) and len(data) > 2000, (scene, name, len(data))
 
@@ -42,12 +66,23 @@ def test_malformed():
     head = lines[0]
     first = next(i for i, line in enumerate(lines) if ",body," in line)
     bad = {
-        "empty": "", "binary": "\x00\x01\x02", "no header": "\n".join(lines[1:]), "other table": "a,b\n1,2\n",
-        "no scene": "\n".join(line for line in lines if ",scene," not in line), "two scenes": "\n".join([*lines, lines[1]]),
-        "dimension": good.replace(f",scene,pile3,2,", ",scene,pile3,4,", 1), "no bodies": "\n".join(line for line in lines if ",body," not in line),
-        "a word for a number": good.replace(lines[first], lines[first].replace(lines[first].split(",")[4], "left", 1)),
-        "not finite": good.replace(lines[first], ",".join(c if i != 5 else "nan" for i, c in enumerate(lines[first].split(",")))),
-        "a column short": good.replace(head, head.rsplit(",", 1)[0]), "unknown shape": good.replace(",shape,left,sphere,", ",shape,left,torus,", 1),
+        "empty": "",
+        "binary": "\x00\x01\x02",
+        "no header": "\n".join(lines[1:]),
+        "other table": "a,b\n1,2\n",
+        "no scene": "\n".join(line for line in lines if ",scene," not in line),
+        "two scenes": "\n".join([*lines, lines[1]]),
+        "dimension": good.replace(f",scene,pile3,2,", ",scene,pile3,4,", 1),
+        "no bodies": "\n".join(line for line in lines if ",body," not in line),
+        "a word for a number": good.replace(
+            lines[first], lines[first].replace(lines[first].split(",")[4], "left", 1)
+        ),
+        "not finite": good.replace(
+            lines[first],
+            ",".join(c if i != 5 else "nan" for i, c in enumerate(lines[first].split(","))),
+        ),
+        "a column short": good.replace(head, head.rsplit(",", 1)[0]),
+        "unknown shape": good.replace(",shape,left,sphere,", ",shape,left,torus,", 1),
     }
     assert len(bad) >= 10
     for what, text in bad.items():
@@ -60,7 +95,9 @@ def test_malformed():
         else:
             raise AssertionError(f"{what}: accepted")
     done = render(path)
-    assert done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "bad.csv" in done.stderr, done.stderr
+    assert (
+        done.returncode == 2 and len(done.stderr.splitlines()) == 1 and "bad.csv" in done.stderr
+    ), done.stderr
 
 
 test_pictures()

@@ -1,4 +1,5 @@
 """The report on made-up rows: the same bytes twice, self-contained, honest about failures, and alive in a browser."""
+
 import contextlib
 import csv
 import io
@@ -15,21 +16,68 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import accuracy, chart, claims, effects, latex, library, limits, page, paper, reference, report, rows, section, stability, style  # noqa: E402
+from bench import (
+    accuracy,
+    chart,
+    claims,
+    effects,
+    latex,
+    library,
+    limits,
+    page,
+    paper,
+    reference,
+    report,
+    rows,
+    section,
+    stability,
+    style,
+)  # noqa: E402
 
-HEADER = ("schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
-          "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
-          "status_claimed verified note rho res_ncp_rel penetration_m energy_drift_rel err_ref err_worst n_predictions "
-          "n_predictions_missed workspace_B command missed err_quantity").split()
+HEADER = (
+    "schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
+    "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
+    "status_claimed verified note rho res_ncp_rel penetration_m energy_drift_rel err_ref err_worst n_predictions "
+    "n_predictions_missed workspace_B command missed err_quantity"
+).split()
 
 
 def cell(campaign, problem, form, opts, solver, step, p, dim, seconds, error, **more):
-    base = {"schema": 1, "campaign": campaign, "part": "x", "problem_family": problem.split(":")[0], "problem": problem, "formulation": form,
-            "formulation_options": opts, "solver": solver, "step_s": step, "duration_s": 0.1, "start": "cold", "effects": "gravity contact friction rotation spatial", "tol": 1e-9, "n_bodies": p,
-            "n_dof": 6 * p, "n_contacts": p, "n_active": p, "lcp_dim": dim, "t_solve_s": seconds / 2, "t_total_s": seconds, "n_steps": 10,
-            "status": "ok", "status_claimed": "ok", "verified": "true", "rho": 1e-14, "res_ncp_rel": 1e-12, "err_ref": error, "err_worst": 0.5,
-            "n_predictions": 1, "n_predictions_missed": 0, "workspace_B": 8 * dim * dim, "cell_id": f"{campaign}|{problem}|{form}|{opts}|{solver}|{step}",
-            "command": f"lcpbench simulate '{problem}' --formulation '{form}' --solver '{solver}' --step '{step}'"}
+    base = {
+        "schema": 1,
+        "campaign": campaign,
+        "part": "x",
+        "problem_family": problem.split(":")[0],
+        "problem": problem,
+        "formulation": form,
+        "formulation_options": opts,
+        "solver": solver,
+        "step_s": step,
+        "duration_s": 0.1,
+        "start": "cold",
+        "effects": "gravity contact friction rotation spatial",
+        "tol": 1e-9,
+        "n_bodies": p,
+        "n_dof": 6 * p,
+        "n_contacts": p,
+        "n_active": p,
+        "lcp_dim": dim,
+        "t_solve_s": seconds / 2,
+        "t_total_s": seconds,
+        "n_steps": 10,
+        "status": "ok",
+        "status_claimed": "ok",
+        "verified": "true",
+        "rho": 1e-14,
+        "res_ncp_rel": 1e-12,
+        "err_ref": error,
+        "err_worst": 0.5,
+        "n_predictions": 1,
+        "n_predictions_missed": 0,
+        "workspace_B": 8 * dim * dim,
+        "cell_id": f"{campaign}|{problem}|{form}|{opts}|{solver}|{step}",
+        "command": f"lcpbench simulate '{problem}' --formulation '{form}' --solver '{solver}' --step '{step}'",
+    }
     base.update(more)
     return [dict(base, rep=r) for r in range(3)]
 
@@ -43,15 +91,52 @@ def campaign_rows():
     for n in (1, 2, 4, 8):
         p = 4 * n
         out += cell("paper", f"stack:n={n}", "regularized", "", "lemke", 0.01, p, p, 1e-5 * p, 1e-6)
-        out += cell("paper", f"stack:n={n}", "velocity", "facets=4", "lemke", 0.01, p, 6 * p, 4e-5 * p**2, 1e-6)
-        out += cell("paper", f"stack:n={n}", "velocity", "facets=4", "liar", 0.01, p, 6 * p, 1e-9, 0.0, **lie())
+        out += cell(
+            "paper",
+            f"stack:n={n}",
+            "velocity",
+            "facets=4",
+            "lemke",
+            0.01,
+            p,
+            6 * p,
+            4e-5 * p**2,
+            1e-6,
+        )
+        out += cell(
+            "paper",
+            f"stack:n={n}",
+            "velocity",
+            "facets=4",
+            "liar",
+            0.01,
+            p,
+            6 * p,
+            1e-9,
+            0.0,
+            **lie(),
+        )
     for h in (0.02, 0.01, 0.005):
         out += cell("paper", "slide:speed=5", "regularized", "", "lemke", h, 4, 4, 1e-4 / h, h)
-        out += cell("paper", "slide:speed=5", "velocity", "facets=4", "lemke", h, 4, 24, 3e-4 / h, h / 2)
+        out += cell(
+            "paper", "slide:speed=5", "velocity", "facets=4", "lemke", h, 4, 24, 3e-4 / h, h / 2
+        )
     for n, word in ((1, "ok"), (10, "ok"), (100, "ray")):
         good = word == "ok"
-        out += cell("stability", f"stack:mass_ratio={n}", "velocity", "facets=4", "lemke", 0.01, 4, 24, 1e-4, 1e-9, status=word,
-                    verified="true" if good else "false")
+        out += cell(
+            "stability",
+            f"stack:mass_ratio={n}",
+            "velocity",
+            "facets=4",
+            "lemke",
+            0.01,
+            4,
+            24,
+            1e-4,
+            1e-9,
+            status=word,
+            verified="true" if good else "false",
+        )
     for k, family in enumerate(("a", "b", "c")):
         for name, seconds in (("lemke", 1e-3 * (k + 1)), ("pgs", 2e-3)):
             out += cell("library", f"{family}:n=4", "", "", name, "", 0, 4, seconds, "", lcp_dim=4)
@@ -93,15 +178,26 @@ class Judged(unittest.TestCase):
 
     def test_solvers_are_compared_on_the_problems_that_all_were_given(self):
         some = self.cells[self.cells["formulation"] == ""]
-        cones = some[some["solver"] == "pgs"].assign(part="cones", solver="nsgs", combination="nsgs")
+        cones = some[some["solver"] == "pgs"].assign(
+            part="cones", solver="nsgs", combination="nsgs"
+        )
         found = library.fields(pd.concat([some, cones]))
-        self.assertEqual([(name, sorted(set(g["solver"]))) for name, g in found], [("x", ["lemke", "liar", "pgs"]), ("cones", ["nsgs"])])
+        self.assertEqual(
+            [(name, sorted(set(g["solver"]))) for name, g in found],
+            [("x", ["lemke", "liar", "pgs"]), ("cones", ["nsgs"])],
+        )
         made = library.section(pd.concat([some, cones]))
-        self.assertEqual([c.name for c in made.charts], ["profiles_x"])  # one solver alone wins nothing
+        self.assertEqual(
+            [c.name for c in made.charts], ["profiles_x"]
+        )  # one solver alone wins nothing
         table = made.tables[0]
         self.assertEqual([row[0] for row in table.rows], ["x"] * 3 + ["cones"])
         for row in table.rows:  # every problem ends in exactly one way
-            self.assertEqual(int(row[2].text.split()[0]) + sum(int(c.text) for c in row[3:9]), int(row[2].text.split()[2]), row[1])
+            self.assertEqual(
+                int(row[2].text.split()[0]) + sum(int(c.text) for c in row[3:9]),
+                int(row[2].text.split()[2]),
+                row[1],
+            )
         self.assertEqual(table.rows[1][table.header.index("false claims")].text, "3")
 
     def test_a_lying_solver_is_a_cross_in_the_figure(self):
@@ -110,7 +206,10 @@ class Judged(unittest.TestCase):
         self.assertEqual([(len(line.x), len(line.bad)) for line in panel.lines], [(0, 4)])
 
     def test_verdicts_follow_the_rows(self):
-        word = {title: judge(self.cells[self.cells["formulation"] != ""]) for title, judge in claims.CLAIMS}
+        word = {
+            title: judge(self.cells[self.cells["formulation"] != ""])
+            for title, judge in claims.CLAIMS
+        }
         found = [w[0] if w else "not measured" for w in word.values()]
         self.assertEqual(found[0], "holds")
         self.assertEqual(found[1], "holds")
@@ -120,24 +219,56 @@ class Judged(unittest.TestCase):
         self.assertEqual(claims.CLAIMS[1][1](slower)[0], "does not hold")
 
     def test_friction_at_impacts_is_judged_by_its_stiffness(self):
-        base = {"campaign": "paper", "part": "stiffness", "problem": "toy", "duration_s": 1, "tol": 1e-9, "solver": "lemke", "solver_options": "", "step_s": 1e-5, "effects": "", "start": "cold",
-                "good": True, "status": "ok", "err_quantity": "state y", "err_tol": 1e-4, "stiffness_ratio": float("nan")}
+        base = {
+            "campaign": "paper",
+            "part": "stiffness",
+            "problem": "toy",
+            "duration_s": 1,
+            "tol": 1e-9,
+            "solver": "lemke",
+            "solver_options": "",
+            "step_s": 1e-5,
+            "effects": "",
+            "start": "cold",
+            "good": True,
+            "status": "ok",
+            "err_quantity": "state y",
+            "err_tol": 1e-4,
+            "stiffness_ratio": float("nan"),
+        }
 
         def ladder(*rungs):
-            table = [{**base, "formulation": "velocity", "formulation_options": "", "err_ref": 1e-5}]
-            table += [{**base, "formulation": "regularized", "formulation_options": f"stiffness=fixed,k={r}", "stiffness_ratio": r, "err_ref": e} for r, e in rungs]
+            table = [
+                {**base, "formulation": "velocity", "formulation_options": "", "err_ref": 1e-5}
+            ]
+            table += [
+                {
+                    **base,
+                    "formulation": "regularized",
+                    "formulation_options": f"stiffness=fixed,k={r}",
+                    "stiffness_ratio": r,
+                    "err_ref": e,
+                }
+                for r, e in rungs
+            ]
             return claims.stiffness(pd.DataFrame(table))
 
         word, evidence = ladder((0.1, 5e-3), (30, 1e-5))
         self.assertEqual(word, "holds")
-        self.assertIn("error of state y by G/m_t: 0.1: 5.0e-03, 30: 1.0e-05; velocity 1.0e-05", evidence)
+        self.assertIn(
+            "error of state y by G/m_t: 0.1: 5.0e-03, 30: 1.0e-05; velocity 1.0e-05", evidence
+        )
         self.assertEqual(ladder((0.1, 5e-3), (30, 5e-3))[0], "does not hold")  # stiff and wrong
-        self.assertEqual(ladder((0.1, 1e-5), (30, 1e-5))[0], "does not hold")  # soft and right: nothing is needed
+        self.assertEqual(
+            ladder((0.1, 1e-5), (30, 1e-5))[0], "does not hold"
+        )  # soft and right: nothing is needed
         self.assertIsNone(ladder((30, 1e-5)))
 
     def test_a_claim_ends_where_the_largest_sizes_lose(self):
         mine = self.cells[self.cells["formulation"] != ""].copy()
-        mine.loc[(mine["formulation"] == "regularized") & (mine["problem"] == "stack:n=8"), "t_total_s"] = 0.05
+        mine.loc[
+            (mine["formulation"] == "regularized") & (mine["problem"] == "stack:n=8"), "t_total_s"
+        ] = 0.05
         word, evidence = claims.CLAIMS[2][1](mine)
         self.assertEqual(word, "holds when p < 32")
         self.assertRegex(evidence, r"at p = 32: \S+ \(1 pair\)$")
@@ -153,22 +284,59 @@ class Judged(unittest.TestCase):
         self.assertIn("mass_ratio = 100: ray", table.rows[0][2].title)
 
     def test_every_end_of_a_run_has_its_word(self):
-        ok = {"status": "ok", "verified": True, "part": "height", "formulation": "velocity", "n_predictions_missed": 0, "missed": "", "penetration_m": 0.0}
-        ends = {"stands": {}, "gains energy": {"n_predictions_missed": 2, "missed": "max_drift b.x 3x, energy_nonincrease 2x"}, "creeps": {"n_predictions_missed": 1, "missed": "max_drift b.x 3x"},
-                "penetrates": {"penetration_m": 0.02}, "misses": {"n_predictions_missed": 1, "missed": "state b.x 3x"}, "false claim": {"status": "unverified", "verified": False},
-                "time-out": {"status": "timeout", "verified": False}, "fails honestly": {"status": "max_iter", "verified": False},
-                "dies": {"status": "crash", "verified": False}, "not defined": {"status": "unsupported", "verified": False}}
-        self.assertEqual({w: stability.word({**ok, **change})[0] for w, change in ends.items()}, {w: w for w in ends})
+        ok = {
+            "status": "ok",
+            "verified": True,
+            "part": "height",
+            "formulation": "velocity",
+            "n_predictions_missed": 0,
+            "missed": "",
+            "penetration_m": 0.0,
+        }
+        ends = {
+            "stands": {},
+            "gains energy": {
+                "n_predictions_missed": 2,
+                "missed": "max_drift b.x 3x, energy_nonincrease 2x",
+            },
+            "creeps": {"n_predictions_missed": 1, "missed": "max_drift b.x 3x"},
+            "penetrates": {"penetration_m": 0.02},
+            "misses": {"n_predictions_missed": 1, "missed": "state b.x 3x"},
+            "false claim": {"status": "unverified", "verified": False},
+            "time-out": {"status": "timeout", "verified": False},
+            "fails honestly": {"status": "max_iter", "verified": False},
+            "dies": {"status": "crash", "verified": False},
+            "not defined": {"status": "unsupported", "verified": False},
+        }
+        self.assertEqual(
+            {w: stability.word({**ok, **change})[0] for w, change in ends.items()},
+            {w: w for w in ends},
+        )
         self.assertEqual(stability.missed_word("state b.vx = 0 3x"), "creeps")
         vise = {**ok, "part": "vise"}
-        self.assertEqual([stability.word({**vise, **c})[0] for c in ({}, ends["fails honestly"], {**ends["dies"], "status": "oom"})], ["misses", "stands", "dies"])
+        self.assertEqual(
+            [
+                stability.word({**vise, **c})[0]
+                for c in ({}, ends["fails honestly"], {**ends["dies"], "status": "oom"})
+            ],
+            ["misses", "stands", "dies"],
+        )
 
     def test_a_killed_run_stands_at_the_step_that_it_was_asked_for(self):
         with tempfile.TemporaryDirectory() as folder:
-            lines = [dict(r, part="long step", **more) for h, more in ((0.01, {}), (1, {"status": "timeout", "verified": "false", "step_s": "", "t_total_s": ""}), (0.1, {}))
-                     for r in cell("stability", "drop", "velocity", "", "lemke", h, 1, 6, 1e-3, 1e-6)]
+            lines = [
+                dict(r, part="long step", **more)
+                for h, more in (
+                    (0.01, {}),
+                    (1, {"status": "timeout", "verified": "false", "step_s": "", "t_total_s": ""}),
+                    (0.1, {}),
+                )
+                for r in cell("stability", "drop", "velocity", "", "lemke", h, 1, 6, 1e-3, 1e-6)
+            ]
             write(pathlib.Path(folder) / "s", lines)
-            ladder = stability.ladders(rows.cells(rows.load(pathlib.Path(folder) / "s")))["velocity", "lemke"]["long step"]
+            ladder = stability.ladders(rows.cells(rows.load(pathlib.Path(folder) / "s")))[
+                "velocity", "lemke"
+            ]["long step"]
         self.assertEqual([rung[3] for rung in ladder.rungs], ["0.01 s", "0.1 s", "1 s"])
         self.assertEqual(stability.turned_up(ladder), "h: 0.01 s to 1 s")
 
@@ -177,7 +345,11 @@ class Judged(unittest.TestCase):
         more = some.assign(part="stiffness", formulation="regularized", problem="stack")
         table = stability.section(stability.ladders(pd.concat([some, more]))).tables[1]
         self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
-        self.assertIn("no stiffness", next(r for r in table.rows if r[0] == "velocity")[3].text + next(r for r in table.rows if r[0] == "velocity")[2].text)
+        self.assertIn(
+            "no stiffness",
+            next(r for r in table.rows if r[0] == "velocity")[3].text
+            + next(r for r in table.rows if r[0] == "velocity")[2].text,
+        )
 
     def test_a_refusal_is_right_only_where_no_solution_exists(self):
         some = self.cells[self.cells["campaign"] == "stability"]
@@ -188,18 +360,42 @@ class Judged(unittest.TestCase):
 
     def test_a_probe_that_is_killed_or_prints_nothing_dies(self):
         stressor = limits.Stressor("edge", "x={}", 1, 1e9)
-        ends = {"kill -9 $$": "dies", "exit 1": "dies", "echo no such scene >&2; exit 2": "not defined", "sleep 5": "time-out"}
+        ends = {
+            "kill -9 $$": "dies",
+            "exit 1": "dies",
+            "echo no such scene >&2; exit 2": "not defined",
+            "sleep 5": "time-out",
+        }
         with tempfile.TemporaryDirectory() as folder:
             for script, word in ends.items():
                 binary = pathlib.Path(folder) / "lcpbench"
                 binary.write_text(f"#!/bin/sh\n{script}\n")
                 binary.chmod(0o755)
-                self.assertEqual(limits.Probe(str(binary), stressor, "velocity", "lemke", 0.5)(1.0)[0], word, script)
+                self.assertEqual(
+                    limits.Probe(str(binary), stressor, "velocity", "lemke", 0.5)(1.0)[0],
+                    word,
+                    script,
+                )
 
     def test_a_limit_that_was_not_looked_for_is_not_called_undefined(self):
-        row = {"word": "stands", "stands": "5", "fails": "", "reason": "", "command": "", "solver": "lemke"}
-        table = limits.table([{**row, "formulation": "velocity", "stressor": "tallest stack"}, {**row, "formulation": "regularized", "stressor": "largest stiffness [N/m]"}])
-        self.assertEqual([c.text for c in table.rows[0][2:]], ["5, the end of the ladder", "not defined: no stiffness"])
+        row = {
+            "word": "stands",
+            "stands": "5",
+            "fails": "",
+            "reason": "",
+            "command": "",
+            "solver": "lemke",
+        }
+        table = limits.table(
+            [
+                {**row, "formulation": "velocity", "stressor": "tallest stack"},
+                {**row, "formulation": "regularized", "stressor": "largest stiffness [N/m]"},
+            ]
+        )
+        self.assertEqual(
+            [c.text for c in table.rows[0][2:]],
+            ["5, the end of the ladder", "not defined: no stiffness"],
+        )
         self.assertEqual(table.rows[1][2].text, "not run")
 
     def test_bisection_brackets_the_edge(self):
@@ -213,6 +409,7 @@ class Judged(unittest.TestCase):
 
             def __call__(self, value):
                 return ("stands" if value <= 4321 else "creeps", "", "")
+
         found = limits.bisect(Probe())
         self.assertLessEqual(found["stands"], 4321)
         self.assertGreater(found["fails"], 4321)
@@ -221,13 +418,38 @@ class Judged(unittest.TestCase):
 
     def test_declared_is_held_against_everything_on_beyond_the_noise_only(self):
         def pair(problem, declared, everything, more):
-            base = dict(good=True, err_ref=1e-3, err_tol=1e-2, n_dof=3, lcp_dim=4, n_contacts=1, n_pivot=5, n_iter=0)
-            return problem, "velocity + lemke", {"as declared": {**base, "t_total_s": declared}, "everything on": {**base, "t_total_s": everything, **more}}
+            base = dict(
+                good=True,
+                err_ref=1e-3,
+                err_tol=1e-2,
+                n_dof=3,
+                lcp_dim=4,
+                n_contacts=1,
+                n_pivot=5,
+                n_iter=0,
+            )
+            return (
+                problem,
+                "velocity + lemke",
+                {
+                    "as declared": {**base, "t_total_s": declared},
+                    "everything on": {**base, "t_total_s": everything, **more},
+                },
+            )
+
         same = [pair(f"s{i}", 1.0, 1.0 + 0.01 * i, {}) for i in range(10)]
-        compared = effects.compare(same + [pair("dear", 2.0, 1.0, {"n_dof": 6}), pair("wrong", 0.5, 1.0, {"n_dof": 6, "err_ref": 1.0})])
+        compared = effects.compare(
+            same
+            + [
+                pair("dear", 2.0, 1.0, {"n_dof": 6}),
+                pair("wrong", 0.5, 1.0, {"n_dof": 6, "err_ref": 1.0}),
+            ]
+        )
         noise = effects.noise_of(compared)
         self.assertTrue(0.05 < noise < 0.1)
-        self.assertEqual([p for p, _, r, equal_work, _ in compared if not equal_work and r > 1 + noise], ["dear"])
+        self.assertEqual(
+            [p for p, _, r, equal_work, _ in compared if not equal_work and r > 1 + noise], ["dear"]
+        )
         self.assertEqual([p for p, _, _, _, equal in compared if not equal], ["wrong"])
 
     def test_the_first_screen_chooses_what_reaches_most(self):
@@ -237,11 +459,21 @@ class Judged(unittest.TestCase):
 
     def test_the_next_one_is_compared_on_the_scenes_that_both_reach(self):
         won = {p: {"cost": c} for p, c in (("a", 1.0), ("b", 1.0), ("c", 100.0))}
-        found = accuracy.rival(won, "velocity + lemke", {"a": {"cost": 2.0}, "b": {"cost": 2.0}, "d": {"cost": 1e-3}}, 5)
+        found = accuracy.rival(
+            won,
+            "velocity + lemke",
+            {"a": {"cost": 2.0}, "b": {"cost": 2.0}, "d": {"cost": 1e-3}},
+            5,
+        )
         self.assertEqual((found["both"], found["reached"]), (2, 3))
-        self.assertEqual(accuracy.rival_words(found), "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there on 3 of 5")
+        self.assertEqual(
+            accuracy.rival_words(found),
+            "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there on 3 of 5",
+        )
         apart = accuracy.rival(won, "event", {"d": {"cost": 1.0}}, 1)
-        self.assertEqual(accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same")
+        self.assertEqual(
+            accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same"
+        )
 
     def test_a_table_of_too_many_cells_keeps_what_failed_and_the_smallest_steps(self):
         some = self.cells[self.cells["campaign"] != "stability"]
@@ -251,11 +483,23 @@ class Judged(unittest.TestCase):
         self.assertEqual({row[5] for row in slides}, {"0.005"})
         self.assertEqual(len(some) - len(table.rows), 4)
         self.assertIn("and 4 verified ones at larger steps", table.caption)
-        self.assertEqual(sum(row[6].text == "unverified" for row in table.rows), int((some["status"] == "unverified").sum()))
+        self.assertEqual(
+            sum(row[6].text == "unverified" for row in table.rows),
+            int((some["status"] == "unverified").sum()),
+        )
 
     def test_a_table_of_the_document_is_cut_only_where_the_page_ends(self):
         def made(n):
-            return section.table_tex(section.Table("t", "c", ["claim", "verdict", "evidence"], [["a claim of some length", "holds when this or that is so", "evidence " * 30]] * n))
+            return section.table_tex(
+                section.Table(
+                    "t",
+                    "c",
+                    ["claim", "verdict", "evidence"],
+                    [["a claim of some length", "holds when this or that is so", "evidence " * 30]]
+                    * n,
+                )
+            )
+
         self.assertNotIn("all of them in the page", made(8))
         self.assertIn("rows; all of them in the page", made(30))
 
@@ -271,8 +515,17 @@ class Page(unittest.TestCase):
         cls.folder = pathlib.Path(cls.tmp.name)
         write(cls.folder / "runs" / "all", campaign_rows())
         for name in ("one", "two"):
-            subprocess.run([sys.executable, ROOT / "scripts/bench/report.py", cls.folder / "runs", "--out", cls.folder / name], check=True,
-                           stdout=subprocess.DEVNULL)
+            subprocess.run(
+                [
+                    sys.executable,
+                    ROOT / "scripts/bench/report.py",
+                    cls.folder / "runs",
+                    "--out",
+                    cls.folder / name,
+                ],
+                check=True,
+                stdout=subprocess.DEVNULL,
+            )
         cls.page = (cls.folder / "one/index.html").read_text()
 
     @classmethod
@@ -281,15 +534,37 @@ class Page(unittest.TestCase):
 
     def browse(self, where=""):
         """Headless, without a network; the DOM after the scripts ran, and what they complained about."""
-        return subprocess.run(["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--virtual-time-budget=60000", "--window-size=1200,9000", "--proxy-server=127.0.0.1:9",
-                               f"--user-data-dir={self.folder / 'profile'}", "--enable-logging=stderr", "--dump-dom", (self.folder / "one/index.html").as_uri() + where],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        return subprocess.run(
+            [
+                "chromium",
+                "--headless",
+                "--no-sandbox",
+                "--disable-gpu",
+                "--virtual-time-budget=60000",
+                "--window-size=1200,9000",
+                "--proxy-server=127.0.0.1:9",
+                f"--user-data-dir={self.folder / 'profile'}",
+                "--enable-logging=stderr",
+                "--dump-dom",
+                (self.folder / "one/index.html").as_uri() + where,
+            ],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            text=True,
+            timeout=120,
+        )
 
     def test_the_same_bytes_twice(self):
-        files = sorted(p.relative_to(self.folder / "two") for p in (self.folder / "two").rglob("*") if p.is_file())  # one is also compiled
+        files = sorted(
+            p.relative_to(self.folder / "two")
+            for p in (self.folder / "two").rglob("*")
+            if p.is_file()
+        )  # one is also compiled
         self.assertGreater(len(files), 10)
         for f in files:
-            self.assertEqual((self.folder / "one" / f).read_bytes(), (self.folder / "two" / f).read_bytes(), f)
+            self.assertEqual(
+                (self.folder / "one" / f).read_bytes(), (self.folder / "two" / f).read_bytes(), f
+            )
 
     def test_the_reference_is_written_between_its_markers(self):
         root = self.folder / "project"
@@ -298,11 +573,19 @@ class Page(unittest.TestCase):
         pages = [root / "README.md", root / "results" / "README.md"]
         for page in pages:
             page.write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
-        with mock.patch.object(sys, "argv", ["reference", str(self.folder / "runs"), "--out", str(root)]), contextlib.redirect_stdout(io.StringIO()):
+        with (
+            mock.patch.object(
+                sys, "argv", ["reference", str(self.folder / "runs"), "--out", str(root)]
+            ),
+            contextlib.redirect_stdout(io.StringIO()),
+        ):
             self.assertEqual(reference.main(), 0)
         for page in pages:
             text = page.read_text()
-            self.assertTrue(text.startswith("before\n" + reference.BEGIN) and text.endswith(reference.END + "after\n"))
+            self.assertTrue(
+                text.startswith("before\n" + reference.BEGIN)
+                and text.endswith(reference.END + "after\n")
+            )
             self.assertNotIn("stale", text)
             self.assertIn("`regularized + lemke`", text)
             drawn = re.findall(r"!\[[^]]*\]\(([^)]*)\)", text)
@@ -313,7 +596,9 @@ class Page(unittest.TestCase):
         self.assertTrue(packed.equals(rows.load(self.folder / "runs/all")))
 
     def test_nothing_is_fetched(self):
-        text = re.sub(r'<script type="text/plain" id="plotly">.*?</script>', "", self.page, flags=re.S)
+        text = re.sub(
+            r'<script type="text/plain" id="plotly">.*?</script>', "", self.page, flags=re.S
+        )
         self.assertEqual(re.findall(r"(?:src|href)=[\"'](?!#|data:)[^\"']*", text), [])
         self.assertLess(len(self.page.encode()), 5_000_000)
 
@@ -322,7 +607,9 @@ class Page(unittest.TestCase):
         self.assertIn("<code>lcpbench simulate 'slide:speed=5'", self.page)
         self.assertIn("fails honestly 2/3", self.page)
 
-    @unittest.skipUnless(shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex")
+    @unittest.skipUnless(
+        shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex"
+    )
     def test_the_document_compiles(self):
         self.assertEqual(report.build(self.folder / "one/latex"), 0)
         self.assertGreater((self.folder / "one/latex/main.pdf").stat().st_size, 10_000)
@@ -330,16 +617,34 @@ class Page(unittest.TestCase):
         for name in re.findall(r"\\input\{tables/(\w+)\}", main):
             self.assertIn("\\toprule", (self.folder / f"one/latex/tables/{name}.tex").read_text())
 
-    @unittest.skipUnless(shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex")
+    @unittest.skipUnless(
+        shutil.which("latexmk") and shutil.which("pdflatex"), "no latexmk: scripts/setup latex"
+    )
     def test_figures_as_pgf_compile(self):
         cells = rows.cells(rows.load(self.folder / "runs/all"))
         folder = self.folder / "pgf"
-        lines = [chart.Line("pgs_sm", [1e-3, 1e-1], [1, 2], bad=[(1e-2, 1)]), chart.Line("not resolved", [1e-4, 1e-3], [2, 2], [1, 1], [2, 2], kind="band")]
-        made = [chart.Chart("marks", "", [chart.Panel(lines, title="stack_n & τ", xlabel="error (reference ± 1e-3), 95 %")]), stability.section(stability.ladders(cells)).charts[0]]
+        lines = [
+            chart.Line("pgs_sm", [1e-3, 1e-1], [1, 2], bad=[(1e-2, 1)]),
+            chart.Line("not resolved", [1e-4, 1e-3], [2, 2], [1, 1], [2, 2], kind="band"),
+        ]
+        made = [
+            chart.Chart(
+                "marks",
+                "",
+                [chart.Panel(lines, title="stack_n & τ", xlabel="error (reference ± 1e-3), 95 %")],
+            ),
+            stability.section(stability.ladders(cells)).charts[0],
+        ]
         for one in made:
             style.save(chart.draw(one), folder, one.name, pgf=True)
         body = "".join(f"\\input{{{one.name}.pgf}}\n\n" for one in made)
-        (folder / "main.tex").write_text("\\documentclass{article}\n" + latex.FIGURES + "\\begin{document}\n" + body + "\\end{document}\n")
+        (folder / "main.tex").write_text(
+            "\\documentclass{article}\n"
+            + latex.FIGURES
+            + "\\begin{document}\n"
+            + body
+            + "\\end{document}\n"
+        )
         with contextlib.redirect_stdout(io.StringIO()):
             self.assertEqual(report.build(folder), 0)
         self.assertGreater((folder / "main.pdf").stat().st_size, 10_000)

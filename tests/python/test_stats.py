@@ -1,4 +1,5 @@
 """Statistics helpers against examples that can be checked by hand."""
+
 import math
 import pathlib
 import sys
@@ -89,7 +90,9 @@ class Fits(unittest.TestCase):
         self.assertTrue(math.isnan(stats.fit_exponent([1, 2], [1, 2])[0]))
 
     def test_order_of_a_ladder(self):
-        self.assertAlmostEqual(stats.observed_order([0.1, 0.05, 0.025], [1e-2, 2.5e-3, 6.25e-4]), 2.0)
+        self.assertAlmostEqual(
+            stats.observed_order([0.1, 0.05, 0.025], [1e-2, 2.5e-3, 6.25e-4]), 2.0
+        )
 
     def test_paired_ratio_leaves_failures_out_and_counts_pairs(self):
         ratio, low, high, pairs = stats.paired_ratio([2, 4, INF], [1, 2, 1])
@@ -106,7 +109,9 @@ class Means(unittest.TestCase):
 
     def test_failure_is_infinite_or_the_stated_penalty(self):
         self.assertEqual(stats.geometric_mean_shifted([1, INF], 0), INF)
-        self.assertAlmostEqual(stats.geometric_mean_shifted([1, INF], 0, limit=10, penalty=10), 10.0)
+        self.assertAlmostEqual(
+            stats.geometric_mean_shifted([1, INF], 0, limit=10, penalty=10), 10.0
+        )
 
 
 if __name__ == "__main__":
