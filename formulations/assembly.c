@@ -7,21 +7,6 @@
 
 enum { FORM_PAIRS_MAX = 1 << 27 };
 
-base_status form_memory(void **mem, void (*layout)(void *, base_arena *), void *state,
-                        base_error *err) {
-  base_arena measure = base_arena_measuring();
-  layout(state, &measure);
-  free(*mem);
-  *mem = measure.overflow ? NULL : base_alloc(measure.used > 0 ? measure.used : 1);
-  if (*mem == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory for %zu bytes of contact space",
-                     measure.used);
-  }
-  base_arena a = base_arena_over(*mem, measure.used);
-  layout(state, &a);
-  return BASE_OK;
-}
-
 static void layout_rows(void *state, base_arena *m) {
   form_assembly *a = state;
   const struct form_assembly_size *s = &a->cap;

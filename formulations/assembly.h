@@ -11,7 +11,7 @@
 
 #include "formulations/contact_memory.h"
 #include "formulations/formulation.h"
-#include "lcp/base/arena.h"
+#include "formulations/workspace.h"
 
 /* Which prefix of a contact's rows a formulation wants. */
 typedef enum form_rows { FORM_ROWS_NORMAL, FORM_ROWS_TANGENT, FORM_ROWS_ALL } form_rows;
@@ -139,7 +139,14 @@ void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u
 void form_assembly_dense(const form_assembly *a, double *out);
 
 /* A block, row-major, into a column-major matrix with leading dimension n. */
-void form_put_block(const double *block, int rows, int columns, double *to, ptrdiff_t n);
+static inline void form_put_block(const double *block, int rows, int columns, double *to,
+                                  ptrdiff_t n) {
+  for (int p = 0; p < rows; p++) {
+    for (int q = 0; q < columns; q++) {
+      to[q * n + p] = block[p * columns + q];
+    }
+  }
+}
 
 /* Takes the joint rows out: n_group = n_contact, r and C become those of the projected system. */
 base_status form_assembly_eliminate(form_assembly *a, base_error *err);
@@ -148,7 +155,3 @@ void form_joints_close(form_joints *j);
 
 /* Writes lambda (n_row) and the impulses of eliminated joints into impulse (set rows) and v_next = v_free + W J' lambda. */
 void form_assembly_answer(form_assembly *a, const double *lambda);
-
-/* Runs layout on a measuring arena, replaces *mem by a block of that size, runs it again. */
-base_status form_memory(void **mem, void (*layout)(void *, base_arena *), void *state,
-                        base_error *err);

@@ -26,14 +26,6 @@ void form_assembly_velocity(const form_assembly *a, const double *lambda, double
   }
 }
 
-void form_put_block(const double *block, int rows, int columns, double *to, ptrdiff_t n) {
-  for (int p = 0; p < rows; p++) {
-    for (int q = 0; q < columns; q++) {
-      to[q * n + p] = block[p * columns + q];
-    }
-  }
-}
-
 void form_assembly_dense(const form_assembly *a, double *out) {
   const ptrdiff_t n = a->n_row;
   memset(out, 0, (size_t)(n * n) * sizeof *out);

@@ -54,10 +54,6 @@ static void close(void *st) {
   free(s->u0);
 }
 
-static void forget(void *st) {
-  contact_memory_forget(&((state *)st)->memory);
-}
-
 static double speed(const double *u, int n) {
   return (n == 2) ? hypot(u[0], u[1]) : (n == 1 ? fabs(u[0]) : 0.0);
 }
@@ -233,7 +229,6 @@ const formulation form_acceleration = {
     .state_size = sizeof(state),
     .dimension = dimension,
     .close = close,
-    .forget = forget,
     .begin = begin,
     .assemble = assemble,
     .recover = recover,

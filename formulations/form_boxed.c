@@ -134,7 +134,6 @@ const formulation form_boxed = {
     .state_size = sizeof(row_form),
     .dimension = dimension,
     .close = row_form_close,
-    .forget = row_form_forget,
     .begin = begin,
     .assemble = assemble,
     .recover = recover,

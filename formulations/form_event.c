@@ -163,12 +163,6 @@ static base_status open(void *st, const void *opt, base_error *err) {
   return BASE_OK;
 }
 
-static void forget(void *st) {
-  event_run *s = st;
-  s->started = false;
-  s->log.n = s->arc.n = 0;
-}
-
 static base_status bind(event_run *s, world *w, base_error *err) {
   s->w = s->arc.w = w;
   s->arc.rate = s->opt->rate;
@@ -297,6 +291,5 @@ const formulation form_event = {
     .dimension = dimension,
     .open = open,
     .close = close,
-    .forget = forget,
     .step = step,
 };

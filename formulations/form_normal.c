@@ -49,7 +49,6 @@ const formulation form_normal = {
     .state_size = sizeof(polyhedral),
     .dimension = dimension,
     .close = poly_close,
-    .forget = poly_forget,
     .begin = begin,
     .assemble = poly_assemble,
     .recover = poly_recover,

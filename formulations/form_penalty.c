@@ -191,12 +191,6 @@ static base_status open(void *st, const void *opt, base_error *err) {
   return BASE_OK;
 }
 
-static void forget(void *st) {
-  state *s = st;
-  s->log.n = 0;
-  s->substep = 0.0;
-}
-
 /* Everything whose size the world fixes; done at the first step. */
 static base_status bind(state *s, world *w, base_error *err) {
   s->w = w;
@@ -311,6 +305,5 @@ const formulation form_penalty = {
     .dimension = dimension,
     .open = open,
     .close = close,
-    .forget = forget,
     .step = step,
 };

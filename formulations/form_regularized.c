@@ -322,10 +322,6 @@ static void close(void *state) {
   free(s->dense_mem);
 }
 
-static void forget(void *state) {
-  contact_memory_forget(&((regularized *)state)->memory);
-}
-
 const formulation form_regularized = {
     .name = "regularized",
     .title = "Normal-impulse LCP with regularised friction",
@@ -344,7 +340,6 @@ const formulation form_regularized = {
     .state_size = sizeof(regularized),
     .dimension = dimension,
     .close = close,
-    .forget = forget,
     .begin = begin,
     .assemble = assemble,
     .recover = recover,

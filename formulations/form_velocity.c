@@ -46,7 +46,6 @@ const formulation form_velocity = {
     .state_size = sizeof(polyhedral),
     .dimension = poly_dimension,
     .close = poly_close,
-    .forget = poly_forget,
     .begin = begin,
     .assemble = poly_assemble,
     .recover = poly_recover,

@@ -79,12 +79,6 @@ void formulation_close(formulation_run *r) {
   }
 }
 
-void formulation_forget(formulation_run *r) {
-  if (r->form->forget != NULL) {
-    r->form->forget(r->state);
-  }
-}
-
 const formulation *formulation_of(const formulation_run *r) {
   return r->form;
 }

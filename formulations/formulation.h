@@ -99,7 +99,6 @@ struct formulation {
   /* state lifetime */
   base_status (*open)(void *state, const void *opt, base_error *err); /* may be NULL */
   void (*close)(void *state);                                         /* frees what state owns */
-  void (*forget)(void *state); /* drop all memory of earlier steps */
 
   /* one step */
   base_status (*begin)(void *state, const contact_set *c, const void *opt, formulation_start start,
@@ -125,7 +124,6 @@ const formulation *formulation_find(const char *name);
 base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
                              base_error *err);
 void formulation_close(formulation_run *r);
-void formulation_forget(formulation_run *r);
 const formulation *formulation_of(const formulation_run *r);
 base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
                               base_error *err);

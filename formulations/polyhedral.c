@@ -52,10 +52,6 @@ void poly_close(void *state) {
   free(s->jac_mem);
 }
 
-void poly_forget(void *state) {
-  contact_memory_forget(&((polyhedral *)state)->memory);
-}
-
 static contact_rows used_rows(const polyhedral *s, int g) {
   return (s->rows == FORM_ROWS_NORMAL) ? (contact_rows){0} : s->a.set->rows[g];
 }

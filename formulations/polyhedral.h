@@ -96,4 +96,3 @@ base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool
 base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err);
 void poly_answer(const void *state, formulation_answer *out);
 void poly_close(void *state);
-void poly_forget(void *state);

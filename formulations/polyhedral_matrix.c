@@ -134,6 +134,17 @@ static double cone_entry(const polyhedral *s, int i, int part) {
   return ((is_three(s)) ? 2 : 1) * s->bound[POLY_PARTS * i + part];
 }
 
+size_t poly_shift_nnz(const polyhedral *s) {
+  size_t nnz = 0;
+  for (int j = 0; j < s->a.n_group; j++) {
+    for (int p = 0; p < poly_parts(s, j); p++) {
+      const int facets = s->shape_of[j]->part_start[p + 1] - s->shape_of[j]->part_start[p];
+      nnz += 1 + 2 * (size_t)facets;
+    }
+  }
+  return nnz;
+}
+
 size_t poly_nnz(const polyhedral *s) {
   size_t nnz = 0;
   for (int j = 0; j < s->a.n_group; j++) {

@@ -16,9 +16,11 @@ size_t poly_nnz(const polyhedral *s);
 void poly_fill_dense(polyhedral *s);
 void poly_fill_csc(polyhedral *s);
 
+/* The entries of the sigma rows and columns among them: those of S in the factored form. */
+size_t poly_shift_nnz(const polyhedral *s);
+
 /* polyhedral_factored.c: M = J W J' + S. */
-size_t poly_shift_nnz(const polyhedral *s); /* entries of S */
-size_t poly_jac_size(const polyhedral *s);  /* entries of J, zero rows of the sigmas included */
+size_t poly_jac_size(const polyhedral *s); /* entries of J, zero rows of the sigmas included */
 void poly_fill_factored(polyhedral *s);
 
 /* What the three share. */

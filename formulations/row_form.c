@@ -30,10 +30,6 @@ void row_form_close(void *state) {
   free(s->mem);
 }
 
-void row_form_forget(void *state) {
-  contact_memory_forget(&((row_form *)state)->memory);
-}
-
 double row_form_friction(const row_form *s, int i) {
   const int g = s->a.group[i];
   const double *past = contact_memory_old(&s->memory, g);

@@ -42,7 +42,6 @@ int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[L
 void row_form_finish(row_form *s, const double *lambda, bool solved);
 void row_form_answer(const void *state, formulation_answer *out);
 void row_form_close(void *state);
-void row_form_forget(void *state);
 
 #define ROW_FORM_FIELDS(T)                                                                         \
   BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0, "matrix handed to the solver"),      \
