@@ -395,6 +395,18 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
   }
 }
 
+/* A small problem that no attempt solved: is there a feasible point at all? Where a proof is found that holds exactly, it
+ * takes the place of a ray. */
+static void look_for_proof(lemke_state *k, const lcp_problem *p, const lcp_stop *stop,
+                           lcp_result *res) {
+  const bool open = res->outcome != LCP_MAX_ITER && res->outcome != LCP_TIME_LIMIT;
+  if (k->small && open && res->residual > stop->tol && res->certificate.kind != LCP_CERT_FARKAS &&
+      lemke_search_proof(&k->path, &k->table, &k->system, p, k->trial)) {
+    memcpy(k->proof, k->trial, sizeof *k->proof * (size_t)p->M.n);
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = k->proof};
+  }
+}
+
 static void conclude(const lemke_state *k, const lemke_options *o, lcp_result *res) {
   if (res->residual <= o->stop.tol) {
     res->outcome = LCP_SOLVED;
@@ -422,6 +434,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   if (!sift || !sift_attempt(k, p, o, z, res)) {
     run_attempts(k, p, o, z, res);
   }
+  look_for_proof(k, p, &o->stop, res);
   conclude(k, o, res);
   memcpy(z, k->best, sizeof(double) * (size_t)p->M.n);
   res->work.iterations = t->pivots;

@@ -218,6 +218,10 @@ static void phase_one_decides(void **state) {
     assert_int_equal(end, hopeless ? LEMKE_RAY : LEMKE_SOLVED);
     const bool proved = lemke_search_proof(&r.path, &r.table, &r.built, &r.p, proof);
     assert_int_equal(proved, hopeless);
+    double z[N] = {0};
+    const lcp_result res = solve(&r.p, z); /* the solver says so too */
+    assert_true(!hopeless || res.outcome == LCP_INFEASIBLE);
+    assert_true(hopeless || res.outcome != LCP_INFEASIBLE);
     proofs += proved;
   }
   assert_int_equal(proofs, 100);
