@@ -16,12 +16,12 @@
  * `fallbacks`; F itself is never changed. Linear solves: dense LU or KLU. */
 #include "lcp/lcp_column.h"
 #include "lcp/linear/direct.h"
+#include "lcp/solvers/interval_map.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
 
 #include <string.h>
 
-enum { FISCHER, MINIMUM };
 enum { MEMORY = 5 };
 
 typedef struct options {
@@ -31,7 +31,7 @@ typedef struct options {
 
 static const base_field fields[] = {
     LCP_STOP_FIELDS(options, 1e-12, 200),
-    BASE_FIELD_CHOICE(options, map, "fischer|min", MINIMUM, "complementarity function"),
+    BASE_FIELD_CHOICE(options, map, "fischer|min", LCP_MAP_MIN, "complementarity function"),
 };
 
 typedef struct state {
@@ -74,51 +74,12 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   return BASE_OK;
 }
 
-/* a + b - sqrt(a^2 + b^2) without cancellation, and its gradient; at the origin the element of
- * (1, 1)/sqrt(2) direction. */
-static double fischer(double a, double b, double *ga, double *gb) {
-  const double r = hypot(a, b);
-  *ga = (r > 0.0) ? 1.0 - a / r : 1.0 - sqrt(0.5);
-  *gb = (r > 0.0) ? 1.0 - b / r : 1.0 - sqrt(0.5);
-  return (a > 0.0 && b > 0.0) ? 2.0 * a * b / (a + b + r) : a + b - r;
-}
-
-static double minimum(double a, double b, double *ga, double *gb) {
-  *ga = (a < b) ? 1.0 : 0.0;
-  *gb = 1.0 - *ga;
-  return fmin(a, b);
-}
-
-/* F_i at (x, y) and its derivatives by x and y. */
-static double equation(int map, double lo, double hi, double x, double y, double *dx, double *dy) {
-  double (*const phi)(double, double, double *, double *) = (map == FISCHER) ? fischer : minimum;
-  if (lo == -HUGE_VAL && hi == HUGE_VAL) {
-    *dx = 0.0;
-    *dy = 1.0;
-    return y;
-  }
-  if (hi == HUGE_VAL) {
-    return phi(x - lo, y, dx, dy);
-  }
-  double inner_x, inner_y, outer_x, outer_y;
-  const double inner = phi(hi - x, -y, &inner_x, &inner_y);
-  if (lo == -HUGE_VAL) {
-    *dx = inner_x;
-    *dy = inner_y;
-    return -inner;
-  }
-  const double F = phi(x - lo, -inner, &outer_x, &outer_y);
-  *dx = outer_x + outer_y * inner_x;
-  *dy = outer_y * inner_y;
-  return F;
-}
-
 /* F with da, db at z; returns |F|^2 / 2. */
-static double evaluate(state *s, int n, int map, const double *z, const double *w) {
+static double evaluate(state *s, int n, lcp_map map, const double *z, const double *w) {
   double sum = 0.0;
   for (int i = 0; i < n; i++) {
-    s->F[i] =
-        equation(map, s->lo[i], s->hi[i], z[i] / s->s[i], w[i] * s->s[i], &s->da[i], &s->db[i]);
+    s->F[i] = lcp_interval_map(map, s->lo[i], s->hi[i], z[i] / s->s[i], w[i] * s->s[i], &s->da[i],
+                               &s->db[i]);
     sum += 0.5 * s->F[i] * s->F[i];
   }
   return sum;
@@ -127,8 +88,8 @@ static double evaluate(state *s, int n, int map, const double *z, const double *
 static double merit(const state *s, int n, const double *z, const double *w) {
   double sum = 0.0, dx, dy;
   for (int i = 0; i < n; i++) {
-    const double F =
-        equation(FISCHER, s->lo[i], s->hi[i], z[i] / s->s[i], w[i] * s->s[i], &dx, &dy);
+    const double F = lcp_interval_map(LCP_MAP_FISCHER, s->lo[i], s->hi[i], z[i] / s->s[i],
+                                      w[i] * s->s[i], &dx, &dy);
     sum += 0.5 * F * F;
   }
   return sum;
@@ -228,12 +189,12 @@ static bool search(state *s, const lcp_problem *p, double *z, double top, double
 static bool fischer_step(state *s, const lcp_problem *p, double *z, double top, lcp_result *res,
                          base_status *status) {
   const int n = p->M.n;
-  (void)evaluate(s, n, FISCHER, z, s->w);
+  (void)evaluate(s, n, LCP_MAP_FISCHER, z, s->w);
   bool newton = direction(s, p, res, status);
   if (*status != BASE_OK) {
     return false;
   }
-  (void)evaluate(s, n, FISCHER, z, s->w); /* D_a without the perturbation */
+  (void)evaluate(s, n, LCP_MAP_FISCHER, z, s->w); /* D_a without the perturbation */
   gradient(s, p);
   double slope = newton ? dot(n, s->g, s->d) : 0.0;
   const double size = newton ? sqrt(dot(n, s->d, s->d)) : 0.0;
@@ -257,7 +218,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   base_status status = BASE_OK;
   double past[MEMORY], least = HUGE_VAL;
   bool fresh;
-  res->variant = (o->map == FISCHER) ? "fischer" : "min";
+  res->variant = (o->map == LCP_MAP_FISCHER) ? "fischer" : "min";
   for (int i = 0; i < n; i++) { /* from K: outside, where M z + q = 0, rho has no scale */
     z[i] = lcp_set_clip(z[i], s->lo[i] * s->s[i], s->hi[i] * s->s[i]);
   }
@@ -277,8 +238,8 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       top = fmax(top, past[i]);
     }
     res->work.iterations++;
-    if (o->map == MINIMUM) {
-      (void)evaluate(s, n, MINIMUM, z, s->w);
+    if (o->map == LCP_MAP_MIN) {
+      (void)evaluate(s, n, LCP_MAP_MIN, z, s->w);
       if (direction(s, p, res, &status) && probe(s, p, z, 1.0, res) <= 0.81 * least) {
         memcpy(z, s->trial, (size_t)n * sizeof *z);
         continue;

@@ -62,6 +62,7 @@ SOLVERS = [
     "nsgs",
     "prox",
     "enumerate",
+    "cone_newton",
 ]
 
 matplotlib.rcParams.update(

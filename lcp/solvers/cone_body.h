@@ -1,0 +1,19 @@
+/* cone_body.h - the factored form of cone_step.h: a Newton step in the body velocities. */
+#pragma once
+
+#include "lcp/solvers/cone_step.h"
+
+/* Every cone inside one group, S inside the pieces. */
+base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
+                                const lcp_cone_scaled *c, base_error *err);
+
+/* Bounds on the pairs of bodies that meet, and on the entries of I + G'KG. */
+size_t lcp_cone_body_pairs(const lcp_factored *f);
+size_t lcp_cone_body_entries(const lcp_factored *f);
+
+void lcp_cone_body_pattern(lcp_cone_step *s, const lcp_factored *f);
+
+/* I + G'KG; T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T. */
+bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c, double weight);
+void lcp_cone_body_solve(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
+                         double *dx);

@@ -1,0 +1,78 @@
+#include "lcp/solvers/cone_scaled.h"
+
+#include "lcp/solvers/sets.h"
+
+void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a) {
+  c->piece = BASE_ARRAY(a, lcp_block, cap->n);
+  c->s = BASE_ARRAY(a, double, cap->n);
+  c->lo = BASE_ARRAY(a, double, cap->n);
+  c->hi = BASE_ARRAY(a, double, cap->n);
+  c->F = BASE_ARRAY(a, double, cap->n);
+  c->X = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)LCP_CONE_MAX);
+  c->Y = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)LCP_CONE_MAX);
+}
+
+/* One s for all rows of a part; mu scaled with them. */
+static base_status scale_cone(lcp_cone_scaled *c, const lcp_block *b, const double *d, int index,
+                              base_error *err) {
+  lcp_block *piece = &c->piece[c->n_piece++];
+  *piece = *b;
+  if (b->size > LCP_CONE_MAX) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "cone block %d has %d rows: need at most %d", index,
+                     b->size, (int)LCP_CONE_MAX);
+  }
+  for (int i = b->start; i < b->start + b->size; i++) {
+    if (!(d[i] > 0.0)) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED, "diagonal %d is %g: need > 0 in a cone", i, d[i]);
+    }
+  }
+  c->s[b->start] = 1.0 / sqrt(d[b->start]);
+  for (int k = 0, at = b->start + 1; k < b->n_part; at += b->part_dim[k++]) {
+    const double mean = (b->part_dim[k] == 2) ? 0.5 * (d[at] + d[at + 1]) : d[at];
+    const double s = 1.0 / sqrt(mean);
+    for (int i = at; i < at + b->part_dim[k]; i++) {
+      c->s[i] = s;
+    }
+    piece->part_mu[k] *= c->s[b->start] / s;
+  }
+  return BASE_OK;
+}
+
+base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, const double *d,
+                                  base_error *err) {
+  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
+  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
+  const int count = (p->block != NULL) ? p->n_block : 1;
+  lcp_set_scaling(&p->M, d, c->s);
+  lcp_set_intervals(p, c->lo, c->hi);
+  c->n_piece = 0;
+  for (int k = 0; k < count; k++) {
+    const lcp_block *b = &block[k];
+    if (b->set == LCP_CONE) {
+      BASE_TRY(scale_cone(c, b, d, k, err));
+      continue;
+    }
+    for (int i = b->start; i < b->start + b->size; i++) {
+      c->piece[c->n_piece++] = (lcp_block){.start = i, .size = 1, .set = b->set};
+      c->lo[i] /= c->s[i];
+      c->hi[i] /= c->s[i];
+    }
+  }
+  return BASE_OK;
+}
+
+double lcp_cone_scaled_map(lcp_cone_scaled *c, lcp_map map, const double *x, const double *y,
+                           bool slope) {
+  double sum = 0.0;
+  for (int k = 0; k < c->n_piece; k++) {
+    const lcp_block *b = &c->piece[k];
+    const int i = b->start;
+    const size_t at = (size_t)i * LCP_CONE_MAX;
+    lcp_cone_map(map, b, c->lo[i], c->hi[i], x + i, y + i, c->F + i, slope ? c->X + at : NULL,
+                 slope ? c->Y + at : NULL);
+    for (int r = i; r < i + b->size; r++) {
+      sum += c->F[r] * c->F[r];
+    }
+  }
+  return sum;
+}

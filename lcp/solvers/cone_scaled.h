@@ -1,0 +1,28 @@
+/* cone_scaled.h - a problem over cones and intervals in scaled variables, as nonsmooth equations.
+ *
+ *   x_i = z_i / s_i,  y_i = s_i w_i,   s_i = 1/sqrt(mean M_jj over the rows j of the part)
+ *
+ * so every unit drops out, M becomes s M s with mean diagonal 1 and mu_k becomes mu_k s_n / s_k. Blocks
+ * that are no cones fall into pieces of one row. */
+#pragma once
+
+#include "lcp/solvers/cone_map.h"
+
+typedef struct lcp_cone_scaled {
+  lcp_block *piece; /* n_piece in order, cones with scaled mu */
+  int n_piece;
+  double *s;       /* n */
+  double *lo, *hi; /* n, in x; read where a piece is an interval */
+  double *F;       /* n */
+  double *X, *Y;   /* size^2 a piece, at LCP_CONE_MAX piece.start */
+} lcp_cone_scaled;
+
+void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a);
+
+/* d: diagonal of M. BASE_EUNSUPPORTED: a cone of more than LCP_CONE_MAX rows, or with a diagonal that is not positive. */
+base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, const double *d,
+                                  base_error *err);
+
+/* F at (x, y), with `slope` also X and Y; returns |F|^2. */
+double lcp_cone_scaled_map(lcp_cone_scaled *c, lcp_map map, const double *x, const double *y,
+                           bool slope);

@@ -1,0 +1,49 @@
+/* cone_step.h - the linear system of a Newton step on the equations of cone_scaled.h,
+ *
+ *   (X + Y (s M s + weight I)) dx = -F
+ *
+ * X and Y block diagonal. Pieces with Y = 0 (open contacts, rows at a bound) leave the system first.
+ *   dense   LU of the rest (LAPACK)
+ *   CSC     KLU of the rest
+ *   factored  M = J W J' + S, S inside the pieces: with W = L L', G = s J L, T = X + Y (s S s + weight I), K = T^-1 Y
+ *           (I + G' K G) v = -G' T^-1 F,   dx = -T^-1 F - K G v,
+ *           a system in the body velocities with the pattern of the contact graph (KLU), regular however
+ *           redundant the contacts are, and no inverse of W is needed */
+#pragma once
+
+#include "lcp/linear/direct.h"
+#include "lcp/solvers/cone_scaled.h"
+#include "lcp/solvers/sweep.h"
+
+typedef struct lcp_cone_step {
+  lcp_sweep sweep;       /* factored: G and groups */
+  unsigned char *active; /* n: row of a piece with Y != 0 */
+  int *piece_of;         /* n */
+  double *dz, *t;        /* n */
+  double *v;             /* n_dof */
+  void *mem;             /* owned, made by the first factorisation; NULL before */
+  lcp_matrix A;          /* the system, views of the arrays in mem: */
+  int rows;              /* n, or the body velocities */
+  size_t entries;
+  double *val;
+  int *colptr, *rowind;
+  int *near_start, *near,
+      *near_at; /* per body: bodies that meet it, sorted; first entry of their rows in its columns */
+  lcp_direct direct;
+} lcp_cone_step;
+
+void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a);
+
+/* BASE_EUNSUPPORTED: factored with a cone that spans groups, or with an S that couples pieces. */
+base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,
+                                  base_error *err);
+
+/* Factors with c->X, c->Y; overwrites them in the factored form. False: singular, or *status says no memory. */
+bool lcp_cone_step_factor(lcp_cone_step *s, const lcp_problem *p, lcp_cone_scaled *c, double weight,
+                          lcp_work *work, base_status *status);
+
+/* dx from c->F; w and z of the problem are not touched. */
+void lcp_cone_step_solve(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,
+                         double *dx, lcp_work *work);
+
+void lcp_cone_step_release(lcp_cone_step *s);

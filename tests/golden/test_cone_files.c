@@ -1,0 +1,88 @@
+/* cone_newton on the friction problems of other codes, those of this repository and the others where they lie beside the
+ * clone: every one is solved, judged, and in not many more Newton steps than when this was written. */
+#include "tests/support/check.h"
+
+#include "lcp/lcp_instance.h"
+#include "problems/import/import.h"
+#include "tests/support/files.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct entry {
+  const char *file; /* below data/ */
+  bool here;        /* in tests/data */
+  int steps;        /* from zero to 1e-10, a third more than measured */
+} entry;
+
+static const entry entries[] = {
+    {"friction/BoxesStack1-i100000-32.hdf5.dat", false, 22},
+    {"friction/Capsules-i100-889.dat", false, 28},
+    {"friction/Capsules-i101-404.dat", false, 36},
+    {"friction/Confeti-ex03-Fc3D-SBM.dat", false, 16},
+    {"friction/FrictionContactProblem00031.dat", true, 6},
+    {"friction/FrictionContactProblem00237.dat", false, 26},
+    {"friction/GRFC3D_Chute-ndof-768-nc-4-3.dat", true, 6},
+    {"friction/NESpheres_10_1.dat", true, 10},
+    {"friction/NESpheres_30_1.dat", false, 8},
+    {"friction/OneObject-i100000-316.hdf5.dat", true, 14},
+    {"friction/OneObject-i1028-138.hdf5.dat", false, 18},
+    {"friction/Rover1039.dat", true, 12},
+    {"friction/Rover1040.dat", false, 15},
+    {"friction/fc2d_granularflowonwall_00667_00000.dat", false, 14},
+    {"friction/rockfall_14_25792.dat", true, 40},
+    {"fclib/Box_Stacks-i0122-82-5.hdf5", true, 8},
+    {"fclib/Capsules-i125-1213.hdf5", false, 30},
+    {"fclib/Chute-ndof-768-nc-4-3.hdf5", true, 6},
+    {"fclib/LMGC_100_PR_PerioBox-i00361-60-03000.hdf5", false, 20},
+    {"fclib/LMGC_GlobalFrictionContactProblem00046.hdf5", true, 8},
+    {"fclib/Spheres-i099-356-679.hdf5", false, 14},
+};
+
+static void solve_file(const char *path, const entry *e) {
+  const lcp_solver *s = lcp_solver_find("cone_newton");
+  _Alignas(16) unsigned char opt[512] = {0};
+  known_lcp k;
+  base_error err = {0};
+  lcp_instance *run;
+  lcp_result res;
+  lcp_verdict v;
+  check_ok(import_problem(path, 0, &k, &err), &err);
+  double *z = calloc((size_t)k.p.M.n + 1, sizeof *z);
+  assert_non_null(z);
+  const lcp_capacity cap = lcp_problem_capacity(&k.p);
+  base_fields_default(s->fields, s->n_fields, opt);
+  check_ok(lcp_instance_open(&run, s, &cap, opt, &err), &err);
+  check_ok(lcp_instance_prepare(run, &k.p, &err), &err);
+  check_ok(lcp_instance_solve(run, NULL, z, &res, &err), &err);
+  check_ok(lcp_judge(&k.p, z, &v, &err), &err);
+  print_message("%s: %s, %ld steps, rho %.1e\n", e->file, lcp_outcome_name(res.outcome),
+                res.work.iterations, v.rho);
+  assert_string_equal(lcp_outcome_name(res.outcome), "ok");
+  assert_true(v.rho <= 1e-9);
+  assert_true(res.work.iterations <= e->steps);
+  lcp_instance_close(run);
+  free(z);
+  known_lcp_free(&k);
+}
+
+static void friction_files_are_solved(void **state) {
+  (void)state;
+  int solved = 0;
+  for (int i = 0; i < BASE_COUNT(entries); i++) {
+    char name[256];
+    (void)snprintf(name, sizeof name, "data/%s", entries[i].file);
+    const char *path = entries[i].here ? tests_file(name) : shared_file(name);
+    if (entries[i].here || file_exists(path)) {
+      solve_file(path, &entries[i]);
+      solved++;
+    }
+  }
+  print_message("%d of %d files, the others are not beside the clone\n", solved,
+                BASE_COUNT(entries));
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(friction_files_are_solved)};
+  return cmocka_run_group_tests_name("cone_files", tests, NULL, NULL);
+}

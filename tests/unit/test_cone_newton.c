@@ -1,0 +1,230 @@
+/* The maps of cone_map.h and the proximal Newton method built on them. */
+#include "tests/support/check.h"
+
+#include "lcp/base/rng.h"
+#include "lcp/lcp_instance.h"
+#include "lcp/lcp_judge.h"
+#include "lcp/solvers/cone_map.h"
+#include "tests/support/random_cones.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const lcp_block shapes[] = {
+    {.size = 1, .set = LCP_ORTHANT},
+    {.size = 1, .set = LCP_BOX},
+    {.size = 1, .set = LCP_FREE},
+    {.size = 1, .set = LCP_CONE},
+    {.size = 2, .set = LCP_CONE, .n_part = 1, .part_dim = {1}, .part_mu = {0.7}},
+    {.size = 3, .set = LCP_CONE, .n_part = 1, .part_dim = {2}, .part_mu = {0}},
+    {.size = 3, .set = LCP_CONE, .n_part = 1, .part_dim = {2}, .part_mu = {2.5}},
+    {.size = 6, .set = LCP_CONE, .n_part = 3, .part_dim = {2, 1, 2}, .part_mu = {0.8, 0.1, 0.3}},
+};
+static const double lo = -0.4, hi = 0.6;
+
+static void draw(base_rng *r, int n, double *x) {
+  for (int i = 0; i < n; i++) {
+    x[i] = base_rng_normal(r);
+  }
+}
+
+/* X and Y against central differences, at points that are no kinks almost surely. */
+static void derivatives_are_those_of_the_map(void **state) {
+  (void)state;
+  enum { N = LCP_CONE_MAX };
+  base_rng r = base_rng_seeded(11);
+  const double h = 1e-6;
+  for (int trial = 0; trial < 400; trial++) {
+    const lcp_block *b = &shapes[trial % BASE_COUNT(shapes)];
+    const lcp_map map = (trial / 100 % 2 == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER;
+    double v[2 * N], F[N], X[N * N], Y[N * N], up[N], down[N];
+    double *x = v, *y = v + N;
+    const bool interval = b->set != LCP_CONE;
+    draw(&r, 2 * N, v);
+    lcp_cone_map(map, b, lo, hi, x, y, F, X, Y);
+    for (int j = 0; j < 2 * b->size; j++) {
+      double *moved = (j < b->size) ? &x[j] : &y[j - b->size];
+      const double *column = (j < b->size) ? X + j * b->size : Y + (j - b->size) * b->size;
+      const double old = *moved;
+      *moved = old + h;
+      lcp_cone_map(map, b, lo, interval ? hi : 0, x, y, up, NULL, NULL);
+      *moved = old - h;
+      lcp_cone_map(map, b, lo, interval ? hi : 0, x, y, down, NULL, NULL);
+      *moved = old;
+      for (int i = 0; i < b->size; i++) {
+        check_close(column[i], (up[i] - down[i]) / (2 * h), 1e-6);
+      }
+    }
+  }
+}
+
+/* One contact A z + b, answered to rounding by bracketing (cone_block.h): both maps vanish there, and not beside it. */
+static void maps_vanish_at_contact_solutions_only(void **state) {
+  (void)state;
+  enum { N = LCP_CONE_MAX };
+  base_rng r = base_rng_seeded(12);
+  for (int trial = 0; trial < 400; trial++) {
+    const lcp_block *k = &shapes[4 + trial % 4];
+    const int n = k->size;
+    double A[N * N], b[N], z[N], w[N], F[N], G[N * N];
+    draw(&r, n * n, G);
+    draw(&r, n, b);
+    for (int e = 0; e < n * n; e++) {
+      A[e] = (e % (n + 1) == 0) ? 0.5 : 0.0;
+      for (int l = 0; l < n; l++) {
+        A[e] += G[e / n + l * n] * G[e % n + l * n];
+      }
+    }
+    lcp_cone_solve(k, A, b, z);
+    for (int i = 0; i < n; i++) {
+      w[i] = b[i];
+      for (int j = 0; j < n; j++) {
+        w[i] += A[i + j * n] * z[j];
+      }
+    }
+    for (int map = 0; map < 2; map++) {
+      double off = 0;
+      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, 0, 0, z, w, F, NULL, NULL);
+      for (int i = 0; i < n; i++) {
+        check_close(F[i], 0.0, 1e-6); /* Fischer-Burmeister: the root of what rounding leaves */
+      }
+      w[0] -= 0.1;
+      z[0] += 0.1;
+      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, 0, 0, z, w, F, NULL, NULL);
+      for (int i = 0; i < n; i++) {
+        off = fmax(off, fabs(F[i]));
+      }
+      assert_true(off > 1e-3);
+      w[0] += 0.1;
+      z[0] -= 0.1;
+    }
+  }
+}
+
+/* Solves from z; false where the solver refuses the problem. */
+static bool run(const lcp_problem *p, const char *name, const char *value, double *z,
+                lcp_result *res, base_error *err) {
+  _Alignas(16) unsigned char opt[512] = {0};
+  const lcp_solver *s = lcp_solver_find("cone_newton");
+  assert_true(s != NULL && s->options_size <= sizeof opt);
+  lcp_instance *k;
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  base_fields_default(s->fields, s->n_fields, opt);
+  if (name != NULL) {
+    check_ok(base_fields_set(s->fields, s->n_fields, opt, name, value, err), err);
+  }
+  check_ok(lcp_instance_open(&k, s, &cap, opt, err), err);
+  const base_status prepared = lcp_instance_prepare(k, p, err);
+  if (prepared == BASE_OK) {
+    check_ok(lcp_instance_solve(k, NULL, z, res, err), err);
+  }
+  lcp_instance_close(k);
+  assert_true(prepared == BASE_OK || prepared == BASE_EUNSUPPORTED);
+  return prepared == BASE_OK;
+}
+
+/* Of random sets at most one in fifty is given up, in no storage is a claim false, and an answer is its own warm start. */
+static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
+  (void)state;
+  enum { SETS = 100, DENSE = 80 /* rows: beyond that LAPACK's cube is felt */ };
+  static const char *const maps[] = {"alart_curnier", "fischer"};
+  int solved[3] = {0}, posed[3] = {0};
+  for (int seed = 1; seed <= SETS; seed++) {
+    known_lcp k;
+    lcp_csc csc;
+    base_error err = {0};
+    check_ok(random_cones(&k, (uint64_t)seed, &err), &err);
+    const int n = k.p.M.n;
+    double *z = calloc((size_t)n, sizeof *z);
+    double *dense = calloc((size_t)n * (size_t)n, sizeof *dense);
+    assert_true(z != NULL && dense != NULL);
+    check_ok(lcp_matrix_to_csc(&k.p.M, &csc, &err), &err);
+    lcp_matrix_to_dense(&k.p.M, dense);
+    const lcp_matrix stored[3] = {k.p.M,
+                                  {.storage = LCP_CSC, .n = n, .csc = csc},
+                                  {.storage = LCP_DENSE, .n = n, .val = dense}};
+    for (int st = 0; st < ((n <= DENSE) ? 3 : 2); st++) {
+      lcp_problem p = k.p;
+      lcp_result res;
+      lcp_verdict v;
+      p.M = stored[st];
+      posed[st]++;
+      memset(z, 0, (size_t)n * sizeof *z);
+      assert_true(run(&p, "map", maps[seed % 2], z, &res, &err));
+      check_ok(lcp_judge(&p, z, &v, &err), &err);
+      if (res.outcome == LCP_SOLVED) {
+        solved[st]++;
+        double top = 0;
+        for (int i = 0; i < n; i++) {
+          top = fmax(top, fabs(z[i]));
+        }
+        if (!(v.rho <= 1e-9 && v.infeasible_z <= 1e-12 * top)) {
+          print_message("seed %d storage %d: rho %g, out of the cone by %g of %g\n", seed, st,
+                        v.rho, v.infeasible_z, top);
+        }
+        assert_true(run(&p, NULL, NULL, z, &res, &err));
+        assert_string_equal(lcp_outcome_name(res.outcome), "ok");
+        assert_true(res.work.factorizations <= 2);
+      } else {
+        assert_true(res.residual > 0.0 && v.rho <= 1.01 * res.residual + 1e-12);
+      }
+    }
+    lcp_csc_free(&csc);
+    free(z);
+    free(dense);
+    known_lcp_free(&k);
+  }
+  for (int st = 0; st < 3; st++) {
+    print_message("storage %d: %d of %d solved\n", st, solved[st], posed[st]);
+    assert_true(posed[st] >= SETS / 3 && posed[st] - solved[st] <= SETS / 50);
+  }
+}
+
+/* What the factored form cannot do is refused by name: a cone over two groups, an S that couples blocks. */
+static void factored_form_refuses_what_it_cannot_split(void **state) {
+  (void)state;
+  known_lcp k;
+  base_error err = {0};
+  lcp_result res;
+  double z[512] = {0};
+  check_ok(random_cones(&k, 8, &err), &err);
+  assert_true(k.p.n_block >= 2 && k.p.M.n <= 512);
+  lcp_factored f = *k.p.M.factored;
+  lcp_problem p = k.p;
+  p.M.factored = &f;
+  assert_true(run(&p, NULL, NULL, z, &res, &err));
+
+  int *colptr = calloc((size_t)p.M.n + 1, sizeof *colptr);
+  assert_non_null(colptr);
+  const int other = p.block[1].start;
+  const double one = 1.0;
+  for (int j = 1; j <= p.M.n; j++) {
+    colptr[j] = 1; /* one entry: row `other`, column 0 */
+  }
+  const lcp_csc shift = {p.M.n, p.M.n, colptr, &other, &one};
+  f.shift = &shift;
+  assert_false(run(&p, NULL, NULL, z, &res, &err));
+  assert_non_null(strstr(err.text, "couples"));
+  f.shift = NULL;
+
+  lcp_block two = p.block[0];
+  two.size = p.block[0].size + p.block[1].size;
+  two.n_part = 0;
+  p.block = &two;
+  p.n_block = 1;
+  assert_true(two.size <= LCP_CONE_MAX);
+  assert_false(run(&p, NULL, NULL, z, &res, &err));
+  assert_non_null(strstr(err.text, "two groups"));
+  free(colptr);
+  known_lcp_free(&k);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(derivatives_are_those_of_the_map),
+      cmocka_unit_test(maps_vanish_at_contact_solutions_only),
+      cmocka_unit_test(random_sets_are_solved_and_never_claimed_falsely),
+      cmocka_unit_test(factored_form_refuses_what_it_cannot_split),
+  };
+  return cmocka_run_group_tests_name("cone_newton", tests, NULL, NULL);
+}
