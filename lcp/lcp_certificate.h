@@ -46,6 +46,12 @@ base_status lcp_certificate_write(const char *path, int n, const lcp_certificate
 base_status lcp_certificate_read(const char *path, lcp_certificate_file *out, base_error *err);
 void lcp_certificate_free(lcp_certificate_file *f);
 
-/* BASE_EINVAL: n does not match, or sets other than orthant and free rows. */
-base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_file *f,
+/* The one check of a certificate that a solver has just handed over (c->kind is not LCP_CERT_NONE; z[n]
+ * is the solution of a basis, else unused) and of a file. BASE_EINVAL: the problem has sets other than
+ * orthant and free rows. */
+base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate *c, const double *z,
                                    lcp_certificate_verdict *out, base_error *err);
+
+/* The same of a file. BASE_EINVAL also: the problem has not f->n rows. */
+base_status lcp_certificate_file_verify(const lcp_problem *p, const lcp_certificate_file *f,
+                                        lcp_certificate_verdict *out, base_error *err);

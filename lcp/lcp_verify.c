@@ -272,13 +272,13 @@ static base_status measure_point(const lcp_problem *p, const unsigned char *set,
   return status;
 }
 
-static base_status verify_basis(const lcp_problem *p, const lcp_certificate_file *f,
+static base_status verify_basis(const lcp_problem *p, const unsigned char *basis, const double *z,
                                 const unsigned char *set, lcp_certificate_verdict *out,
                                 base_error *err) {
   lcp_verdict v;
-  BASE_TRY(lcp_judge(p, f->vector, &v, err));
+  BASE_TRY(lcp_judge(p, z, &v, err));
   bool small = false;
-  BASE_TRY(measure_point(p, set, f->vector, &small, err));
+  BASE_TRY(measure_point(p, set, z, &small, err));
   out->residual = v.rho;
   out->holds = v.rho <= LCP_VERIFY_EXACT && small;
   out->why = small ? "rho of z in extended precision"
@@ -294,8 +294,8 @@ static base_status verify_basis(const lcp_problem *p, const lcp_certificate_file
     return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
   }
   lcp_matrix_to_dense(&p->M, dense);
-  exact_open(e, p, dense, f->basis);
-  const char *fault = basis_fault(e, p, f->basis, set);
+  exact_open(e, p, dense, basis);
+  const char *fault = basis_fault(e, p, basis, set);
   exact_close(e);
   free(e);
   free(dense);
@@ -360,19 +360,18 @@ static base_status farkas_matrix(const lcp_problem *p, const double *y, lcp_csc 
   return lcp_matrix_to_csc(&p->M, own, err);
 }
 
-static base_status verify_farkas(const lcp_problem *p, const lcp_certificate_file *f,
-                                 const unsigned char *set, lcp_certificate_verdict *out,
-                                 base_error *err) {
+static base_status verify_farkas(const lcp_problem *p, const double *y, const unsigned char *set,
+                                 lcp_certificate_verdict *out, base_error *err) {
   lcp_csc own = {0};
   const lcp_csc *M;
-  BASE_TRY(farkas_matrix(p, f->vector, &own, &M, err));
-  const char *fault = farkas_fault(p, M, set, f->vector);
+  BASE_TRY(farkas_matrix(p, y, &own, &M, err));
+  const char *fault = farkas_fault(p, M, set, y);
   lcp_csc_free(&own);
   long double gain = 0;
   long double size = 0;
   for (int i = 0; i < p->M.n; i++) {
-    gain += (long double)p->q[i] * f->vector[i];
-    size += fabsl((long double)p->q[i] * f->vector[i]);
+    gain += (long double)p->q[i] * y[i];
+    size += fabsl((long double)p->q[i] * y[i]);
   }
   out->residual = (size > 0) ? (double)(gain / size) : 0;
   out->holds = fault == NULL;
@@ -406,9 +405,8 @@ static double reversal_fault(const lcp_problem *p, const unsigned char *set, con
   return worst;
 }
 
-static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *f,
-                              const unsigned char *set, lcp_certificate_verdict *out,
-                              base_error *err) {
+static base_status verify_ray(const lcp_problem *p, const double *ray, const unsigned char *set,
+                              lcp_certificate_verdict *out, base_error *err) {
   lcp_wide_columns columns;
   BASE_TRY(lcp_wide_columns_open(&columns, &p->M, err));
   long double *sums = calloc(2 * (size_t)p->M.n + 1, sizeof *sums);
@@ -416,7 +414,7 @@ static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *
     lcp_wide_columns_close(&columns);
     return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
   }
-  out->residual = reversal_fault(p, set, f->vector, &columns, sums, sums + p->M.n);
+  out->residual = reversal_fault(p, set, ray, &columns, sums, sums + p->M.n);
   out->holds = out->residual <= LCP_CERT_RAY_TOL;
   out->why = out->holds ? "M reverses the sign of a ray: no P-matrix, nothing more"
                         : "no ray: v >= 0, v != 0, v_i (Mv)_i <= 0 fails";
@@ -425,14 +423,24 @@ static base_status verify_ray(const lcp_problem *p, const lcp_certificate_file *
   return BASE_OK;
 }
 
-base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_file *f,
+static bool all_finite(const double *x, int n) {
+  bool good = true;
+  for (int i = 0; i < n; i++) {
+    good = good && isfinite(x[i]);
+  }
+  return good;
+}
+
+base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate *c, const double *z,
                                    lcp_certificate_verdict *out, base_error *err) {
   *out = (lcp_certificate_verdict){.why = ""};
-  if (f->n != p->M.n) {
-    return BASE_FAIL(err, BASE_EINVAL, "certificate: %d rows, the problem has %d", f->n, p->M.n);
-  }
   if ((lcp_problem_sets(p) & ((1u << LCP_BOX) | (1u << LCP_CONE))) != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "certificate: only orthant and free rows are checked");
+  }
+  if (c->kind == LCP_CERT_BASIS ? c->basis == NULL
+                                : c->vector == NULL || !all_finite(c->vector, p->M.n)) {
+    out->why = "the solver handed over no finite numbers";
+    return BASE_OK;
   }
   unsigned char *set = calloc((size_t)p->M.n + 1, 1);
   if (set == NULL) {
@@ -444,13 +452,23 @@ base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate_f
     }
   }
   base_status status = BASE_OK;
-  if (f->kind == LCP_CERT_BASIS) {
-    status = verify_basis(p, f, set, out, err);
-  } else if (f->kind == LCP_CERT_FARKAS) {
-    status = verify_farkas(p, f, set, out, err);
+  if (c->kind == LCP_CERT_BASIS) {
+    status = verify_basis(p, c->basis, z, set, out, err);
+  } else if (c->kind == LCP_CERT_FARKAS) {
+    status = verify_farkas(p, c->vector, set, out, err);
   } else {
-    status = verify_ray(p, f, set, out, err);
+    status = verify_ray(p, c->vector, set, out, err);
   }
   free(set);
   return status;
+}
+
+base_status lcp_certificate_file_verify(const lcp_problem *p, const lcp_certificate_file *f,
+                                        lcp_certificate_verdict *out, base_error *err) {
+  const lcp_certificate c = {f->kind, f->basis, f->vector};
+  if (f->n != p->M.n) {
+    *out = (lcp_certificate_verdict){.why = ""};
+    return BASE_FAIL(err, BASE_EINVAL, "certificate: %d rows, the problem has %d", f->n, p->M.n);
+  }
+  return lcp_certificate_verify(p, &c, f->vector, out, err);
 }

@@ -49,7 +49,7 @@ static void judge_word(isolate_channel *out, const lcp_unit *u, case_status word
   char text[300];
   (void)snprintf(text, sizeof text, "claimed %s%s%s", case_lcp_name(word), note[0] ? ": " : "",
                  note);
-  const bool unproved = word == CASE_INFEASIBLE && !r->certificate_holds;
+  const bool unproved = word == CASE_INFEASIBLE && !r->certificate.holds;
   check_verdict verdict = CHECK_FAILED; /* also for a word in none of the case's lists */
   if ((c->false_claim & word) == 0 && !unproved) {
     if (word == CASE_NOT_APPLICABLE) {

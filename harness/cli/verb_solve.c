@@ -74,6 +74,20 @@ static base_status put_cone(json_t *o, const problem_source *src, const solve_re
   return BASE_OK;
 }
 
+/* null: the solver handed over none, or it is of a problem whose certificates are not checked. */
+static void put_certificate(json_t *o, const solve_record *r) {
+  const lcp_certificate_verdict *v = &r->certificate;
+  json_out_text(o, "certificate", certificate_name(r->claim.certificate.kind));
+  if (r->certificate_checked) {
+    json_out_bool(o, "certificate_holds", v->holds);
+    json_out_bool(o, "certificate_exact", v->exact);
+  } else {
+    json_out_text(o, "certificate_holds", NULL);
+    json_out_text(o, "certificate_exact", NULL);
+  }
+  json_out_text(o, "certificate_why", r->certificate_checked ? v->why : NULL);
+}
+
 static json_t *to_json(const problem_source *src, const solver_choice *s, const solve_record *r) {
   assert(s->solver != NULL);
   json_t *o = json_object();
@@ -94,8 +108,7 @@ static json_t *to_json(const problem_source *src, const solver_choice *s, const 
   json_out_real(o, "t_setup_s", r->time.setup);
   json_out_real(o, "t_factor_s", r->time.factor);
   json_out_real(o, "t_solve_s", r->time.solve);
-  json_out_text(o, "certificate", certificate_name(r->claim.certificate.kind));
-  json_out_bool(o, "certificate_holds", r->certificate_holds);
+  put_certificate(o, r);
   char hash[24];
   (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
   json_out_text(o, "solution_hash", r->has_claim ? hash : NULL);

@@ -30,7 +30,7 @@ int verify_certificate(const char *problem, const char *q, int facets, const cha
     done = lcp_certificate_read(path, &f, &err);
   }
   if (done == BASE_OK) {
-    done = lcp_certificate_verify(src.p, &f, &v, &err);
+    done = lcp_certificate_file_verify(src.p, &f, &v, &err);
   }
   if (done == BASE_OK) {
     code = !print(&src, &f, &v) ? CLI_INTERNAL : v.holds ? CLI_OK : CLI_HONEST;

@@ -1,7 +1,6 @@
 #include "harness/measure/solve_once.h"
 
 #include "harness/measure/sim_watch.h"
-#include "lcp/lcp_certificate.h"
 
 #include <stdio.h>
 
@@ -60,8 +59,6 @@ base_status solve_judge(const lcp_problem *p, const solver_choice *s, const lcp_
   BASE_TRY(lcp_judge(p, z, &out->verdict, err));
   out->status = verdict_of(s->solver, s->opt, p, &out->claim, &out->verdict, &out->verified);
   out->hash = sim_hash(SIM_HASH_START, z, p->M.n);
-  out->certificate_holds = out->claim.certificate.kind == LCP_CERT_FARKAS &&
-                           verdict_farkas_holds(p, out->claim.certificate.vector);
   return BASE_OK;
 }
 
@@ -79,6 +76,18 @@ static base_status run(lcp_instance *k, const lcp_problem *p, const solver_choic
   }
   BASE_TRY(lcp_instance_solve(k, trace, z, &out->claim, err));
   return solve_judge(p, s, k, z, out, err);
+}
+
+/* What `lcpbench verify` would say of the certificate, word for word. */
+static base_status check_certificate(const lcp_problem *p, const double *z, solve_record *out,
+                                     base_error *err) {
+  const unsigned bounded = (1u << LCP_BOX) | (1u << LCP_CONE);
+  if (!out->has_claim || out->claim.certificate.kind == LCP_CERT_NONE ||
+      (lcp_problem_sets(p) & bounded) != 0) {
+    return BASE_OK;
+  }
+  out->certificate_checked = true;
+  return lcp_certificate_verify(p, &out->claim.certificate, z, &out->certificate, err);
 }
 
 static base_status write_certificate(const lcp_problem *p, const solver_choice *s, const double *z,
@@ -108,6 +117,9 @@ base_status solve_certified(const lcp_problem *p, const solver_choice *s, double
   lcp_instance *k;
   BASE_TRY(lcp_instance_open(&k, s->solver, &cap, s->opt, err));
   base_status done = run(k, p, s, trace, z, out, err);
+  if (done == BASE_OK) {
+    done = check_certificate(p, z, out, err);
+  }
   if (done == BASE_OK && certificate != NULL) {
     done = write_certificate(p, s, z, certificate, out, err);
   }

@@ -3,14 +3,16 @@
 
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
+#include "lcp/lcp_certificate.h"
 #include "lcp/lcp_instance.h"
 
 typedef struct solve_record {
   run_status status;
-  bool verified;    /* rho <= tolerance of the solver's kind */
-  bool has_claim;   /* the solver ran and returned an outcome */
-  lcp_result claim; /* certificate views are gone once the instance is closed: kind only */
-  bool certificate_holds;
+  bool verified;            /* rho <= tolerance of the solver's kind */
+  bool has_claim;           /* the solver ran and returned an outcome */
+  lcp_result claim;         /* certificate views are gone once the instance is closed: kind only */
+  bool certificate_checked; /* there is one, of a problem whose certificates can be checked */
+  lcp_certificate_verdict certificate;
   lcp_verdict verdict;
   lcp_times time; /* [s] */
   lcp_storage storage;

@@ -1,7 +1,7 @@
 #include "harness/measure/verdict.h"
 
-#include <float.h>
-#include <stdlib.h>
+#include "lcp/lcp_certificate.h"
+
 #include <string.h>
 
 #define NAME_(id, text) text,
@@ -27,47 +27,6 @@ run_status run_status_worse(run_status a, run_status b) {
 
 double verdict_tolerance(const lcp_solver *s) {
   return s->exact ? LCP_VERIFY_EXACT : LCP_VERIFY_ITERATIVE;
-}
-
-/* (M'y)_j <= 0 for every column, up to rounding. */
-static bool columns_nonpositive(const lcp_csc *m, const double *y) {
-  for (int j = 0; j < m->n_col; j++) {
-    long double sum = 0;
-    long double scale = 0;
-    for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
-      const long double term = (long double)m->val[k] * y[m->rowind[k]];
-      sum += term;
-      scale += (term < 0) ? -term : term;
-    }
-    if (sum > 64 * (long double)DBL_EPSILON * scale) {
-      return false;
-    }
-  }
-  return true;
-}
-
-bool verdict_farkas_holds(const lcp_problem *p, const double *y) {
-  const int n = p->M.n;
-  long double sum = 0;
-  long double scale = 0;
-  for (int i = 0; i < n; i++) {
-    if (!(y[i] >= 0.0) || !isfinite(y[i])) {
-      return false;
-    }
-    const long double term = (long double)p->q[i] * y[i];
-    sum += term;
-    scale += (term < 0) ? -term : term;
-  }
-  if (lcp_problem_sets(p) != 1u << LCP_ORTHANT || !(sum < -64 * (long double)DBL_EPSILON * scale)) {
-    return false;
-  }
-  lcp_csc m;
-  if (lcp_matrix_to_csc(&p->M, &m, NULL) != BASE_OK) {
-    return false; /* no memory: not verified */
-  }
-  const bool holds = columns_nonpositive(&m, y);
-  lcp_csc_free(&m);
-  return holds;
 }
 
 static run_status word_of_claim(lcp_outcome o) {
@@ -103,15 +62,20 @@ double verdict_asked(const lcp_solver *s, const void *opt) {
   return 0.0;
 }
 
+/* No memory for the check: not proved. */
+static bool proved_infeasible(const lcp_problem *p, const lcp_certificate *c) {
+  lcp_certificate_verdict v;
+  return c->kind == LCP_CERT_FARKAS && lcp_certificate_verify(p, c, NULL, &v, NULL) == BASE_OK &&
+         v.holds;
+}
+
 run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
                       const lcp_result *claim, const lcp_verdict *v, bool *verified) {
   const double tol = fmax(verdict_tolerance(s), verdict_asked(s, opt));
   *verified = v->finite && v->rho <= verdict_tolerance(s);
   const run_status word = word_of_claim(claim->outcome);
   if (word == RUN_INFEASIBLE) {
-    const lcp_certificate *c = &claim->certificate;
-    const bool proved = c->kind == LCP_CERT_FARKAS && verdict_farkas_holds(p, c->vector);
-    return proved ? RUN_INFEASIBLE : RUN_UNVERIFIED;
+    return proved_infeasible(p, &claim->certificate) ? RUN_INFEASIBLE : RUN_UNVERIFIED;
   }
   if (word == RUN_RAY || word == RUN_NUMERICAL) {
     return word;

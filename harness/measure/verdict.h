@@ -37,14 +37,11 @@ run_status run_status_worse(run_status a, run_status b);
 /* Residual rho that counts as verified for this solver. */
 double verdict_tolerance(const lcp_solver *s);
 
-/* y >= 0, M'y <= 0, q'y < 0, each up to rounding of the sums (64 eps of their absolute terms):
- * then no z >= 0 has M z + q >= 0. Orthant problems only. */
-bool verdict_farkas_holds(const lcp_problem *p, const double *y);
-
 /* Tolerance that the options ask for: member stop.tol, which every options struct begins with. */
 double verdict_asked(const lcp_solver *s, const void *opt);
 
 /* The word for one solve. `ok` means claimed, and rho within the larger of the asked tolerance and
- * verdict_tolerance; `verified` is rho <= verdict_tolerance, whatever was claimed or asked. */
+ * verdict_tolerance; `verified` is rho <= verdict_tolerance, whatever was claimed or asked;
+ * `infeasible` means claimed with a Farkas vector that lcp_certificate_verify finds right. */
 run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
                       const lcp_result *claim, const lcp_verdict *v, bool *verified);

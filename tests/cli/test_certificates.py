@@ -118,4 +118,30 @@ def planted_certificates_are_refused(d):
     one_line_error("verify", d, "--q", d / "a.q.mtx", names=["--certificate"])
 
 
-tap([unsolvable_cases_end_with_certificates_that_hold, planted_certificates_are_refused])
+def solve_and_verify_say_the_same(d):
+    """Of every kind: what `solve` says of the certificate is what `verify` finds in the file."""
+    cases = [write_problem(d, case) for case in catalogue().values() if case["kind"] in ("infeasible", "unsolvable")][:6]
+    families = ["murty:n=8", "fathi:n=8", "csizmadia:n=8", "random_spd:n=20", "random_psd:n=40", "random_p:n=12", "random_psd:n=80", "box_stack", "stack:n=3",
+                "random_copositive:n=10"]
+    kinds = set()
+    for problem in (*families, *cases):
+        for solver in ("lemke", "ppm", "block_pivoting", "murty", "enumerate", "newton"):
+            path = d / "proof"
+            path.unlink(missing_ok=True)
+            done = run("solve", problem, "--solver", solver, "--certificate", path, code=None)
+            if done.returncode == 2:  # nothing proved, or not for this solver
+                assert not path.exists() and done.stderr.count("\n") == 1, done.stderr
+                continue
+            said = json.loads(done.stdout)
+            if said["certificate"] is None:
+                continue
+            v = holds(problem, path)
+            assert (said["certificate"], said["certificate_holds"], said["certificate_exact"], said["certificate_why"]) == \
+                (v["certificate"], v["holds"], v["exact"], v["why"]), (problem, solver, said, v)
+            kinds.add((v["certificate"], v["holds"], v["exact"]))
+    assert {("basis", True, True), ("basis", True, False), ("farkas", True, True)} <= kinds, kinds
+    o = run_json("solve", "random_spd:n=5", "--solver", "pgs")
+    assert o["certificate"] is None and o["certificate_holds"] is None, o
+
+
+tap([unsolvable_cases_end_with_certificates_that_hold, planted_certificates_are_refused, solve_and_verify_say_the_same])

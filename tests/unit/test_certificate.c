@@ -34,7 +34,7 @@ static lcp_certificate_verdict through_file(const lcp_problem *p, const lcp_cert
   check_ok(lcp_certificate_write(path, p->M.n, c, z, &err), &err);
   check_ok(lcp_certificate_read(path, &f, &err), &err);
   assert_int_equal(f.kind, c->kind);
-  check_ok(lcp_certificate_verify(p, &f, &v, &err), &err);
+  check_ok(lcp_certificate_file_verify(p, &f, &v, &err), &err);
   lcp_certificate_free(&f);
   return v;
 }
@@ -167,13 +167,13 @@ static void large_points_prove_nothing(void **state) {
   const lcp_certificate_file f = {.kind = LCP_CERT_BASIS, .n = 2, .basis = basis, .vector = z};
   lcp_certificate_verdict v;
   base_error err = {0};
-  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  check_ok(lcp_certificate_file_verify(&p, &f, &v, &err), &err);
   assert_true(v.residual <= 1e-9);
   assert_false(v.holds);
   q[0] = 1; /* z = (1, 2): M z = (-1, 1), w = 0 */
   z[0] = 1;
   z[1] = 2;
-  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  check_ok(lcp_certificate_file_verify(&p, &f, &v, &err), &err);
   assert_true(v.holds);
 }
 

@@ -345,10 +345,10 @@ static void squeezed_body_is_proved_infeasible(void **state) {
   lcp_certificate_verdict proof;
   base_error err = {0};
   y[0] = y[3] = 1; /* one wall each */
-  check_ok(lcp_certificate_verify(&p, &c, &proof, &err), &err);
+  check_ok(lcp_certificate_file_verify(&p, &c, &proof, &err), &err);
   assert_true(proof.holds && proof.exact);
   y[3] = 1 + 0x1p-52;
-  check_ok(lcp_certificate_verify(&p, &c, &proof, &err), &err);
+  check_ok(lcp_certificate_file_verify(&p, &c, &proof, &err), &err);
   assert_false(proof.holds);
 }
 
