@@ -1,5 +1,6 @@
 #include "lcp/lcp_certificate.h"
 
+#include "lcp/base/output.h"
 #include "lcp/io/lcp_text.h"
 
 #include <stdio.h>
@@ -19,23 +20,17 @@ base_status lcp_certificate_write(const char *path, int n, const lcp_certificate
   if (c->kind == LCP_CERT_NONE || (basis ? c->basis == NULL : c->vector == NULL)) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: the solver handed over no certificate", path);
   }
-  FILE *f = fopen(path, "w");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
-  }
-  (void)fprintf(f, "lcpbench certificate 1\nkind %s\nn %d\n", kinds[c->kind], n);
+  base_out f;
+  BASE_TRY(base_out_open(&f, path, err));
+  (void)fprintf(f.to, "lcpbench certificate 1\nkind %s\nn %d\n", kinds[c->kind], n);
   for (int i = 0; i < n; i++) {
     if (basis) {
-      (void)fprintf(f, "%d %d %.17g\n", i, c->basis[i] != 0, z[i]);
+      (void)fprintf(f.to, "%d %d %.17g\n", i, c->basis[i] != 0, z[i]);
     } else {
-      (void)fprintf(f, "%d %.17g\n", i, c->vector[i]);
+      (void)fprintf(f.to, "%d %.17g\n", i, c->vector[i]);
     }
   }
-  const int failed = ferror(f);
-  if (fclose(f) != 0 || failed != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written to the end", path);
-  }
-  return BASE_OK;
+  return base_out_close(&f, true, err);
 }
 
 /* The next word must be `want`. */

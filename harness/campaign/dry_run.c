@@ -45,7 +45,7 @@ typedef struct outlook {
 
 static void print_cell(const plan *p, const cell *c, bool todo) {
   char command[1200];
-  cell_command(c, &p->campaign->limits, command, sizeof command);
+  (void)cell_command(c, &p->campaign->limits, command, sizeof command);
   (void)printf("%s %s %s %s\n", todo ? "todo" : "done", c->id, c->part, command);
 }
 

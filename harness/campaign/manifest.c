@@ -8,6 +8,7 @@
 #include "harness/util/sha256.h"
 #include "harness/util/version.h"
 #include "harness/util/versions.h"
+#include "lcp/base/input.h"
 
 #include <gsl/gsl_version.h>
 #include <nlopt.h>
@@ -41,8 +42,8 @@ static json_t *campaign_json(const campaign *c) {
   json_out_text(o, "cache", c->sampling.cold ? "cold" : "warm");
   json_out_bool(o, "solutions", c->solutions);
   json_out_bool(o, "trace", c->trace);
-  FILE *from = fopen(c->path, "r");
-  if (from != NULL) {
+  FILE *from;
+  if (base_in_open(c->path, &from, NULL) == BASE_OK) {
     char *text = calloc(65536, 1);
     if (text != NULL && fread(text, 1, 65535, from) > 0) {
       json_out_text(o, "text", text);

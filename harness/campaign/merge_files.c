@@ -4,7 +4,8 @@
 #include "harness/campaign/runner.h"
 #include "harness/util/folder.h"
 #include "harness/util/json_file.h"
-#include "harness/util/whole_file.h"
+#include "lcp/base/input.h"
+#include "lcp/base/output.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -19,9 +20,10 @@ static base_status failed(const char *path, base_error *err) {
 /* Lines of `from` behind those that are in `to`; both have the header, which stands once. */
 static base_status add_lines(const char *from, FILE *to, char *header, size_t cap,
                              base_error *err) {
-  FILE *in = fopen(from, "r");
-  if (in == NULL) {
-    return (errno == ENOENT) ? BASE_OK : failed(from, err);
+  FILE *in;
+  const base_status opened = base_in_open(from, &in, err);
+  if (opened != BASE_OK) {
+    return (errno == ENOENT) ? BASE_OK : opened;
   }
   char chunk[8192];
   base_status done = BASE_OK;
@@ -46,31 +48,29 @@ static base_status join(const char *const *dir, int n, const char *name, const c
                         base_error *err) {
   char path[1100];
   char header[8192] = "";
-  whole_file w;
+  base_out w;
   folder_file(out, name, path, sizeof path);
-  BASE_TRY(whole_file_open(&w, path, err));
+  BASE_TRY(base_out_open(&w, path, err));
   base_status done = BASE_OK;
   for (int i = 0; done == BASE_OK && i < n; i++) {
     folder_file(dir[i], name, path, sizeof path);
     done = add_lines(path, w.to, header, sizeof header, err);
   }
-  const base_status closed = whole_file_close(&w, done == BASE_OK && header[0] != '\0', err);
+  const base_status closed = base_out_close(&w, done == BASE_OK && header[0] != '\0', err);
   return (done != BASE_OK) ? done : closed;
 }
 
 static base_status copy_file(const char *from, const char *to, base_error *err) {
   char chunk[65536];
-  whole_file w;
+  base_out w;
   size_t n;
-  FILE *in = fopen(from, "rb");
-  if (in == NULL) {
-    return failed(from, err);
-  }
-  base_status done = whole_file_open(&w, to, err);
+  FILE *in;
+  BASE_TRY(base_in_open(from, &in, err));
+  base_status done = base_out_open(&w, to, err);
   while (done == BASE_OK && (n = fread(chunk, 1, sizeof chunk, in)) > 0) {
     (void)fwrite(chunk, 1, n, w.to);
   }
-  const base_status closed = whole_file_close(&w, done == BASE_OK && ferror(in) == 0, err);
+  const base_status closed = base_out_close(&w, done == BASE_OK && ferror(in) == 0, err);
   if (done == BASE_OK && ferror(in)) {
     done = failed(from, err);
   }

@@ -7,6 +7,7 @@
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
 #include "lcp/base/clock.h"
+#include "lcp/base/input.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -53,9 +54,10 @@ static base_status settle_canaries(const runner *r, base_error *err) {
   char line[sizeof canary_header] = "";
   folder_file(r->o->out, "canary.csv", path, sizeof path);
   folder_file(r->o->out, "canary.old.csv", old, sizeof old);
-  FILE *from = fopen(path, "r");
-  if (from == NULL) {
-    return BASE_OK;
+  FILE *from;
+  const base_status opened = base_in_open(path, &from, err);
+  if (opened != BASE_OK) {
+    return (errno == ENOENT) ? BASE_OK : opened;
   }
   const bool ours = fgets(line, sizeof line, from) == NULL || strcmp(line, canary_header) == 0;
   (void)fclose(from);

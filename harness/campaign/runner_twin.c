@@ -5,7 +5,8 @@
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
 #include "harness/util/versions.h"
-#include "harness/util/whole_file.h"
+#include "lcp/base/input.h"
+#include "lcp/base/output.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -83,13 +84,14 @@ static void take_line(runner *r, const char *line, FILE *kept) {
 base_status runner_twins_open(runner *r, base_error *err) {
   char path[1100];
   char line[512];
-  whole_file w;
+  base_out w;
   folder_file(r->o->out, index_name, path, sizeof path);
-  FILE *from = fopen(path, "r");
-  if (from == NULL) {
-    return (errno == ENOENT) ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  FILE *from;
+  const base_status opened = base_in_open(path, &from, err);
+  if (opened != BASE_OK) {
+    return (errno == ENOENT) ? BASE_OK : opened;
   }
-  base_status done = whole_file_open(&w, path, err);
+  base_status done = base_out_open(&w, path, err);
   if (done == BASE_OK) {
     (void)fputs(header, w.to);
     while (fgets(line, sizeof line, from) != NULL) {
@@ -97,7 +99,7 @@ base_status runner_twins_open(runner *r, base_error *err) {
         take_line(r, line, w.to);
       }
     }
-    done = whole_file_close(&w, true, err);
+    done = base_out_close(&w, true, err);
   }
   (void)fclose(from);
   return done;

@@ -49,7 +49,7 @@ void cell_identity(const cell_job *job, record *r) {
     SET_TEXT(r->start, c->start);
     SET_TEXT(r->contact_order, c->contact_order);
   }
-  cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
+  (void)cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
 }
 
 /* ---- repetitions ------------------------------------------------------------------------------*/
@@ -239,14 +239,13 @@ static base_status run_twin(measured *m, const record *base, sampling *s, base_e
   m->n_inner = 1;
   m->trace = &t;
   const base_status done = take_sample(m, base, s, err);
-  const base_status closed = trace_close(&t, done == BASE_OK, err);
   if (done == BASE_OK) {
     clear_times(&s->row[0]);
     if (t.full) {
       record_flag(&s->row[0], "trace_cut");
     }
   }
-  return (done != BASE_OK) ? done : closed;
+  return trace_finish(&t, done, err);
 }
 
 void cell_run(const cell_job *job, isolate_channel *out) {

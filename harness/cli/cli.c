@@ -1,8 +1,12 @@
 #include "harness/cli/cli.h"
 
+#include "harness/cell/isolate.h"
 #include "harness/util/version.h"
+#include "lcp/base/nearest.h"
+#include "lcp/base/printable.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,7 +23,8 @@ VERB_LIST(DECLARE_)
 static const cli_verb *const verbs[] = {VERB_LIST(ADDRESS_)};
 
 int cli_report(const base_error *err) {
-  (void)fprintf(stderr, "lcpbench: %s\n", err->text);
+  char text[4 * sizeof err->text];
+  (void)fprintf(stderr, "lcpbench: %s\n", base_printable(err->text, text, sizeof text));
   return (err->code == BASE_ENOMEM || err->code == BASE_EEXTERNAL) ? CLI_INTERNAL : CLI_USAGE;
 }
 
@@ -29,9 +34,12 @@ static int help(FILE *to) {
   for (int i = 0; i < BASE_COUNT(verbs); i++) {
     (void)fprintf(to, "  lcpbench %s\n      %s\n", verbs[i]->usage, verbs[i]->help);
   }
-  (void)fprintf(
-      to, "\nExit codes: 0 done, 1 internal error, 2 usage, bad input or a file that cannot be"
-          "\nwritten, 3 honest failure, 4 interrupted and resumable, 130 after Ctrl-C.\n");
+  (void)fputs(
+      "\nA FILE to be written may be -, standard output; what else would stand there goes to\n"
+      "stderr. Behind -- there are no options. Exit codes: 0 done, 1 internal error or stdout\n"
+      "that could not be written, 2 usage, bad input or a file that cannot be read or\n"
+      "written, 3 honest failure, 4 stopped by SIGTERM and resumable, 130 after Ctrl-C.\n",
+      to);
   return CLI_OK;
 }
 
@@ -46,6 +54,10 @@ static int finish(int code) {
   return (code == CLI_OK || code == CLI_HONEST) ? CLI_INTERNAL : code;
 }
 
+int cli_stopped(void) {
+  return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+}
+
 static int run_verb(const cli_verb *v, int argc, char **argv) {
   for (int i = 0; i < argc; i++) {
     if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
@@ -54,6 +66,18 @@ static int run_verb(const cli_verb *v, int argc, char **argv) {
     }
   }
   return v->run(argc, argv);
+}
+
+static int unknown_verb(const char *word) {
+  char hint[BASE_NEAREST_HINT];
+  base_error err;
+  base_nearest near = base_nearest_to(word, strlen(word));
+  for (int i = 0; i < BASE_COUNT(verbs); i++) {
+    base_nearest_offer(&near, verbs[i]->name);
+  }
+  (void)BASE_FAIL(&err, BASE_EINVAL, "'%.200s': unknown command; see lcpbench --help%s", word,
+                  base_nearest_hint(&near, hint));
+  return cli_report(&err);
 }
 
 static int dispatch(int argc, char **argv) {
@@ -74,11 +98,11 @@ static int dispatch(int argc, char **argv) {
       return run_verb(verbs[i], argc - 2, argv + 2);
     }
   }
-  base_error err;
-  (void)BASE_FAIL(&err, BASE_EINVAL, "'%s': unknown command; see lcpbench --help", word);
-  return cli_report(&err);
+  return unknown_verb(word);
 }
 
 int cli_main(int argc, char **argv) {
+  /* past `ulimit -f` a write then fails with EFBIG, which is reported like a full disk */
+  (void)signal(SIGXFSZ, SIG_IGN);
   return finish(dispatch(argc, argv));
 }

@@ -166,7 +166,7 @@ static int run(int argc, char **argv) {
   }
   const bool printed = check_report_close(&report);
   if (isolate_stop_requested() != 0) {
-    return CLI_SIGINT_EXIT;
+    return cli_stopped();
   }
   return !printed ? CLI_INTERNAL : (report.count[CHECK_FAILED] == 0) ? CLI_OK : CLI_HONEST;
 }

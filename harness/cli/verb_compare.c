@@ -4,6 +4,7 @@
 #include "harness/cli/cli.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "lcp/base/nearest.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -103,7 +104,13 @@ static int run(int argc, char **argv) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--noise %g: need a number of at least 0", o.noise);
   }
   if (done == BASE_OK && (strncmp(o.column, "t_", 2) != 0 || !record_has_real(o.column))) {
-    done = BASE_FAIL(&err, BASE_EINVAL, "--column %s: need a time column of results.csv", o.column);
+    char hint[BASE_NEAREST_HINT];
+    base_nearest near = base_nearest_to(o.column, strlen(o.column));
+    for (int i = 0; i < record_columns(); i++) {
+      base_nearest_offer(&near, strncmp(record_column(i), "t_", 2) == 0 ? record_column(i) : "");
+    }
+    done = BASE_FAIL(&err, BASE_EINVAL, "--column %.100s: need a time column of results.csv%s",
+                     o.column, base_nearest_hint(&near, hint));
   }
   if (done == BASE_OK) {
     done = compare(dir, &o, &code, &err);

@@ -3,9 +3,11 @@
 #include "harness/measure/export_lcp.h"
 #include "harness/measure/problem_source.h"
 #include "harness/util/args.h"
+#include "lcp/base/output.h"
 #include "problems/import/import.h"
 
 #include <string.h>
+#include <sys/stat.h>
 
 typedef struct export_options {
   const char *format, *out, *q;
@@ -43,6 +45,13 @@ static base_status export_problem(const char *problem, const export_options *o, 
   if (!mtx && !fclib && strcmp(o->format, "siconos") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--format %s: need mtx, siconos or fclib", o->format);
   }
+  struct stat st;
+  if (mtx &&
+      (base_out_is_stdout(o->out) || (stat(o->out, &st) == 0 && !S_ISREG(st.st_mode)))) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--out %s: mtx is two files, PATH.M.mtx and PATH.q.mtx; need a PATH for them",
+                     o->out);
+  }
   import_kind kind = IMPORT_UNKNOWN;
   if (!mtx && problem_is_import(problem)) {
     BASE_TRY(import_detect(problem, &kind, err));
@@ -65,7 +74,7 @@ static base_status export_problem(const char *problem, const export_options *o, 
 static int run(int argc, char **argv) {
   export_options o = {0};
   const arg_option options[] = {
-      {"--format", ARG_TEXT, &o.format}, {"--out", ARG_TEXT, &o.out}, {"--q", ARG_TEXT, &o.q}};
+      {"--format", ARG_TEXT, &o.format}, {"--out", ARG_OUTPUT, &o.out}, {"--q", ARG_TEXT, &o.q}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n;

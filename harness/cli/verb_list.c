@@ -5,6 +5,7 @@
 #include "harness/plan/campaign.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "lcp/base/nearest.h"
 #include "problems/families/family.h"
 #include "problems/scenes/scene.h"
 
@@ -321,7 +322,13 @@ static int run(int argc, char **argv) {
       return print_kind(&kinds[i], format);
     }
   }
-  (void)BASE_FAIL(&err, BASE_EINVAL, "list '%s': need %s", what, table.positional_name);
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(what, strlen(what));
+  for (int i = 0; i < BASE_COUNT(kinds); i++) {
+    base_nearest_offer(&near, kinds[i].name);
+  }
+  (void)BASE_FAIL(&err, BASE_EINVAL, "list '%.100s': need %s%s", what, table.positional_name,
+                  base_nearest_hint(&near, hint));
   return cli_report(&err);
 }
 

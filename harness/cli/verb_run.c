@@ -6,9 +6,9 @@
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
 #include "lcp/base/fields.h"
+#include "lcp/base/nearest.h"
 
 #include <limits.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,10 +52,17 @@ static base_status parse_rerun(const char *text, runner_options *o, base_error *
   }
   o->rerun = RERUN_SOLVER;
   o->rerun_solver = text;
-  return (registry_solver_find(text) != NULL)
-             ? BASE_OK
-             : BASE_FAIL(err, BASE_EINVAL, "--rerun %s: need failed, timeouts, all or a solver",
-                         text);
+  if (registry_solver_find(text) != NULL) {
+    return BASE_OK;
+  }
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(text, strlen(text));
+  base_nearest_offer_words(&near, "failed|timeouts|all");
+  for (int i = 0; registry_solver(i) != NULL; i++) {
+    base_nearest_offer(&near, registry_solver(i)->name);
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "--rerun %.100s: need failed, timeouts, all or a solver%s",
+                   text, base_nearest_hint(&near, hint));
 }
 
 /* One of two words, where the option is given. */
@@ -116,13 +123,9 @@ static void print_summary(const runner_summary *s, const char *out) {
   }
 }
 
-static int stopped_by(void) {
-  return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
-}
-
 static int exit_code(const runner_summary *s, bool strict) {
   if (s->interrupted) {
-    return stopped_by();
+    return cli_stopped();
   }
   int bad = 0;
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
@@ -206,7 +209,7 @@ static int run(int argc, char **argv) {
   }
   if (done != BASE_OK && isolate_stop_requested() != 0) {
     (void)cli_report(&err); /* stopped while it waited for another run */
-    return stopped_by();
+    return cli_stopped();
   }
   return (done == BASE_OK) ? code : cli_report(&err);
 }

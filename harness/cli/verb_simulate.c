@@ -5,6 +5,7 @@
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "lcp/base/output.h"
 
 #include <string.h>
 
@@ -190,44 +191,39 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
 
 /* ---- verb ------------------------------------------------------------------------------------ */
 
-static base_status open_trajectory(const char *path, FILE **out, base_error *err) {
-  *out = (path != NULL) ? fopen(path, "w") : NULL;
-  if (path != NULL && *out == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be opened for writing", path);
-  }
-  return BASE_OK;
-}
+typedef struct simulate_files {
+  const char *trajectory, *trace, *dump_step, *dump_steps, *out;
+} simulate_files;
 
-static base_status simulate_and_print(const simulation *s, const char *scene, int *code,
+/* What is told of a run once all of its files are there. */
+typedef struct simulate_report {
+  json_t *object;
+  int code;
+} simulate_report;
+
+static base_status simulate_and_judge(const simulation *s, const char *scene, simulate_report *out,
                                       base_error *err) {
   series record;
   sim_result r;
   const base_status done = simulate(&s->request, &record, &r, err);
   if (done == BASE_OK) {
     bool all_ok;
-    json_t *o = to_json(s, scene, &record, &r, &all_ok);
-    const bool printed = json_out_print(o, stdout);
-    *code = !printed                                       ? CLI_INTERNAL
-            : (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK
-                                                           : CLI_HONEST;
+    out->object = to_json(s, scene, &record, &r, &all_ok);
+    out->code = (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK : CLI_HONEST;
   }
   series_close(&record);
   return done;
 }
 
-typedef struct simulate_files {
-  const char *trajectory, *trace, *dump_step, *dump_steps, *out;
-} simulate_files;
-
 /* With the problems of chosen steps, where asked for. */
-static base_status with_dump(simulation *s, const char *scene, const simulate_files *f, int *code,
-                             base_error *err) {
+static base_status with_dump(simulation *s, const char *scene, const simulate_files *f,
+                             simulate_report *report, base_error *err) {
   const char *range = (f->dump_steps != NULL) ? f->dump_steps : f->dump_step;
   if (range == NULL || f->out == NULL) {
     if (range != NULL || f->out != NULL) {
       return BASE_FAIL(err, BASE_EINVAL, "--dump-step N and --out DIR go together");
     }
-    return simulate_and_print(s, scene, code, err);
+    return simulate_and_judge(s, scene, report, err);
   }
   if (f->dump_step != NULL && (f->dump_steps != NULL || strchr(f->dump_step, ':') != NULL)) {
     return BASE_FAIL(err, BASE_EINVAL, "--dump-step %s: need one step, or --dump-steps A:B alone",
@@ -239,7 +235,7 @@ static base_status with_dump(simulation *s, const char *scene, const simulate_fi
   BASE_TRY(dump_range(range, &first, &last, err));
   BASE_TRY(dump_open(&d, f->out, first, last, err));
   s->request.dump = &d;
-  const base_status done = simulate_and_print(s, scene, code, err);
+  const base_status done = simulate_and_judge(s, scene, report, err);
   s->request.dump = NULL;
   base_error why = {0};
   const base_status closed = dump_close(&d, done == BASE_OK, &why);
@@ -250,33 +246,31 @@ static base_status with_dump(simulation *s, const char *scene, const simulate_fi
   return done;
 }
 
-/* With the files that the run is to leave behind. */
-static base_status with_files(simulation *s, const char *scene, const simulate_files *f, int *code,
-                              base_error *err) {
-  const char *trajectory = f->trajectory;
-  const char *trace = f->trace;
+static base_status with_trace(simulation *s, const char *scene, const simulate_files *f,
+                              simulate_report *report, base_error *err) {
+  if (f->trace == NULL) {
+    return with_dump(s, scene, f, report, err);
+  }
   trace_file history;
-  BASE_TRY(open_trajectory(trajectory, &s->request.trajectory, err));
-  base_status done = BASE_OK;
-  if (trace != NULL) {
-    done = trace_open(&history, trace, err);
-    s->request.trace = (done == BASE_OK) ? &history : NULL;
+  BASE_TRY(trace_open(&history, f->trace, err));
+  s->request.trace = &history;
+  const base_status done = with_dump(s, scene, f, report, err);
+  s->request.trace = NULL;
+  return trace_finish(&history, done, err);
+}
+
+/* With the files that the run is to leave behind. */
+static base_status with_files(simulation *s, const char *scene, const simulate_files *f,
+                              simulate_report *report, base_error *err) {
+  if (f->trajectory == NULL) {
+    return with_trace(s, scene, f, report, err);
   }
-  if (done == BASE_OK) {
-    done = with_dump(s, scene, f, code, err);
-  }
-  if (s->request.trajectory != NULL) {
-    const bool whole = ferror(s->request.trajectory) == 0;
-    if ((fclose(s->request.trajectory) != 0 || !whole) && (done == BASE_OK || done == BASE_EIO)) {
-      done = BASE_FAIL(err, BASE_EIO, "%s: could not be written", trajectory);
-    }
-  }
-  if (s->request.trace != NULL) {
-    const base_status closed = trace_close(&history, done == BASE_OK, err);
-    done = (done != BASE_OK) ? done : closed;
-    s->request.trace = NULL;
-  }
-  return done;
+  base_out file;
+  BASE_TRY(base_out_open(&file, f->trajectory, err));
+  s->request.trajectory = file.to;
+  const base_status done = with_trace(s, scene, f, report, err);
+  s->request.trajectory = NULL;
+  return base_out_finish(&file, done, err);
 }
 
 static int run(int argc, char **argv) {
@@ -290,8 +284,8 @@ static int run(int argc, char **argv) {
                                 {"--effects", ARG_TEXT, &t.effects},
                                 {"--start", ARG_TEXT, &t.start},
                                 {"--contact-order", ARG_TEXT, &t.contact_order},
-                                {"--trajectory", ARG_TEXT, &f.trajectory},
-                                {"--trace", ARG_TEXT, &f.trace},
+                                {"--trajectory", ARG_OUTPUT, &f.trajectory},
+                                {"--trace", ARG_OUTPUT, &f.trace},
                                 {"--dump-step", ARG_TEXT, &f.dump_step},
                                 {"--dump-steps", ARG_TEXT, &f.dump_steps},
                                 {"--out", ARG_TEXT, &f.out}};
@@ -302,13 +296,18 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   simulation s;
-  int code = CLI_INTERNAL;
+  simulate_report report = {0};
   base_status done = simulation_open(&t, &s, &err);
   if (done == BASE_OK) {
-    done = with_files(&s, t.scene, &f, &code, &err);
+    done = with_files(&s, t.scene, &f, &report, &err);
   }
   simulation_close(&s);
-  return (done == BASE_OK) ? code : cli_report(&err);
+  if (done != BASE_OK) {
+    json_decref(report.object);
+    return cli_report(&err);
+  }
+  FILE *to = args_take_stdout(&table) ? stderr : stdout;
+  return json_out_print(report.object, to) ? report.code : CLI_INTERNAL;
 }
 
 extern const cli_verb verb_simulate;

@@ -13,6 +13,7 @@
 typedef struct solve_options {
   const char *solver, *q, *tol, *max_iter, *z, *certificate, *formulation, *trace;
   int facets;
+  FILE *report; /* where the JSON object goes */
 } solve_options;
 
 static base_status choose(const solve_options *o, solver_choice *s, base_error *err) {
@@ -129,8 +130,7 @@ static base_status solve_traced(const problem_source *src, const solver_choice *
   if (done == BASE_OK) {
     done = trace_end(&t, err);
   }
-  const base_status closed = trace_close(&t, done == BASE_OK, err);
-  return (done != BASE_OK) ? done : closed;
+  return trace_finish(&t, done, err);
 }
 
 static base_status solve_and_print(const problem_source *src, const solver_choice *s,
@@ -153,7 +153,7 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
   if (done != BASE_OK) {
     json_decref(report);
   } else {
-    const bool printed = json_out_print(report, stdout);
+    const bool printed = json_out_print(report, o->report);
     *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && r.verified) ? CLI_OK : CLI_HONEST;
   }
   return done;
@@ -167,9 +167,9 @@ static int run(int argc, char **argv) {
                                 {"--max-iter", ARG_TEXT, &o.max_iter},
                                 {"--formulation", ARG_TEXT, &o.formulation},
                                 {"--facets", ARG_INT, &o.facets},
-                                {"--z", ARG_TEXT, &o.z},
-                                {"--certificate", ARG_TEXT, &o.certificate},
-                                {"--trace", ARG_TEXT, &o.trace}};
+                                {"--z", ARG_OUTPUT, &o.z},
+                                {"--certificate", ARG_OUTPUT, &o.certificate},
+                                {"--trace", ARG_OUTPUT, &o.trace}};
   const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n_positional;
@@ -177,6 +177,7 @@ static int run(int argc, char **argv) {
   if (args_parse(&table, argc, argv, &problem, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
+  o.report = args_take_stdout(&table) ? stderr : stdout;
   solver_choice s = {0};
   problem_source src = {0};
   int code = CLI_INTERNAL;

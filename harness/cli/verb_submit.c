@@ -5,6 +5,8 @@
 #include "harness/plan/campaign.h"
 #include "harness/util/args.h"
 #include "harness/util/folder.h"
+#include "harness/util/shell.h"
+#include "lcp/base/output.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -36,14 +38,27 @@ static base_status absolute(const char *path, char *out, size_t cap, base_error 
   if (real == NULL) {
     return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
   }
+  const bool fits = strlen(real) < cap;
   (void)snprintf(out, cap, "%s", real);
   free(real);
-  return BASE_OK;
+  return fits ? BASE_OK
+              : BASE_FAIL(err, BASE_EINVAL, "%.200s...: longer than %zu characters", out, cap - 1);
+}
+
+/* The texts of a submission as words of its script. */
+typedef struct script_words {
+  char exe[4096 + 64], dir[4096 + 64], campaign[4096 + 64];
+} script_words;
+
+static void quote(const submission *s, script_words *w) {
+  (void)shell_quote(s->exe, w->exe, sizeof w->exe);
+  (void)shell_quote(s->dir, w->dir, sizeof w->dir);
+  (void)shell_quote(s->campaign, w->campaign, sizeof w->campaign);
 }
 
 /* One task = one shard = some problems with all their solvers, so that solvers are compared on one
  * host. TERM comes 60 s before the limit: the run flushes and exits with 4, and is requeued. */
-static void write_slurm(FILE *to, const submission *s) {
+static void write_slurm(FILE *to, const submission *s, const script_words *w) {
   (void)fprintf(to,
                 "#!/bin/sh\n"
                 "#SBATCH --job-name=lcpbench\n"
@@ -52,8 +67,8 @@ static void write_slurm(FILE *to, const submission *s) {
                 "#SBATCH --requeue --open-mode=append --signal=B:TERM@60\n"
                 "#SBATCH --time=%s\n"
                 "#SBATCH --output=%s/slurm.%%a.log\n"
-                "'%s' run '%s'%s --shard \"$SLURM_ARRAY_TASK_ID/%d\" \\\n"
-                "  --out '%s/shard.'\"$SLURM_ARRAY_TASK_ID\" </dev/null &\n"
+                "%s run %s%s --shard \"$SLURM_ARRAY_TASK_ID/%d\" \\\n"
+                "  --out %s/shard.\"$SLURM_ARRAY_TASK_ID\" </dev/null &\n"
                 "pid=$!\n"
                 "trap 'kill -TERM $pid' TERM\n"
                 "wait $pid; code=$?\n"
@@ -62,32 +77,43 @@ static void write_slurm(FILE *to, const submission *s) {
                 "  scontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
                 "fi\n"
                 "exit $code\n",
-                s->o->shards, s->o->slurm_time, s->dir, s->exe, s->campaign,
-                s->o->quick ? " --quick" : "", s->o->shards, s->dir);
+                s->o->shards, s->o->slurm_time, s->dir, w->exe, w->campaign,
+                s->o->quick ? " --quick" : "", s->o->shards, w->dir);
 }
 
-/* -j1: two shards at a time on one machine would disturb each other's timings. */
-static void write_parallel(FILE *to, const submission *s) {
+/* -j1: two shards at a time on one machine would disturb each other's timings. The script starts itself
+ * for each of them, so that no path passes through the substitutions of parallel and a second shell. */
+static void write_parallel(FILE *to, const submission *s, const script_words *w) {
   (void)fprintf(to,
                 "#!/bin/sh\n"
+                "# All shards by GNU parallel; with a number as argument: that shard.\n"
+                "if [ $# -gt 0 ]; then\n"
+                "  exec %s run %s%s --shard \"$1/%d\" --out %s/shard.\"$1\" --quiet </dev/null\n"
+                "fi\n"
+                "lcpbench_shard=%s/parallel.sh\n"
+                "export lcpbench_shard\n"
                 "# --resume-failed: started again, it runs what is not done\n"
-                "seq %d | parallel -j%d --joblog '%s/joblog' --resume-failed --halt now,fail=0 \\\n"
-                "  \"'%s' run '%s'%s --shard {}/%d --out '%s/shard.{}' --quiet </dev/null\"\n",
-                s->o->shards, s->o->jobs, s->dir, s->exe, s->campaign,
-                s->o->quick ? " --quick" : "", s->o->shards, s->dir);
+                "seq %d | parallel -j%d --joblog %s/joblog --resume-failed --halt now,fail=0 \\\n"
+                "  'sh \"$lcpbench_shard\" {}'\n",
+                w->exe, w->campaign, s->o->quick ? " --quick" : "", s->o->shards, w->dir, w->dir,
+                s->o->shards, s->o->jobs, w->dir);
 }
 
-static base_status write_script(submission *s, bool slurm, base_error *err) {
-  (void)snprintf(s->script, sizeof s->script, "%s/%s.sh", s->dir, slurm ? "slurm" : "parallel");
-  FILE *to = fopen(s->script, "w");
-  if (to == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", s->script, strerror(errno));
-  }
-  (slurm ? write_slurm : write_parallel)(to, s);
-  if (fclose(to) != 0 || chmod(s->script, 0755) != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", s->script);
-  }
-  return BASE_OK;
+static base_status write_script(submission *s, base_error *err) {
+  const bool slurm = s->o->slurm;
+  script_words words;
+  base_out out;
+  quote(s, &words);
+  folder_file(s->dir, slurm ? "slurm.sh" : "parallel.sh", s->script, sizeof s->script);
+  BASE_TRY(base_out_open(&out, s->script, err));
+  (slurm ? write_slurm : write_parallel)(out.to, s, &words);
+  BASE_TRY(base_out_close(&out, true, err));
+  (void)printf("%s\nafterwards: lcpbench merge %s/shard.* --out %s\n", s->script, words.dir,
+               words.dir);
+  (void)fflush(stdout);
+  return (chmod(s->script, 0755) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EIO, "%s: %s", s->script, strerror(errno));
 }
 
 static base_status launch(char *const *argv, int *code, base_error *err) {
@@ -109,13 +135,17 @@ static base_status launch(char *const *argv, int *code, base_error *err) {
   return BASE_OK;
 }
 
-/* What the script quotes must have no quote in it, and what it does not quote only what belongs
- * there. */
+/* What the script does not quote, because a line of #SBATCH knows no quoting that reaches a log file's
+ * name, must be plain. */
 static base_status check_texts(const submission *s, base_error *err) {
-  const char *const quoted[] = {s->exe, s->dir, s->campaign};
-  for (int i = 0; i < BASE_COUNT(quoted); i++) {
-    if (strchr(quoted[i], '\'') != NULL) {
-      return BASE_FAIL(err, BASE_EINVAL, "submit: \"%s\": a script cannot quote a '", quoted[i]);
+  if (!shell_can_quote(s->exe) || !shell_can_quote(s->dir) || !shell_can_quote(s->campaign)) {
+    return BASE_FAIL(err, BASE_EINVAL, "submit: a path ends with a line break");
+  }
+  for (const unsigned char *c = (const unsigned char *)s->dir; s->o->slurm && *c != '\0'; c++) {
+    if (*c <= ' ' || *c == 0x7f || strchr("'\"\\%", *c) != NULL) {
+      return BASE_FAIL(
+          err, BASE_EINVAL,
+          "--out %.200s: a Slurm script needs a folder without spaces, quotes, \\ and %%", s->dir);
     }
   }
   const char *time = s->o->slurm_time;
@@ -177,9 +207,7 @@ static base_status submit(submission *s, const campaign *c, int *code, base_erro
   BASE_TRY(absolute(dir, s->dir, sizeof s->dir, err));
   BASE_TRY(absolute("/proc/self/exe", s->exe, sizeof s->exe, err));
   BASE_TRY(check_texts(s, err));
-  BASE_TRY(write_script(s, o->slurm, err));
-  (void)printf("%s\nafterwards: lcpbench merge %s/shard.* --out %s\n", s->script, s->dir, s->dir);
-  (void)fflush(stdout);
+  BASE_TRY(write_script(s, err));
   *code = CLI_OK;
   if (o->dry_run) {
     return BASE_OK;

@@ -12,6 +12,7 @@
 #include "harness/plan/plan_key.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/shell.h"
 #include "harness/util/versions.h"
 
 #include <errno.h>
@@ -92,7 +93,7 @@ static json_t *run_again(const char *command) {
   char *word[CELL_WORDS];
   int fd[2];
   (void)snprintf(text, sizeof text, "%s", command);
-  if (cell_command_split(text, word, CELL_WORDS) < 3 || pipe2(fd, O_CLOEXEC) != 0) {
+  if (shell_split(text, word, CELL_WORDS) < 3 || pipe2(fd, O_CLOEXEC) != 0) {
     return NULL;
   }
   const pid_t pid = fork();

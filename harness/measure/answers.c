@@ -1,5 +1,7 @@
 #include "harness/measure/answers.h"
 
+#include "lcp/base/input.h"
+
 #include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -20,7 +22,7 @@ static base_status io_failed(const char *path, base_error *err) {
 base_status answers_create(answers *a, const char *path, base_error *err) {
   *a = (answers){0};
   (void)snprintf(a->path, sizeof a->path, "%s", path);
-  BASE_TRY(whole_file_open(&a->write, path, err));
+  BASE_TRY(base_out_open(&a->write, path, err));
   errno = 0;
   if (fwrite(magic, sizeof magic, 1, a->write.to) != 1) {
     const base_status failed = io_failed(a->path, err);
@@ -70,7 +72,7 @@ base_status answers_close(answers *a, bool keep, base_error *err) {
   free(a->proof);
   a->file = NULL;
   a->proof = NULL;
-  return whole_file_close(&a->write, keep, err);
+  return base_out_close(&a->write, keep, err);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------*/
@@ -79,11 +81,7 @@ base_status answers_open(answers *a, const char *path, base_error *err) {
   char found[sizeof magic];
   *a = (answers){0};
   (void)snprintf(a->path, sizeof a->path, "%s", path);
-  errno = 0;
-  a->file = fopen(path, "rb");
-  if (a->file == NULL) {
-    return io_failed(path, err);
-  }
+  BASE_TRY(base_in_open(path, &a->file, err));
   if (fread(found, sizeof found, 1, a->file) != 1 || memcmp(found, magic, sizeof magic) != 0) {
     (void)answers_close(a, false, NULL);
     return BASE_FAIL(err, BASE_EINVAL, "%s: not a file of stored answers", path);

@@ -7,12 +7,12 @@
  * that it returned instead of an answer. */
 #pragma once
 
-#include "harness/util/whole_file.h"
+#include "lcp/base/output.h"
 #include "lcp/lcp_solver.h"
 
 typedef struct answers {
-  whole_file write; /* of answers_create */
-  FILE *file;       /* of answers_open */
+  base_out write; /* of answers_create */
+  FILE *file;     /* of answers_open */
   char path[1100];
   double *proof; /* of the answer last taken; owned */
   int proof_cap;

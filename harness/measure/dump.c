@@ -2,12 +2,11 @@
 
 #include "harness/measure/export_lcp.h"
 #include "harness/measure/solve_once.h"
+#include "harness/util/folder.h"
 #include "lcp/base/fields.h"
 #include "lcp/io/lcp_read.h"
 
-#include <errno.h>
 #include <string.h>
-#include <sys/stat.h>
 
 base_status dump_range(const char *text, long *first, long *last, base_error *err) {
   char from[16];
@@ -34,15 +33,10 @@ base_status dump_range(const char *text, long *first, long *last, base_error *er
 base_status dump_open(dump *d, const char *folder, long first, long last, base_error *err) {
   char path[1100];
   *d = (dump){.folder = folder, .first = first, .last = last};
-  if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", folder, strerror(errno));
-  }
-  (void)snprintf(path, sizeof path, "%.1000s/index.csv", folder);
-  d->index = fopen(path, "w");
-  if (d->index == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
-  (void)fputs("step,solve,n,nnz,status,problem,answer\n", d->index);
+  BASE_TRY(folder_make(folder, err));
+  folder_file(folder, "index.csv", path, sizeof path);
+  BASE_TRY(base_out_open(&d->index, path, err));
+  (void)fputs("step,solve,n,nnz,status,problem,answer\n", d->index.to);
   return BASE_OK;
 }
 
@@ -66,19 +60,14 @@ base_status dump_problem(dump *d, long step, const lcp_problem *p, const double 
   BASE_TRY(done);
   (void)snprintf(path, sizeof path, "%.1000s/%s.z.mtx", d->folder, name);
   BASE_TRY(lcp_write_mtx_vector(path, p->M.n, z, err));
-  (void)fprintf(d->index, "%ld,%d,%d,%ld,%s,%s%s,%s.z.mtx\n", step, d->solve, p->M.n,
+  (void)fprintf(d->index.to, "%ld,%d,%d,%ld,%s,%s%s,%s.z.mtx\n", step, d->solve, p->M.n,
                 lcp_matrix_entries(&p->M), status, name, plain ? ".M.mtx" : ".dat", name);
   d->n_dumped++;
   return BASE_OK;
 }
 
 base_status dump_close(dump *d, bool complete, base_error *err) {
-  const bool failed = ferror(d->index) != 0;
-  const bool closed = fclose(d->index) == 0;
-  d->index = NULL;
-  if (failed || !closed) {
-    return BASE_FAIL(err, BASE_EIO, "%s/index.csv: could not be written", d->folder);
-  }
+  BASE_TRY(base_out_close(&d->index, true, err));
   if (complete && d->n_dumped == 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--dump-step %ld:%ld: no problem was posed in these steps",
                      d->first, d->last);

@@ -7,9 +7,8 @@
  * step,solve,n,nnz,status,problem,answer */
 #pragma once
 
+#include "lcp/base/output.h"
 #include "lcp/lcp_problem.h"
-
-#include <stdio.h>
 
 typedef struct dump {
   const char *folder; /* borrowed; made if it does not exist */
@@ -17,7 +16,7 @@ typedef struct dump {
   long step;
   int solve;    /* within the step */
   int n_dumped; /* so far */
-  FILE *index;
+  base_out index;
 } dump;
 
 /* "N" or "A:B", 1 <= A <= B. */

@@ -1,43 +1,46 @@
 #include "harness/measure/export_lcp.h"
 
+#include "lcp/base/output.h"
 #include "lcp/io/lcp_read.h"
 #include "problems/import/friction_problem.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static base_status write_matrix(const char *path, const lcp_csc *m, base_error *err) {
-  FILE *to = fopen(path, "w");
-  bool good = to != NULL;
-  if (good) {
-    (void)fprintf(to, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", m->n_row,
-                  m->n_col, m->colptr[m->n_col]);
-    for (int j = 0; j < m->n_col; j++) {
-      for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
-        (void)fprintf(to, "%d %d %.17g\n", m->rowind[k] + 1, j + 1, m->val[k]);
-      }
+enum { EXPORT_NAME = 1000 }; /* of a file, without what is put behind it */
+
+static void print_matrix(FILE *to, const lcp_csc *m) {
+  (void)fprintf(to, "%%%%MatrixMarket matrix coordinate real general\n%d %d %d\n", m->n_row,
+                m->n_col, m->colptr[m->n_col]);
+  for (int j = 0; j < m->n_col; j++) {
+    for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
+      (void)fprintf(to, "%d %d %.17g\n", m->rowind[k] + 1, j + 1, m->val[k]);
     }
-    good = ferror(to) == 0;
-    good = fclose(to) == 0 && good;
   }
-  return good ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
 }
 
 base_status export_lcp_mtx(const lcp_problem *p, const char *out, base_error *err) {
   char path[1100];
   lcp_csc m;
+  base_out file;
   if (lcp_problem_sets(p) != 1u << LCP_ORTHANT) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: Matrix Market holds plain LCPs only", out);
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%.300s: Matrix Market holds plain LCPs only", out);
   }
+  if (strlen(out) > EXPORT_NAME) {
+    return BASE_FAIL(err, BASE_EINVAL, "%.80s...: longer than %d characters", out, EXPORT_NAME);
+  }
+  (void)snprintf(path, sizeof path, "%s.q.mtx", out);
+  BASE_TRY(lcp_write_mtx_vector(path, p->M.n, p->q, err));
+  (void)snprintf(path, sizeof path, "%s.M.mtx", out);
   BASE_TRY(lcp_matrix_to_csc(&p->M, &m, err));
-  (void)snprintf(path, sizeof path, "%.1024s.M.mtx", out);
-  const base_status done = write_matrix(path, &m, err);
+  base_status done = base_out_open(&file, path, err);
+  if (done == BASE_OK) {
+    print_matrix(file.to, &m);
+    done = base_out_close(&file, true, err);
+  }
   lcp_csc_free(&m);
-  BASE_TRY(done);
-  (void)snprintf(path, sizeof path, "%.1024s.q.mtx", out);
-  return lcp_write_mtx_vector(path, p->M.n, p->q, err);
+  return done;
 }
 
 /* ---- Siconos text ------------------------------------------------------------------------------*/

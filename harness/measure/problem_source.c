@@ -50,6 +50,16 @@ static base_status open_import(const char *text, int facets, problem_source *out
   return import_pose(text, facets, &out->import, err);
 }
 
+/* A friction problem's file may have its facets behind it. */
+static bool is_import_text(const char *text) {
+  return problem_is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
+         strstr(text, ".h5:") != NULL;
+}
+
+bool problem_is_file(const char *text) {
+  return ends_with(text, ".mtx") || is_import_text(text);
+}
+
 base_status problem_file(const char *text, char *path, size_t cap, int *facets, base_error *err) {
   static const char key[] = ":facets=";
   const char *at = strstr(text, key);
@@ -102,17 +112,13 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
   if (ends_with(text, ".mtx")) {
     return (facets != 0) ? no_facets(text, err) : open_mtx(text, q_path, out, err);
   }
-  if (problem_is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
-      strstr(text, ".h5:") != NULL) {
+  if (is_import_text(text)) {
     return open_file(text, facets, out, err);
   }
   char name[64];
   (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(text, ":"), text);
   if (lcp_family_find(name) == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "problem '%s': need a family (lcpbench list problems) or a file .dat, .mtx, "
-                     ".hdf5",
-                     text);
+    return lcp_family_unknown(name, err);
   }
   if (facets != 0) {
     return no_facets(text, err);

@@ -18,6 +18,8 @@ typedef struct problem_source {
 
 /* A file of another code, by its ending: .dat, .hdf5, .h5. */
 bool problem_is_import(const char *path);
+/* Does the text name a file, not a family? */
+bool problem_is_file(const char *text);
 
 /* "FILE.dat:facets=8" (also .hdf5, .h5): the file, and its facets; any other text whole, and 0. */
 base_status problem_file(const char *text, char *path, size_t cap, int *facets, base_error *err);

@@ -1,5 +1,7 @@
 #include "harness/measure/registry.h"
 
+#include "lcp/base/nearest.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -78,7 +80,13 @@ base_status solver_choose(const char *text, solver_choice *out, base_error *err)
   BASE_TRY(split(text, name, &options, err));
   const lcp_solver *s = registry_solver_find(name);
   if (s == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "solver '%s': unknown; see lcpbench list solvers", name);
+    char hint[BASE_NEAREST_HINT];
+    base_nearest near = base_nearest_to(name, strlen(name));
+    for (int i = 0; (s = registry_solver(i)) != NULL; i++) {
+      base_nearest_offer(&near, s->name);
+    }
+    return BASE_FAIL(err, BASE_EINVAL, "solver '%s': unknown; see lcpbench list solvers%s", name,
+                     base_nearest_hint(&near, hint));
   }
   BASE_TRY(make_options(name, s->fields, s->n_fields, s->options_size, options, &out->opt, err));
   out->solver = s;
@@ -125,8 +133,16 @@ base_status formulation_choose(const char *text, formulation_choice *out, base_e
   BASE_TRY(split(text, name, &options, err));
   const formulation *f = formulation_find(name);
   if (f == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "formulation '%s': unknown; see lcpbench list formulations",
-                     name);
+    char hint[BASE_NEAREST_HINT];
+    base_nearest near = base_nearest_to(name, strlen(name));
+    int count;
+    const formulation *const *all = formulations(&count);
+    for (int i = 0; i < count; i++) {
+      base_nearest_offer(&near, all[i]->name);
+    }
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "formulation '%s': unknown; see lcpbench list formulations%s", name,
+                     base_nearest_hint(&near, hint));
   }
   BASE_TRY(make_options(name, f->fields, f->n_fields, f->options_size, options, &out->opt, err));
   out->form = f;

@@ -16,13 +16,13 @@ base_status trace_open(trace_file *t, const char *path, base_error *err) {
   if (t->buffer.iteration == NULL || t->buffer.residual == NULL) {
     done = BASE_FAIL(err, BASE_ENOMEM, "no memory for a history of %d points", TRACE_POINTS);
   } else {
-    done = whole_file_open(&t->file, path, err);
+    done = base_out_open(&t->file, path, err);
   }
   if (done == BASE_OK && fputs("solve,iteration,residual\n", t->file.to) == EOF) {
     done = BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
   }
   if (done != BASE_OK) {
-    (void)trace_close(t, false, NULL);
+    return trace_finish(t, done, err);
   }
   return done;
 }
@@ -45,9 +45,9 @@ base_status trace_end(trace_file *t, base_error *err) {
   return good ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: could not be written", t->file.path);
 }
 
-base_status trace_close(trace_file *t, bool keep, base_error *err) {
+base_status trace_finish(trace_file *t, base_status done, base_error *err) {
   free(t->buffer.iteration);
   free(t->buffer.residual);
   t->buffer = (lcp_trace){0};
-  return whole_file_close(&t->file, keep, err);
+  return base_out_finish(&t->file, done, err);
 }

@@ -3,11 +3,11 @@
  * own estimate of rho (lcp_judge.h). A traced run is never timed: it is the untimed twin of a cell. */
 #pragma once
 
-#include "harness/util/whole_file.h"
+#include "lcp/base/output.h"
 #include "lcp/lcp_solver.h"
 
 typedef struct trace_file {
-  whole_file file;
+  base_out file;
   lcp_trace buffer; /* of the solve being traced */
   long solves, points;
   bool full; /* a solve had more tests than the buffer holds: its later ones are missing */
@@ -20,5 +20,6 @@ base_status trace_open(trace_file *t, const char *path, base_error *err);
 lcp_trace *trace_begin(trace_file *t);
 base_status trace_end(trace_file *t, base_error *err); /* writes what the solver left in it */
 
-/* keep: false discards the file. */
-base_status trace_close(trace_file *t, bool keep, base_error *err);
+/* The end of what is traced: `done` if that failed (the file is discarded), except by a file that could not
+ * be written, of which the file itself tells why; else how the file came to its name. */
+base_status trace_finish(trace_file *t, base_status done, base_error *err);

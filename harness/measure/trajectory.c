@@ -6,6 +6,7 @@
 static const double nothing[3] = {0.0, 0.0, 0.0};
 static const double upright[4] = {1.0, 0.0, 0.0, 0.0};
 
+/* Ends a run whose trajectory has nowhere to go; closing the file tells why (base_out_close). */
 static base_status written(FILE *to, base_error *err) {
   return ferror(to) ? BASE_FAIL(err, BASE_EIO, "trajectory: could not be written") : BASE_OK;
 }

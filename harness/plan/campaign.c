@@ -4,6 +4,8 @@
 #include "harness/util/yaml_read.h"
 #include "lcp/base/fields.h"
 
+#include <errno.h>
+#include <glob.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -103,13 +105,13 @@ static base_status word_member(yaml_file *f, const char *key, yaml_node_t *v, co
 static base_status take_limit(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                               base_error *err) {
   campaign_limits *l = ctx;
-  if (strcmp(key, "time") == 0) {
+  if (yaml_is(f, key, "time")) {
     return seconds_member(f, key, v, &l->time, err);
   }
-  if (strcmp(key, "grace") == 0) {
+  if (yaml_is(f, key, "grace")) {
     return seconds_member(f, key, v, &l->grace, err);
   }
-  if (strcmp(key, "memory") == 0) {
+  if (yaml_is(f, key, "memory")) {
     const char *text = yaml_text(v);
     return (text != NULL && args_bytes(text, &l->memory))
                ? BASE_OK
@@ -121,31 +123,31 @@ static base_status take_limit(void *ctx, yaml_file *f, const char *key, yaml_nod
 static base_status take_sampling(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                                  base_error *err) {
   campaign_sampling *s = ctx;
-  if (strcmp(key, "processes") == 0) {
+  if (yaml_is(f, key, "processes")) {
     return count_member(f, key, v, &s->processes, err);
   }
-  if (strcmp(key, "samples") == 0) {
+  if (yaml_is(f, key, "samples")) {
     return count_member(f, key, v, &s->samples, err);
   }
-  if (strcmp(key, "max_samples") == 0) {
+  if (yaml_is(f, key, "max_samples")) {
     return count_member(f, key, v, &s->max_samples, err);
   }
-  if (strcmp(key, "half_width") == 0) {
+  if (yaml_is(f, key, "half_width")) {
     return real_member(f, key, v, 0.0, &s->half_width, err);
   }
-  if (strcmp(key, "budget") == 0) {
+  if (yaml_is(f, key, "budget")) {
     return seconds_member(f, key, v, &s->budget, err);
   }
-  if (strcmp(key, "inner") == 0) {
+  if (yaml_is(f, key, "inner")) {
     return seconds_member(f, key, v, &s->inner, err);
   }
-  if (strcmp(key, "doctor") == 0) {
+  if (yaml_is(f, key, "doctor")) {
     return seconds_member(f, key, v, &s->doctor, err);
   }
-  if (strcmp(key, "order") == 0) {
+  if (yaml_is(f, key, "order")) {
     return word_member(f, key, v, "random", "abba", &s->abba, err);
   }
-  if (strcmp(key, "cache") == 0) {
+  if (yaml_is(f, key, "cache")) {
     return word_member(f, key, v, "warm", "cold", &s->cold, err);
   }
   return BASE_EUNSUPPORTED;
@@ -170,9 +172,9 @@ static base_status read_list(yaml_file *f, const char *key, yaml_node_t *v, text
   return (out->n > 0) ? BASE_OK : yaml_fail(f, v, key, "the list is empty", err);
 }
 
-static int find_axis(const char *key) {
+static int find_axis(yaml_file *f, const char *key) {
   for (int a = 0; a < AXIS_COUNT; a++) {
-    if (strcmp(axis_names[a], key) == 0) {
+    if (yaml_is(f, key, axis_names[a])) {
       return a;
     }
   }
@@ -182,7 +184,7 @@ static int find_axis(const char *key) {
 static base_status take_axis(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                              base_error *err) {
   campaign_part *p = ctx;
-  const int axis = find_axis(key);
+  const int axis = find_axis(f, key);
   return (axis >= 0) ? read_list(f, key, v, &p->axis[axis], err) : BASE_EUNSUPPORTED;
 }
 
@@ -194,13 +196,13 @@ typedef struct part_reader {
 static base_status take_part(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                              base_error *err) {
   part_reader *r = ctx;
-  if (strcmp(key, "name") == 0) {
+  if (yaml_is(f, key, "name")) {
     return text_member(f, key, v, r->part->name, sizeof r->part->name, err);
   }
-  if (strcmp(key, "words") == 0) {
+  if (yaml_is(f, key, "words")) {
     return text_member(f, key, v, r->part->words, sizeof r->part->words, err);
   }
-  if (strcmp(key, "quick") == 0) {
+  if (yaml_is(f, key, "quick")) {
     r->quick = v;
     return BASE_OK;
   }
@@ -250,10 +252,10 @@ typedef struct campaign_reader {
 static base_status take_quick(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                               base_error *err) {
   campaign *c = ctx;
-  if (strcmp(key, "limits") == 0) {
+  if (yaml_is(f, key, "limits")) {
     return yaml_members(f, v, key, take_limit, &c->limits, err);
   }
-  if (strcmp(key, "sampling") == 0) {
+  if (yaml_is(f, key, "sampling")) {
     return yaml_members(f, v, key, take_sampling, &c->sampling, err);
   }
   return BASE_EUNSUPPORTED;
@@ -263,16 +265,16 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
                                  base_error *err) {
   campaign_reader *r = ctx;
   campaign *c = r->c;
-  if (strcmp(key, "name") == 0) {
+  if (yaml_is(f, key, "name")) {
     BASE_TRY(text_member(f, key, v, c->name, sizeof c->name, err));
     return (strchr(c->name, '/') == NULL)
                ? BASE_OK
                : yaml_fail(f, v, key, "need a name without /: it becomes a folder", err);
   }
-  if (strcmp(key, "title") == 0) {
+  if (yaml_is(f, key, "title")) {
     return text_member(f, key, v, c->title, sizeof c->title, err);
   }
-  if (strcmp(key, "seed") == 0) {
+  if (yaml_is(f, key, "seed")) {
     double seed = 0.0;
     BASE_TRY(real_member(f, key, v, 0.0, &seed, err));
     if (seed > 9007199254740992.0 || seed != floor(seed)) {
@@ -281,16 +283,16 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
     c->seed = (uint64_t)seed;
     return BASE_OK;
   }
-  if (strcmp(key, "solutions") == 0) {
+  if (yaml_is(f, key, "solutions")) {
     return word_member(f, key, v, "off", "on", &c->solutions, err);
   }
-  if (strcmp(key, "trace") == 0) {
+  if (yaml_is(f, key, "trace")) {
     return word_member(f, key, v, "off", "on", &c->trace, err);
   }
-  if (strcmp(key, "parts") == 0) {
+  if (yaml_is(f, key, "parts")) {
     return read_parts(f, v, c, err);
   }
-  if (strcmp(key, "quick") == 0) {
+  if (yaml_is(f, key, "quick")) {
     r->quick = v;
     return BASE_OK;
   }
@@ -325,6 +327,27 @@ static base_status read_file(yaml_file *f, campaign *c, base_error *err) {
   return BASE_OK;
 }
 
+/* `path` cannot be read, which was looked for as `text`. */
+static base_status unknown_campaign(const char *text, const char *path, base_error *err) {
+  char hint[BASE_NEAREST_HINT];
+  char pattern[600];
+  const char *why = strerror(errno);
+  base_nearest near = base_nearest_to(text, strlen(text));
+  glob_t found;
+  (void)snprintf(pattern, sizeof pattern, "%.590s/*.yaml", campaign_directory());
+  if (glob(pattern, 0, NULL, &found) == 0) {
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+      char name[BASE_NEAREST_WORD];
+      const char *file = strrchr(found.gl_pathv[i], '/') + 1;
+      (void)snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - strlen(".yaml")), file);
+      base_nearest_offer(&near, name);
+    }
+    globfree(&found);
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "campaign '%.80s': %.150s: %s; see lcpbench list campaigns%s",
+                   text, path, why, base_nearest_hint(&near, hint));
+}
+
 base_status campaign_read(const char *text, bool quick, campaign *out, base_error *err) {
   *out = (campaign){.quick = quick, .solutions = true, .seed = 1};
   out->limits = (campaign_limits){.time = 60.0, .grace = 2.0, .memory = 4.0 * 1073741824.0};
@@ -336,9 +359,7 @@ base_status campaign_read(const char *text, bool quick, campaign *out, base_erro
                                       .inner = 0.01};
   locate(text, out->path, sizeof out->path);
   if (access(out->path, R_OK) != 0) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "campaign '%s': no such file %s; see lcpbench list campaigns", text,
-                     out->path);
+    return unknown_campaign(text, out->path, err);
   }
   yaml_file f;
   BASE_TRY(yaml_file_open(out->path, &f, err));

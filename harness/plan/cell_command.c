@@ -2,16 +2,41 @@
 #include "harness/plan/cell_command.h"
 
 #include "harness/measure/registry.h"
+#include "harness/util/shell.h"
 #include "lcp/base/fields.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static size_t put_option(char *buf, size_t cap, size_t used, const char *name, const char *value) {
-  if (value[0] == '\0' || used >= cap) {
-    return used;
+/* The command as far as it is written, in buf[cap]; `used` counts what it needs. */
+typedef struct line {
+  char *buf;
+  size_t cap, used;
+} line;
+
+static size_t left(const line *l) {
+  return (l->used < l->cap) ? l->cap - l->used : 0;
+}
+
+static char *end_of(const line *l) {
+  return (left(l) > 0) ? l->buf + l->used : NULL;
+}
+
+static void put_plain(line *l, const char *text) {
+  l->used += (size_t)snprintf(end_of(l), left(l), "%s", text);
+}
+
+static void put_word(line *l, const char *word) {
+  l->used += shell_quote(word, end_of(l), left(l));
+}
+
+static void put_option(line *l, const char *name, const char *value) {
+  if (value[0] != '\0') {
+    put_plain(l, " --");
+    put_plain(l, name);
+    put_plain(l, " ");
+    put_word(l, value);
   }
-  return used + (size_t)snprintf(buf + used, cap - used, " --%s '%s'", name, value);
 }
 
 double plan_solver_limit(const campaign_limits *l) {
@@ -33,49 +58,29 @@ static void solver_text(const cell *c, const campaign_limits *l, char *buf, size
   solver_choice_free(&s);
 }
 
-void cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap) {
+size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, size_t cap) {
   const bool is_scene = c->formulation[0] != '\0';
   char solver[400];
-  solver_text(c, l, solver, sizeof solver);
-  size_t used =
-      (size_t)snprintf(buf, cap, "lcpbench %s '%s'", is_scene ? "simulate" : "solve", c->problem);
-  used = put_option(buf, cap, used, "formulation", c->formulation);
-  used = put_option(buf, cap, used, "solver", solver);
-  used = put_option(buf, cap, used, "tol", c->tol);
+  line l = {buf, cap, 0};
+  solver_text(c, limits, solver, sizeof solver);
+  put_plain(&l, is_scene ? "lcpbench simulate " : "lcpbench solve ");
+  put_word(&l, c->problem);
+  put_option(&l, "formulation", c->formulation);
+  put_option(&l, "solver", solver);
+  put_option(&l, "tol", c->tol);
   if (is_scene) {
-    used = put_option(buf, cap, used, "step", c->step);
-    used = put_option(buf, cap, used, "duration", c->duration);
-    used = put_option(buf, cap, used, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
-    used = put_option(buf, cap, used, "effects",
-                      strcmp(c->effects, "declared") == 0 ? "" : c->effects);
-    (void)put_option(buf, cap, used, "contact-order",
-                     strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
+    put_option(&l, "step", c->step);
+    put_option(&l, "duration", c->duration);
+    put_option(&l, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
+    put_option(&l, "effects", strcmp(c->effects, "declared") == 0 ? "" : c->effects);
+    put_option(&l, "contact-order", strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
   }
-}
-
-int cell_command_split(char *text, char **word, int cap) {
-  int n = 0;
-  char *at = text;
-  while (*at != '\0' && n + 1 < cap) {
-    at += strspn(at, " ");
-    const bool quoted = *at == '\'';
-    at += quoted ? 1 : 0;
-    if (*at == '\0') {
-      break;
-    }
-    word[n++] = at;
-    at += strcspn(at, quoted ? "'" : " ");
-    if (*at != '\0') {
-      *at++ = '\0';
-    }
-  }
-  word[n] = NULL;
-  return n;
+  return l.used;
 }
 
 base_status cell_of_command(char *text, cell *c, base_error *err) {
   char *word[CELL_WORDS];
-  const int n = cell_command_split(text, word, CELL_WORDS);
+  const int n = shell_split(text, word, CELL_WORDS);
   *c = (cell){.part = "",
               .formulation = "",
               .solver = "",

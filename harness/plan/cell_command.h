@@ -5,10 +5,6 @@
 
 enum { CELL_WORDS = 32 };
 
-/* Splits "lcpbench solve 'x y' --solver 'z'" in place into at most cap - 1 words and a NULL; returns
- * their number. */
-int cell_command_split(char *text, char **word, int cap);
-
 /* The cell of a row's command (cell_command in plan.h); its texts are views into `text`, which is
  * split in place. Content keys stay empty. BASE_EINVAL: not such a command. */
 base_status cell_of_command(char *text, cell *c, base_error *err);

@@ -2,6 +2,8 @@
 
 #include "harness/plan/plan_check.h"
 #include "harness/plan/plan_key.h"
+#include "harness/util/shell.h"
+#include "lcp/base/nearest.h"
 #include "lcp/base/rng.h"
 
 #include <fnmatch.h>
@@ -9,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- texts ------------------------------------------------------------------------------------*/
 
@@ -41,12 +44,19 @@ static base_status expand_variable(const char *text, char *buf, size_t cap, base
   return BASE_OK;
 }
 
+/* ./-x is no option of a command. */
+static base_status add_file(const char *path, text_list *out, base_error *err) {
+  char one[610];
+  (void)snprintf(one, sizeof one, "%s%s", path[0] == '-' ? "./" : "", path);
+  return text_list_add(out, one, err);
+}
+
 /* File patterns become the files that match, in order; other texts stay. */
 static base_status expand_files(const char *text, text_list *out, base_error *err) {
   char pattern[EXPAND_TEXT];
   char one[EXPAND_TEXT + 88];
   if (strpbrk(text, "*?[") == NULL) {
-    return text_list_add(out, text, err);
+    return add_file(text, out, err);
   }
   const char *tail =
       strstr(text, ":facets="); /* stands behind the pattern, and behind every file */
@@ -55,11 +65,14 @@ static base_status expand_files(const char *text, text_list *out, base_error *er
   glob_t found;
   base_status done = BASE_OK;
   if (glob(pattern, 0, NULL, &found) != 0) {
+    if (access(pattern, F_OK) == 0) { /* a file may be called a[1] */
+      return add_file(text, out, err);
+    }
     return BASE_FAIL(err, BASE_EINVAL, "problem '%s': no file matches", text);
   }
   for (size_t i = 0; done == BASE_OK && i < found.gl_pathc; i++) {
     (void)snprintf(one, sizeof one, "%s%s", found.gl_pathv[i], tail != NULL ? tail : "");
-    done = text_list_add(out, one, err);
+    done = add_file(one, out, err);
   }
   globfree(&found);
   return done;
@@ -102,7 +115,7 @@ static base_status keep(plan *p, const char *text, const char **out, base_error 
 
 /* ---- filters ----------------------------------------------------------------------------------*/
 
-static const char *filter_value(const cell *c, const char *axis, size_t len) {
+static const char *filter_value(const cell *c, const char *axis, size_t len, base_nearest *near) {
   const struct {
     const char *name, *value;
   } axes[] = {{"part", c->part},
@@ -124,6 +137,7 @@ static const char *filter_value(const cell *c, const char *axis, size_t len) {
     if (strlen(axes[i].name) == len && strncmp(axes[i].name, axis, len) == 0) {
       return axes[i].value;
     }
+    base_nearest_offer(near, axes[i].name);
   }
   return NULL;
 }
@@ -132,12 +146,14 @@ static base_status matches(const cell *c, const char *filter, bool *out, base_er
   const bool negate = filter[0] == '-';
   const char *axis = filter + (negate ? 1 : 0);
   const size_t len = strcspn(axis, "=");
-  const char *value = filter_value(c, axis, len);
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(axis, len);
+  const char *value = filter_value(c, axis, len, &near);
   if (value == NULL || axis[len] != '=') {
     return BASE_FAIL(err, BASE_EINVAL,
-                     "--filter %s: need axis=glob with axis part, problem, formulation, solver, "
-                     "step, duration, tol, start, effects, contact_order or cell",
-                     filter);
+                     "--filter %.80s: need axis=glob with axis part, problem, formulation, solver, "
+                     "step, duration, tol, start, effects, contact_order or cell%s",
+                     filter, value == NULL ? base_nearest_hint(&near, hint) : "");
   }
   *out = (fnmatch(axis + len + 1, value, 0) == 0) != negate;
   return BASE_OK;
@@ -155,8 +171,9 @@ static base_status selected(const cell *c, const plan_filter *f, bool *out, base
 
 /* ---- cells ------------------------------------------------------------------------------------*/
 
-/* A row holds the texts of its cell whole, and its command quotes them. */
-static base_status check_texts(const cell *c, base_error *err) {
+/* A row holds the texts of its cell and the command that reruns it whole. */
+static base_status check_texts(const cell *c, const campaign_limits *limits, base_error *err) {
+  char command[sizeof((record *)0)->command];
   const struct {
     const char *what, *text;
     size_t room;
@@ -168,12 +185,16 @@ static base_status check_texts(const cell *c, base_error *err) {
       return BASE_FAIL(err, BASE_EINVAL, "%s '%.60s...': longer than %zu characters", texts[i].what,
                        texts[i].text, texts[i].room - 1);
     }
-    if (strchr(texts[i].text, '\'') != NULL) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s \"%.200s\": a row's command cannot quote a '",
-                       texts[i].what, texts[i].text);
+    if (!shell_can_quote(texts[i].text)) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s '%.200s': ends with a line break", texts[i].what,
+                       texts[i].text);
     }
   }
-  return BASE_OK;
+  return (cell_command(c, limits, command, sizeof command) < sizeof command)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL,
+                         "problem '%.100s': its command is longer than %zu characters", c->problem,
+                         sizeof command - 1);
 }
 
 static base_status add_cell(plan *p, const campaign_part *part, const char *const value[AXIS_COUNT],
@@ -192,7 +213,7 @@ static base_status add_cell(plan *p, const campaign_part *part, const char *cons
   for (int a = 0; a < AXIS_COUNT; a++) {
     BASE_TRY(keep(p, value[a], text[a], err));
   }
-  BASE_TRY(check_texts(&c, err));
+  BASE_TRY(check_texts(&c, &p->campaign->limits, err));
   BASE_TRY(cell_key(p->campaign, known, &c, err));
   bool wanted;
   BASE_TRY(selected(&c, f, &wanted, err));

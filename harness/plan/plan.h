@@ -52,8 +52,9 @@ void plan_free(plan *p);
  * before it is killed [s]. */
 double plan_solver_limit(const campaign_limits *l);
 
-/* The command that reruns the cell alone, with the limit that its solver was told. */
-void cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap);
+/* The command that reruns the cell alone, with the limit that its solver was told: one line, for a POSIX
+ * shell, whatever the path of the problem is made of. Returns the length it needs, as snprintf does. */
+size_t cell_command(const cell *c, const campaign_limits *l, char *buf, size_t cap);
 
 /* "a{1,2}b" -> "a1b", "a2b"; several braces: all combinations, the last varies fastest. */
 base_status brace_expand(const char *text, text_list *out, base_error *err);

@@ -4,8 +4,9 @@
 
 #include "harness/measure/contact_order.h"
 #include "harness/measure/effects_auto.h"
+#include "harness/measure/problem_source.h"
 #include "problems/families/family.h"
-#include "problems/scenes/scene.h"
+#include "problems/read/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,13 +37,13 @@ static base_status parameters(const char *name, const char *given, const base_fi
 static base_status problem(bool is_scene, const char *text, base_error *err) {
   char name[256];
   const size_t len = strcspn(text, ":");
+  if (is_scene ? scene_is_file(text) : problem_is_file(text)) {
+    return BASE_OK;
+  }
   if (len >= sizeof name) {
     return BASE_FAIL(err, BASE_EINVAL, "problems: %.40s...: name too long", text);
   }
   (void)snprintf(name, sizeof name, "%.*s", (int)len, text);
-  if (strpbrk(name, "./") != NULL) {
-    return BASE_OK; /* a file */
-  }
   const char *given = (text[len] == ':') ? text + len + 1 : NULL;
   const scene *s = is_scene ? scene_find(name) : NULL;
   const lcp_family *f = is_scene ? NULL : lcp_family_find(name);
@@ -52,8 +53,7 @@ static base_status problem(bool is_scene, const char *text, base_error *err) {
   if (f != NULL) {
     return parameters(name, given, f->fields, f->n_fields, f->param_size, err);
   }
-  return BASE_FAIL(err, BASE_EINVAL, "problems: unknown %s '%.60s'; see lcpbench list %s",
-                   is_scene ? "scene" : "family", name, is_scene ? "scenes" : "problems");
+  return is_scene ? scene_unknown(name, err) : lcp_family_unknown(name, err);
 }
 
 static base_status start(const char *text, base_error *err) {

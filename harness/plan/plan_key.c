@@ -4,23 +4,32 @@
 #include "harness/measure/registry.h"
 #include "harness/util/sha256.h"
 #include "harness/util/versions.h"
+#include "problems/read/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static bool is_file(const char *problem) {
-  return strchr(problem, ':') == NULL && strchr(problem, '.') != NULL;
+static bool is_file(const cell *c) {
+  return (c->formulation[0] != '\0') ? scene_is_file(c->problem) : problem_is_file(c->problem);
+}
+
+/* The file of such a cell, and the facets asked for of it. */
+static base_status file_of(const cell *c, char *path, size_t cap, int *facets, base_error *err) {
+  const char *id;
+  *facets = 0;
+  if (c->formulation[0] == '\0') {
+    return problem_file(c->problem, path, cap, facets, err);
+  }
+  scene_file_split(c->problem, path, cap, &id);
+  return BASE_OK;
 }
 
 /* Files by content (a Matrix Market M with its q), scenes by their text and source. */
 static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *err) {
   char path[512];
-  char file[512];
   int facets;
-  (void)snprintf(file, sizeof file, "%.*s", (int)strcspn(c->problem, "#"), c->problem);
-  BASE_TRY(problem_file(file, path, sizeof path, &facets, err));
-  if (!is_file(path)) {
+  if (!is_file(c)) {
     char name[64];
     (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(c->problem, ":"), c->problem);
     sha256 s;
@@ -30,6 +39,7 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
     sha256_end(&s, hex);
     return BASE_OK;
   }
+  BASE_TRY(file_of(c, path, sizeof path, &facets, err));
   BASE_TRY(sha256_file(path, hex, err));
   const size_t n = strlen(path);
   if (n > 6 && strcmp(path + n - 6, ".M.mtx") == 0) {
@@ -46,7 +56,7 @@ static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *
     sha256 s;
     sha256_begin(&s);
     sha256_text(&s, hex);
-    sha256_text(&s, strrchr(file, ':'));
+    sha256_text(&s, strrchr(c->problem, ':'));
     sha256_end(&s, hex);
   }
   return BASE_OK;
@@ -56,10 +66,10 @@ base_status cell_file_unchanged(const cell *c, const char *recorded, base_error 
   char hex[SHA256_HEX];
   char path[512];
   int facets;
-  BASE_TRY(problem_file(c->problem, path, sizeof path, &facets, err));
-  if (!is_file(path)) {
+  if (!is_file(c)) {
     return BASE_OK;
   }
+  BASE_TRY(file_of(c, path, sizeof path, &facets, err));
   BASE_TRY(problem_key(c, hex, err));
   return (strcmp(hex, recorded) == 0)
              ? BASE_OK

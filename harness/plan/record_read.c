@@ -1,8 +1,9 @@
 /* Rows read back from a file, and tables of them. */
 #include "harness/measure/verdict.h"
 #include "harness/plan/record_column.h"
-#include "harness/util/whole_file.h"
 #include "lcp/base/fields.h"
+#include "lcp/base/input.h"
+#include "lcp/base/output.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -244,10 +245,8 @@ static base_status read_lines(FILE *from, const char *path, record_table *out, b
 
 base_status record_table_read(const char *path, record_table *out, base_error *err) {
   *out = (record_table){0};
-  FILE *from = fopen(path, "r");
-  if (from == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
+  FILE *from;
+  BASE_TRY(base_in_text(path, &from, err));
   const base_status done = read_lines(from, path, out, err);
   (void)fclose(from);
   if (done != BASE_OK) {
@@ -257,16 +256,16 @@ base_status record_table_read(const char *path, record_table *out, base_error *e
 }
 
 base_status record_table_write(const char *path, const record_table *t, base_error *err) {
-  whole_file w;
+  base_out w;
   char line[RECORD_ROW];
-  BASE_TRY(whole_file_open(&w, path, err));
+  BASE_TRY(base_out_open(&w, path, err));
   (void)record_header(line, sizeof line);
   bool good = fputs(line, w.to) != EOF;
   for (int i = 0; good && i < t->n; i++) {
     (void)record_row(&t->row[i], line, sizeof line);
     good = fputs(line, w.to) != EOF;
   }
-  return whole_file_close(&w, true, err); /* a line that failed is known to the stream */
+  return base_out_close(&w, true, err); /* a line that failed is known to the stream */
 }
 
 void record_table_free(record_table *t) {

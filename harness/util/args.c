@@ -1,6 +1,8 @@
 #include "harness/util/args.h"
 
 #include "lcp/base/fields.h"
+#include "lcp/base/nearest.h"
+#include "lcp/base/output.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -42,6 +44,7 @@ bool args_bytes(const char *text, double *bytes) {
 static base_status store(const arg_option *o, const char *value, base_error *err) {
   switch (o->kind) {
   case ARG_TEXT:
+  case ARG_OUTPUT:
     *(const char **)o->to = value;
     return BASE_OK;
   case ARG_FLAG:
@@ -116,12 +119,23 @@ static base_status take_environment(const arg_table *t, base_error *err) {
   return BASE_OK;
 }
 
+static base_status unknown_option(const arg_table *t, const char *text, size_t len,
+                                  base_error *err) {
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(text, len);
+  for (int i = 0; i < t->n_option; i++) {
+    base_nearest_offer(&near, t->option[i].name);
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "%.*s: unknown option%s", (int)len, text,
+                   base_nearest_hint(&near, hint));
+}
+
 static base_status take_option(const arg_table *t, int argc, char **argv, int *i, base_error *err) {
   const char *text = argv[*i];
   const size_t len = strcspn(text, "=");
   const arg_option *o = find(t, text, len);
   if (o == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "%.*s: unknown option", (int)len, text);
+    return unknown_option(t, text, len, err);
   }
   const char *value = (text[len] == '=') ? text + len + 1 : NULL;
   if (o->kind == ARG_FLAG) {
@@ -137,12 +151,50 @@ static base_status take_option(const arg_table *t, int argc, char **argv, int *i
   return store(o, value, err);
 }
 
+static const char *output_of(const arg_option *o) {
+  return (o->kind == ARG_OUTPUT) ? *(const char **)o->to : NULL;
+}
+
+static bool same_place(const char *a, const char *b) {
+  return strcmp(a, b) == 0 || (base_out_is_stdout(a) && base_out_is_stdout(b));
+}
+
+/* Of two files under one name one would be lost. */
+static base_status check_outputs(const arg_table *t, base_error *err) {
+  for (int i = 0; i < t->n_option; i++) {
+    const char *one = output_of(&t->option[i]);
+    for (int k = 0; one != NULL && k < i; k++) {
+      const char *other = output_of(&t->option[k]);
+      if (other != NULL && same_place(one, other)) {
+        return BASE_FAIL(err, BASE_EINVAL, "%s and %s write to the same place, %s",
+                         t->option[k].name, t->option[i].name, one);
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+bool args_take_stdout(const arg_table *t) {
+  for (int i = 0; i < t->n_option; i++) {
+    const char *path = output_of(&t->option[i]);
+    if (path != NULL && base_out_is_stdout(path)) {
+      return true;
+    }
+  }
+  return false;
+}
+
 base_status args_parse(const arg_table *t, int argc, char **argv, const char **positional,
                        int *n_positional, base_error *err) {
   *n_positional = 0;
   BASE_TRY(take_environment(t, err));
+  bool ended = false; /* no options behind a -- */
   for (int i = 0; i < argc; i++) {
-    const bool option = strncmp(argv[i], "--", 2) == 0;
+    const bool option = !ended && strncmp(argv[i], "--", 2) == 0;
+    if (option && argv[i][2] == '\0') {
+      ended = true;
+      continue;
+    }
     if (!option && *n_positional == t->max_positional) {
       return BASE_FAIL(err, BASE_EINVAL, "'%s': unexpected argument", argv[i]);
     }
@@ -155,5 +207,5 @@ base_status args_parse(const arg_table *t, int argc, char **argv, const char **p
   if (*n_positional < t->min_positional) {
     return BASE_FAIL(err, BASE_EINVAL, "%s is missing", t->positional_name);
   }
-  return BASE_OK;
+  return check_outputs(t, err);
 }

@@ -8,7 +8,8 @@
 #include <stdbool.h>
 
 typedef enum arg_kind {
-  ARG_TEXT,    /* const char * */
+  ARG_TEXT, /* const char * */
+  ARG_OUTPUT, /* const char *: a file to be written, as base_out_open takes it; - is standard output */
   ARG_FLAG,    /* bool */
   ARG_REAL,    /* double */
   ARG_INT,     /* int */
@@ -36,9 +37,14 @@ typedef struct arg_table {
   const char *positional_name; /* for messages: "PROBLEM" */
 } arg_table;
 
-/* Fills the options and up to max_positional positional arguments (views into argv). */
+/* Fills the options and up to max_positional positional arguments (views into argv). Behind a -- all are
+ * positional. BASE_EINVAL names the culprit, and the option that it was probably meant for; also where
+ * two options write to the same place. */
 base_status args_parse(const arg_table *t, int argc, char **argv, const char **positional,
                        int *n_positional, base_error *err);
+
+/* Does an option of the table write to standard output? What would stand there goes to stderr. */
+bool args_take_stdout(const arg_table *t);
 
 bool args_seconds(const char *text, double *seconds);
 bool args_bytes(const char *text, double *bytes);

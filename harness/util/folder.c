@@ -1,5 +1,7 @@
 #include "harness/util/folder.h"
 
+#include "lcp/base/output.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,6 +12,9 @@ base_status folder_make(const char *path, base_error *err) {
   if (path[0] == '\0' || strlen(path) >= sizeof part) {
     return BASE_FAIL(err, BASE_EINVAL, "folder '%.80s': need a name of 1 to %zu characters", path,
                      sizeof part - 1);
+  }
+  if (base_out_is_stdout(path)) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: is standard output; need a folder (./- is one)", path);
   }
   (void)snprintf(part, sizeof part, "%s", path);
   for (char *at = part + 1; *at != '\0'; at++) {

@@ -2,13 +2,21 @@
  * digits, NaN and Inf as null (never as a number). */
 #pragma once
 
+#include "lcp/base/printable.h"
+
 #include <jansson.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
 
+/* Text that is not UTF-8, as a file name may be, is written with \xHH (base_printable). */
 static inline void json_out_text(json_t *o, const char *key, const char *value) {
-  (void)json_object_set_new(o, key, value != NULL ? json_string(value) : json_null());
+  char shown[4096];
+  json_t *text = (value != NULL) ? json_string(value) : json_null();
+  if (text == NULL) {
+    text = json_string(base_printable(value, shown, sizeof shown));
+  }
+  (void)json_object_set_new(o, key, text);
 }
 static inline void json_out_real(json_t *o, const char *key, double value) {
   (void)json_object_set_new(o, key, isfinite(value) ? json_real(value) : json_null());

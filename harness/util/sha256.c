@@ -1,6 +1,7 @@
 #include "harness/util/sha256.h"
 
-#include <errno.h>
+#include "lcp/base/input.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -91,10 +92,8 @@ void sha256_end(sha256 *s, char hex[SHA256_HEX]) {
 }
 
 base_status sha256_file(const char *path, char hex[SHA256_HEX], base_error *err) {
-  FILE *from = fopen(path, "rb");
-  if (from == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
+  FILE *from;
+  BASE_TRY(base_in_open(path, &from, err));
   sha256 s;
   sha256_begin(&s);
   unsigned char chunk[65536];

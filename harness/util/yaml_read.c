@@ -1,15 +1,14 @@
 #include "harness/util/yaml_read.h"
 
-#include <errno.h>
+#include "lcp/base/input.h"
+
 #include <stdio.h>
 #include <string.h>
 
 base_status yaml_file_open(const char *path, yaml_file *out, base_error *err) {
   *out = (yaml_file){.path = path};
-  FILE *from = fopen(path, "r");
-  if (from == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
+  FILE *from;
+  BASE_TRY(base_in_open(path, &from, err)); /* libyaml knows every byte-order mark */
   yaml_parser_t parser;
   if (!yaml_parser_initialize(&parser)) {
     (void)fclose(from);
@@ -68,6 +67,11 @@ static bool given_before(yaml_file *f, const yaml_node_t *map, const yaml_node_p
   return false;
 }
 
+bool yaml_is(yaml_file *f, const char *key, const char *name) {
+  base_nearest_offer(&f->near, name);
+  return strcmp(key, name) == 0;
+}
+
 base_status yaml_members(yaml_file *f, yaml_node_t *map, const char *what, yaml_take take,
                          void *ctx, base_error *err) {
   if (map->type != YAML_MAPPING_NODE) {
@@ -83,10 +87,13 @@ base_status yaml_members(yaml_file *f, yaml_node_t *map, const char *what, yaml_
     if (given_before(f, map, p, name)) {
       return yaml_fail(f, key, name, "is given twice", err);
     }
+    f->near = base_nearest_to(name, strlen(name));
     const base_status done = take(ctx, f, name, value, err);
     if (done == BASE_EUNSUPPORTED) {
-      char rule[120];
-      (void)snprintf(rule, sizeof rule, "unknown key in %.60s", what);
+      char rule[120 + BASE_NEAREST_HINT];
+      char hint[BASE_NEAREST_HINT];
+      (void)snprintf(rule, sizeof rule, "unknown key in %.60s%s", what,
+                     base_nearest_hint(&f->near, hint));
       return yaml_fail(f, key, name, rule, err);
     }
     BASE_TRY(done);

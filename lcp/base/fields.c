@@ -1,5 +1,7 @@
 #include "lcp/base/fields.h"
 
+#include "lcp/base/nearest.h"
+
 #include <errno.h>
 #include <limits.h>
 #include <math.h>
@@ -117,18 +119,23 @@ base_status base_fields_set(const base_field *f, int nf, void *opt, const char *
     }
     const int index = word_index(f[i].words, text);
     if (index < 0) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need one of %s", name, text, f[i].words);
+      char hint[BASE_NEAREST_HINT];
+      return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need one of %s%s", name, text, f[i].words,
+                       base_nearest_word(text, f[i].words, hint));
     }
     store(&f[i], opt, index);
     return BASE_OK;
   }
   char known[240] = "";
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(name, strlen(name));
   for (int i = 0; i < nf; i++) {
+    base_nearest_offer(&near, f[i].name);
     const size_t used = strlen(known);
     (void)snprintf(known + used, sizeof known - used, "%s%s", i > 0 ? ", " : "", f[i].name);
   }
-  return BASE_FAIL(err, BASE_EINVAL, "unknown option '%s': known are %s", name,
-                   nf > 0 ? known : "none");
+  return BASE_FAIL(err, BASE_EINVAL, "unknown option '%s'%s known are %s", name,
+                   base_nearest_hint(&near, hint)[0] != '\0' ? hint : ":", nf > 0 ? known : "none");
 }
 
 base_status base_fields_parse(const base_field *f, int nf, void *opt, const char *text,

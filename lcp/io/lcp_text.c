@@ -1,5 +1,7 @@
 #include "lcp/io/lcp_text.h"
 
+#include "lcp/base/input.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -7,14 +9,12 @@
 #include <string.h>
 
 static base_status read_all(FILE *f, lcp_text *t, base_error *err) {
-  if (fseek(f, 0, SEEK_END) != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: not a regular file", t->path);
+  const long from = ftell(f); /* behind a byte-order mark */
+  const long end = (from >= 0 && fseek(f, 0, SEEK_END) == 0) ? ftell(f) : -1;
+  if (end < from || end - from > 0x7fffffffL || fseek(f, from, SEEK_SET) != 0) {
+    return BASE_FAIL(err, BASE_EIO, "%s: need a file of at most 2 GiB", t->path);
   }
-  const long size = ftell(f);
-  if (size < 0 || size > 0x7fffffffL || fseek(f, 0, SEEK_SET) != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: need a regular file of at most 2 GiB", t->path);
-  }
-  t->size = (size_t)size;
+  t->size = (size_t)(end - from);
   t->data = malloc(t->size + 1);
   if (t->data == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %zu bytes", t->path, t->size);
@@ -32,10 +32,8 @@ static base_status read_all(FILE *f, lcp_text *t, base_error *err) {
 
 base_status lcp_text_open(lcp_text *t, const char *path, base_error *err) {
   *t = (lcp_text){.path = path, .line = 1};
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
+  FILE *f;
+  BASE_TRY(base_in_text(path, &f, err));
   const base_status s = read_all(f, t, err);
   (void)fclose(f);
   if (s != BASE_OK) {

@@ -1,5 +1,6 @@
 /* read_mtx.c - Matrix Market files (Boisvert, Pozo & Remington 1996): real or integer, coordinate or
  * array, general, symmetric or skew-symmetric. Duplicate coordinate entries are refused. */
+#include "lcp/base/output.h"
 #include "lcp/io/lcp_read.h"
 #include "lcp/io/lcp_text.h"
 
@@ -229,19 +230,13 @@ base_status lcp_read_mtx_vector(const char *path, int n, double *x, base_error *
 }
 
 base_status lcp_write_mtx_vector(const char *path, int n, const double *x, base_error *err) {
-  FILE *f = fopen(path, "w");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
-  }
-  (void)fprintf(f, "%%%%MatrixMarket matrix array real general\n%d 1\n", n);
+  base_out f;
+  BASE_TRY(base_out_open(&f, path, err));
+  (void)fprintf(f.to, "%%%%MatrixMarket matrix array real general\n%d 1\n", n);
   for (int i = 0; i < n; i++) {
-    (void)fprintf(f, "%.17g\n", x[i]);
+    (void)fprintf(f.to, "%.17g\n", x[i]);
   }
-  const int failed = ferror(f);
-  if (fclose(f) != 0 || failed != 0) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written to the end", path);
-  }
-  return BASE_OK;
+  return base_out_close(&f, true, err);
 }
 
 static base_status read_q(const char *path, lcp_file_problem *out, base_error *err) {

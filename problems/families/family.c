@@ -1,6 +1,7 @@
 #include "problems/families/family.h"
 
 #include "family_list.h"
+#include "lcp/base/nearest.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -39,6 +40,20 @@ static base_status build(const lcp_family *f, const char *parameters, known_lcp 
   return (status == BASE_OK) ? lcp_problem_check(&out->p, err) : status;
 }
 
+base_status lcp_family_unknown(const char *name, base_error *err) {
+  char hint[BASE_NEAREST_HINT];
+  int count;
+  const lcp_family *const *families = lcp_families(&count);
+  base_nearest near = base_nearest_to(name, strlen(name));
+  for (int i = 0; i < count; i++) {
+    base_nearest_offer(&near, families[i]->name);
+  }
+  return BASE_FAIL(err, BASE_EINVAL,
+                   "unknown problem '%.100s': need one of `lcpbench list problems` or a file .dat, "
+                   ".mtx, .hdf5%s",
+                   name, base_nearest_hint(&near, hint));
+}
+
 base_status lcp_family_load(const char *text, known_lcp *out, base_error *err) {
   char name[64] = "";
   memset(out, 0, sizeof *out);
@@ -49,9 +64,7 @@ base_status lcp_family_load(const char *text, known_lcp *out, base_error *err) {
   }
   const lcp_family *f = lcp_family_find(name);
   if (f == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "unknown problem '%.*s': need one of `lcpbench list problems` or a file",
-                     (int)(len < 60 ? len : 60), text);
+    return lcp_family_unknown(len < sizeof name ? name : text, err);
   }
   base_error inner = {0};
   const base_status status = build(f, text[len] == ':' ? text + len + 1 : NULL, out, &inner);

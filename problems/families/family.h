@@ -19,6 +19,9 @@ typedef struct lcp_family {
 const lcp_family *const *lcp_families(int *count);
 const lcp_family *lcp_family_find(const char *name);
 
+/* The failure where lcp_family_find has none, with the nearest name. */
+base_status lcp_family_unknown(const char *name, base_error *err);
+
 /* "NAME" or "NAME:par=val,..." into a problem that passes lcp_problem_check; free with
  * known_lcp_free (nothing to free on failure). */
 base_status lcp_family_load(const char *text, known_lcp *out, base_error *err);

@@ -1,5 +1,6 @@
 /* FCLIB's HDF5 layout (FIELD E), matrices as triplets with
  * x[k] at row i[k], column p[k]. */
+#include "lcp/base/output.h"
 #include "problems/import/friction_problem.h"
 
 #include <hdf5.h>
@@ -109,11 +110,13 @@ base_status friction_write_fclib(const char *path, const friction_problem *p, ba
   if (p->rows == 5 && !p->global) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: FCLIB has no local rolling problems", path);
   }
+  base_out out;
+  BASE_TRY(base_out_open_regular(&out, path, err));
   H5E_auto2_t print;
   void *data;
   (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
-  target t = {H5Fcreate(path, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+  target t = {H5Fcreate(out.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
               H5Pcreate(H5P_DATASET_CREATE), false};
   t.failed = t.dataset < 0 || H5Pset_obj_track_times(t.dataset, false) < 0;
   if (t.file >= 0) {
@@ -123,7 +126,8 @@ base_status friction_write_fclib(const char *path, const friction_problem *p, ba
   (void)H5Pclose(t.dataset);
   (void)H5Eset_auto2(H5E_DEFAULT, print, data);
   if (t.file < 0 || t.failed) {
+    (void)base_out_close(&out, false, NULL);
     return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);
   }
-  return BASE_OK;
+  return base_out_close(&out, true, err);
 }

@@ -1,10 +1,7 @@
 /* Siconos' text: dense where every entry is stored, CSparse' triplet printout elsewhere, with 17
  * digits so that it reads back to the same bits. */
+#include "lcp/base/output.h"
 #include "problems/import/friction_problem.h"
-
-#include <errno.h>
-#include <stdio.h>
-#include <string.h>
 
 static void print_vector(FILE *f, const double *x, int n) {
   for (int i = 0; i < n; i++) {
@@ -45,10 +42,9 @@ base_status friction_write_siconos(const char *path, const friction_problem *p, 
         "rows here",
         path, n);
   }
-  FILE *f = fopen(path, "wb");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
-  }
+  base_out out;
+  BASE_TRY(base_out_open(&out, path, err));
+  FILE *f = out.to;
   (void)fprintf(f, "%d\n%d\n", p->rows, p->n_contact);
   print_matrix(f, p->global ? &p->M : &p->W);
   if (p->global) {
@@ -60,9 +56,5 @@ base_status friction_write_siconos(const char *path, const friction_problem *p, 
   if (p->rows == 5) {
     print_vector(f, p->mu_r, p->n_contact);
   }
-  const bool failed = ferror(f) != 0;
-  if (fclose(f) != 0 || failed) {
-    return BASE_FAIL(err, BASE_EIO, "%s: could not be written: %s", path, strerror(errno));
-  }
-  return BASE_OK;
+  return base_out_close(&out, true, err);
 }

@@ -1,5 +1,6 @@
 #include "problems/import/import.h"
 
+#include "lcp/base/input.h"
 #include "lcp/io/lcp_read.h"
 
 #include <stdio.h>
@@ -24,14 +25,13 @@ base_status import_detect(const char *path, import_kind *kind, base_error *err) 
   unsigned char head[8] = {0};
   long x[5] = {-1, -1, -1, -1, -1};
   *kind = IMPORT_UNKNOWN;
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
-  }
+  FILE *f;
+  BASE_TRY(base_in_text(path, &f, err));
+  const long from = ftell(f);
   const size_t got = fread(head, 1, sizeof head, f);
   if (got == sizeof head && memcmp(head, "\x89HDF\r\n\x1a\n", sizeof head) == 0) {
     *kind = IMPORT_FCLIB;
-  } else if (fseek(f, 0, SEEK_SET) == 0) {
+  } else if (from >= 0 && fseek(f, from, SEEK_SET) == 0) {
     int count = 0;
     while (count < 5 &&
            fscanf(f, "%9ld", &x[count]) == 1 /* NOLINT(cert-err34-c): nine digits fit */) {

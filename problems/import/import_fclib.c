@@ -1,6 +1,7 @@
 /* FCLIB's HDF5 files (FIELD E): /fclib_local, /fclib_global or /fclib_global_rolling with matrices
  * in triplet (nz >= 0: x[k] at row i[k], column p[k]), column (nz = -1) or row (-2) form. Stored
  * solutions are zeros in practice and are not read. */
+#include "lcp/base/input.h"
 #include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
 #include "problems/import/survives.h"
@@ -347,10 +348,8 @@ static void try_reading(void *ctx) {
 
 /* HDF5 does not say why a file cannot be opened. */
 static base_status size_of(const char *path, size_t *bytes, base_error *err) {
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
-  }
+  FILE *f;
+  BASE_TRY(base_in_open(path, &f, err));
   const long end = (fseek(f, 0, SEEK_END) == 0) ? ftell(f) : 0;
   (void)fclose(f);
   *bytes = (end > 0) ? (size_t)end : 0;

@@ -1,5 +1,7 @@
 #include "problems/read/node.h"
 
+#include "lcp/base/nearest.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -41,7 +43,8 @@ base_status node_keys(const node *n, const char *known) {
   while (iter != NULL) {
     const char *key = json_object_iter_key(iter);
     if (word_index(known, key) < 0) {
-      return BAD("%s: unknown key '%.40s'", n->where, key);
+      char hint[BASE_NEAREST_HINT];
+      return BAD("%s: unknown key '%.40s'%s", n->where, key, base_nearest_word(key, known, hint));
     }
     iter = json_object_iter_next(n->v, iter);
   }
@@ -157,7 +160,9 @@ base_status node_choice(const node *n, const char *key, const char *words, int *
   BASE_TRY(node_text(n, key, text, sizeof text));
   const int index = word_index(words, text);
   if (index < 0) {
-    return BAD("%s: %s '%s': need one of %s", n->where, key, text, words);
+    char hint[BASE_NEAREST_HINT];
+    return BAD("%s: %s '%s': need one of %s%s", n->where, key, text, words,
+               base_nearest_word(text, words, hint));
   }
   *out = index;
   return BASE_OK;

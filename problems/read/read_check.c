@@ -1,4 +1,5 @@
 /* What must come out: checks and switched-off answers of the case format. */
+#include "lcp/base/nearest.h"
 #include "problems/read/read_scene.h"
 
 #include <math.h>
@@ -99,13 +100,17 @@ static base_status find_kind(const node *n, spec_check_kind *kind) {
   char type[48];
   BASE_TRY(node_need(n, "type"));
   BASE_TRY(node_text(n, "type", type, sizeof type));
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(type, strlen(type));
   for (int k = 0; k < CHECK_COUNT; k++) {
-    if (strcmp(type, spec_check_name((spec_check_kind)k)) == 0) {
+    const char *name = spec_check_name((spec_check_kind)k);
+    if (strcmp(type, name) == 0) {
       *kind = (spec_check_kind)k;
       return BASE_OK;
     }
+    base_nearest_offer(&near, name);
   }
-  return BAD(n, "%s: unknown check type '%s'", n->where, type);
+  return BAD(n, "%s: unknown check type '%s'%s", n->where, type, base_nearest_hint(&near, hint));
 }
 
 base_status read_check(scene_spec *s, json_t *v, int index, base_error *err) {

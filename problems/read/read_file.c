@@ -1,5 +1,6 @@
 /* Files into JSON trees; YAML is mapped onto the same tree, so that one reader serves both. */
 #include "lcp/base/fields.h"
+#include "lcp/base/input.h"
 #include "problems/read/node.h"
 
 #include <stdio.h>
@@ -191,24 +192,19 @@ static bool ends_with(const char *text, const char *end) {
 }
 
 static base_status read_open(FILE *f, const char *path, json_t **out, base_error *err) {
-  if (fseek(f, 0, SEEK_END) != 0) {
-    return BASE_FAIL(err, BASE_EIO, "not a regular file");
-  }
-  const long size = ftell(f);
-  if (size < 0 || size > FILE_MAX) {
+  const long from = ftell(f); /* behind a byte-order mark */
+  const long size = (from >= 0 && fseek(f, 0, SEEK_END) == 0) ? ftell(f) : -1;
+  if (size < 0 || size > FILE_MAX || fseek(f, from, SEEK_SET) != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "size of %ld bytes, need at most %d", size, FILE_MAX);
   }
-  rewind(f);
   const bool yaml = ends_with(path, ".yaml") || ends_with(path, ".yml");
   return yaml ? read_yaml(f, out, err) : read_json(f, out, err);
 }
 
 base_status node_read_file(const char *path, json_t **out, base_error *err) {
   *out = NULL;
-  FILE *f = fopen(path, "rb");
-  if (f == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%s: cannot be opened", path);
-  }
+  FILE *f;
+  BASE_TRY(base_in_text(path, &f, err));
   base_error inner = {0};
   const base_status status = read_open(f, path, out, &inner);
   (void)fclose(f); /* read only */

@@ -1,12 +1,14 @@
 /* Scene files and the scenes of case files. */
 #include "problems/read/scene_file.h"
 
+#include "lcp/base/nearest.h"
 #include "problems/read/read_list.h"
 #include "problems/read/read_scene.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static base_status read_checked(json_t *v, scene_spec *s, base_error *err) {
   base_status status = read_scene(v, s, err);
@@ -128,14 +130,18 @@ static base_status pick_scene(scene_file *f, const char *path, const char *id, s
     return BASE_FAIL(err, BASE_EINVAL, "%s: holds %d scenes; pick one with '%s#ID'", path,
                      f->n_scene, path);
   }
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(id != NULL ? id : "", BASE_NEAREST_WORD);
   for (int i = 0; i < f->n_scene; i++) {
+    base_nearest_offer(&near, f->scene[i].id);
     if (id == NULL || strcmp(f->scene[i].id, id) == 0) {
       *out = f->scene[i];
       f->scene[i] = f->scene[--f->n_scene];
       return BASE_OK;
     }
   }
-  return BASE_FAIL(err, BASE_EINVAL, "%s: no scene '%s' in it", path, id);
+  return BASE_FAIL(err, BASE_EINVAL, "%s: no scene '%s' in it%s", path, id,
+                   base_nearest_hint(&near, hint));
 }
 
 static base_status load_file(const char *path, const char *id, scene_spec *out, base_error *err) {
@@ -146,21 +152,24 @@ static base_status load_file(const char *path, const char *id, scene_spec *out, 
   return status;
 }
 
-/* Texts with a slash or an ending of a scene file are paths. */
-static bool is_path(const char *text) {
+bool scene_is_file(const char *text) {
   return strchr(text, '/') != NULL || strstr(text, ".json") != NULL ||
          strstr(text, ".yaml") != NULL || strstr(text, ".yml") != NULL;
 }
 
+void scene_file_split(const char *text, char *path, size_t cap, const char **id) {
+  const char *hash = (access(text, F_OK) != 0) ? strrchr(text, '#') : NULL;
+  *id = (hash != NULL) ? hash + 1 : NULL;
+  (void)snprintf(path, cap, "%.*s", (int)(hash != NULL ? (size_t)(hash - text) : strlen(text)),
+                 text);
+}
+
 base_status scene_load(const char *text, scene_spec *out, base_error *err) {
   char path[1024];
-  if (strlen(text) >= sizeof path || !is_path(text)) {
+  const char *id;
+  if (strlen(text) >= sizeof path || !scene_is_file(text)) {
     return scene_build(text, out, err);
   }
-  memcpy(path, text, strlen(text) + 1);
-  char *hash = strrchr(path, '#');
-  if (hash != NULL) {
-    *hash = '\0';
-  }
-  return load_file(path, hash != NULL ? hash + 1 : NULL, out, err);
+  scene_file_split(text, path, sizeof path, &id);
+  return load_file(path, id, out, err);
 }

@@ -1,5 +1,6 @@
 #include "problems/scenes/scene.h"
 
+#include "lcp/base/nearest.h"
 #include "scene_list.h"
 
 #include <stdio.h>
@@ -36,6 +37,18 @@ const char *scene_situation_name(scene_situation s) {
 const char *scene_situation_words(scene_situation s) {
   static const char *const plain[] = {"", SCENE_SITUATIONS(WORDS_)};
   return plain[s];
+}
+
+base_status scene_unknown(const char *name, base_error *err) {
+  char hint[BASE_NEAREST_HINT];
+  base_nearest near = base_nearest_to(name, strlen(name));
+  for (int i = 0; all[i] != NULL; i++) {
+    base_nearest_offer(&near, all[i]->name);
+  }
+  return BASE_FAIL(err, BASE_EINVAL,
+                   "unknown scene '%.100s': need one of `lcpbench list scenes` or a .json or .yaml "
+                   "file%s",
+                   name, base_nearest_hint(&near, hint));
 }
 
 static base_status build_named(const scene *sc, const char *parameters, scene_spec *out,
@@ -76,10 +89,7 @@ base_status scene_build(const char *text, scene_spec *out, base_error *err) {
   }
   const scene *sc = scene_find(head);
   if (sc == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "unknown scene '%s': need one of `lcpbench list scenes` or a .json or .yaml "
-                     "file",
-                     head);
+    return scene_unknown(head, err);
   }
   return build_named(sc, colon != NULL ? colon + 1 : NULL, out, err);
 }

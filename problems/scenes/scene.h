@@ -39,5 +39,8 @@ typedef struct scene {
 const scene *const *scenes(int *count);
 const scene *scene_find(const char *name);
 
+/* The failure where scene_find has none, with the nearest name. */
+base_status scene_unknown(const char *name, base_error *err);
+
 /* "NAME:par=val,..." into a checked spec, which the caller frees. BASE_EINVAL: unknown name or parameter. */
 base_status scene_build(const char *text, scene_spec *out, base_error *err);

@@ -1,5 +1,8 @@
 #include "problems/spec/effects.h"
 
+#include "lcp/base/nearest.h"
+
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -50,9 +53,16 @@ base_status effects_override(unsigned declared, const char *spec, unsigned *out,
     const size_t len = strcspn(spec, ",");
     const int bit = (len > 1) ? find_effect(spec + 1, len - 1) : -1;
     if ((*spec != '-' && *spec != '+') || bit < 0) {
+      char hint[BASE_NEAREST_HINT];
+      const bool sign = *spec == '-' || *spec == '+';
+      base_nearest near = base_nearest_to(spec + (sign ? 1 : 0), len - (sign ? 1 : 0));
+      for (int i = 0; i < EFFECT_COUNT; i++) {
+        base_nearest_offer(&near, names[i]);
+      }
+      base_nearest_offer_words(&near, sign ? "" : "declared|all");
       return BASE_FAIL(err, BASE_EINVAL,
-                       "effects '%.*s': need declared, all, or -NAME/+NAME of a known effect",
-                       (int)len, spec);
+                       "effects '%.*s': need declared, all, or -NAME/+NAME of a known effect%s",
+                       (int)len, spec, base_nearest_hint(&near, hint));
     }
     *out = (*spec == '+') ? *out | (1u << bit) : *out & ~(1u << bit);
     spec += len + (spec[len] == ',');

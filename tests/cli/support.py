@@ -41,9 +41,9 @@ def run_json(*args, **kw):
     return json.loads(run(*args, **kw).stdout)
 
 
-def one_line_error(*args, names=(), exe=LCPBENCH):
-    """Bad input: exit 2, nothing on stdout, one line on stderr that names the culprit."""
-    done = run(*args, exe=exe, code=2)
+def one_line_error(*args, names=(), exe=LCPBENCH, timeout=20):
+    """Bad input: exit 2 at once, nothing on stdout, one line on stderr that names the culprit."""
+    done = run(*args, exe=exe, code=2, timeout=timeout)
     lines = done.stderr.strip().splitlines()
     assert len(lines) == 1, f"{args}: want one line on stderr, got {lines}"
     assert done.stdout == "", f"{args}: wrote to stdout: {done.stdout[:100]}"

@@ -276,7 +276,6 @@ def limited(words, size, why="File too large"):
     """Runs lcpbench where no file may grow beyond size bytes: a full disk, as far as it can tell."""
 
     def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
 
     env = dict(os.environ, OPENBLAS_NUM_THREADS="1")
@@ -286,7 +285,6 @@ def limited(words, size, why="File too large"):
         text=True,
         env=env,
         preexec_fn=limit,
-        restore_signals=False,
         timeout=60,
     )
     lines = done.stderr.strip().splitlines()

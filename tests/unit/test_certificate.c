@@ -190,7 +190,7 @@ static void rows_without_diagonal_are_weighed(void **state) {
   const lcp_certificate_file f = {.kind = LCP_CERT_BASIS, .n = 3, .basis = basis, .vector = z};
   lcp_certificate_verdict v;
   base_error err = {0};
-  check_ok(lcp_certificate_verify(&p, &f, &v, &err), &err);
+  check_ok(lcp_certificate_file_verify(&p, &f, &v, &err), &err);
   assert_true(v.residual <= 1e-9);
   assert_false(v.holds);
 }

@@ -1,0 +1,18 @@
+/* harness/util/shell.h - words of a POSIX shell's command line that fit in one line of a file.
+ *
+ * A word is put between single quotes, a quote in it as '\''. A word with a control character becomes
+ * "$(printf '...')" with octal escapes, which every POSIX shell turns back into the same bytes. */
+#pragma once
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* Can it be written so? Not where it ends with a line break, which $(...) drops. */
+bool shell_can_quote(const char *word);
+
+/* Writes the word, quoted, into buf[cap] and returns the length it needs, as snprintf does. */
+size_t shell_quote(const char *word, char *buf, size_t cap);
+
+/* Takes such a line apart in place: at most cap - 1 words and a NULL; returns their number. Words that
+ * shell_quote wrote, and plain ones between spaces, come out as they went in. */
+int shell_split(char *text, char **word, int cap);
