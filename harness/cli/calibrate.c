@@ -32,7 +32,10 @@ static base_status one_run(search *s, double h, double *error, double *seconds, 
   sim_result r;
   sim_request q = s->task->request;
   q.h = h;
-  const base_status done = simulate(&q, &record, &r, err);
+  base_status done = simulate(&q, &record, &r, err);
+  if (done == BASE_OK && r.status == RUN_UNSUPPORTED) { /* no other parameter will change that */
+    done = BASE_FAIL(err, BASE_EUNSUPPORTED, "calibrate: %.300s", r.note);
+  }
   if (done == BASE_OK) {
     prediction_summary p;
     predictions_summarise(&q, &record, &r, &p);

@@ -1,8 +1,10 @@
 /* lcpbench calibrate: the regularisation of one scene that reaches an error in the least time. */
 #include "harness/cli/calibrate.h"
 #include "harness/cli/cli.h"
+#include "harness/measure/predictions.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/shell.h"
 #include "problems/read/scene_file.h"
 
 #include <string.h>
@@ -74,9 +76,10 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
   BASE_TRY(solver_choose(o->solver != NULL ? o->solver : "lemke", &c->solver, err));
   BASE_TRY(scene_load(text, &c->spec, err));
   BASE_TRY(positive("--error", o->error, &t->level, err));
-  t->first = 0.05;
+  t->first = fmin(0.05, c->spec.duration);
   if (o->step != NULL) {
     BASE_TRY(positive("--step", o->step, &t->first, err));
+    BASE_TRY(sim_check_times(t->first, c->spec.duration, err));
   }
   const char *yardstick = (o->yardstick != NULL) ? o->yardstick : "trajectory";
   if (strcmp(yardstick, "trajectory") != 0 && strcmp(yardstick, "physical") != 0) {
@@ -94,6 +97,12 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
                              .effects = c->spec.effects,
                              .duration = c->spec.duration,
                              .start = FORM_COLD};
+  if (t->yardstick == CALIBRATE_TRAJECTORY && !prediction_exists(&t->request)) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "%.200s: predicts nothing to calibrate against; --yardstick physical needs no "
+                     "prediction",
+                     text);
+  }
   return choose_parameters(c, err);
 }
 
@@ -102,16 +111,18 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
 /* The command of a point, with every option that the search ran with. */
 static base_status command_of(calibration *c, const calibrate_point *p, char *buf, size_t cap,
                               base_error *err) {
+  char text[4 * 1024 + 64]; /* every letter escaped */
   BASE_TRY(calibrate_set(&c->task, p->x, err));
+  (void)shell_quote(c->text, text, sizeof text);
   (void)snprintf(
-      buf, cap, "lcpbench simulate '%s' --formulation '%s:%s' --solver '%s:%s' --step '%.17g'",
-      c->text, c->form.form->name, c->form.config, c->solver.solver->name, c->solver.config, p->h);
+      buf, cap, "lcpbench simulate %s --formulation '%s:%s' --solver '%s:%s' --step '%.17g'", text,
+      c->form.form->name, c->form.config, c->solver.solver->name, c->solver.config, p->h);
   return BASE_OK;
 }
 
 static base_status put_point(json_t *o, const char *key, calibration *c, const calibrate_point *p,
                              base_error *err) {
-  char command[2 * CHOICE_CONFIG + 600];
+  char command[2 * CHOICE_CONFIG + 4 * 1024 + 300];
   BASE_TRY(command_of(c, p, command, sizeof command, err));
   json_t *one = json_object();
   for (int i = 0; i < 2; i++) {

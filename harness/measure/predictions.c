@@ -82,6 +82,10 @@ static const spec_check *reference_of(const sim_request *q) {
   return NULL;
 }
 
+bool prediction_exists(const sim_request *q) {
+  return reference_of(q) != NULL;
+}
+
 static void measure(const sim_request *q, const check_context *ctx, prediction_summary *out) {
   const spec_check *c = reference_of(q);
   check_result one;

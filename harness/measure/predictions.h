@@ -26,6 +26,9 @@ typedef struct prediction_summary {
  * duration. */
 bool prediction_applies(const sim_request *q, int i);
 
+/* Does the scene have a reference quantity for this run (prediction_summary)? */
+bool prediction_exists(const sim_request *q);
+
 check_context prediction_context(const sim_request *q, const series *record, const sim_result *r);
 
 void predictions_summarise(const sim_request *q, const series *record, const sim_result *r,

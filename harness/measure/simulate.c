@@ -169,6 +169,21 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
   return BASE_OK;
 }
 
+base_status sim_check_times(double h, double duration, base_error *err) {
+  if (!(h > 0.0) || !(duration > 0.0) || !isfinite(h) || !isfinite(duration)) {
+    return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need step and duration above 0", h,
+                     duration);
+  }
+  if (h > duration * (1.0 + SIM_LAST_STEP)) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "step %g s: is longer than the run of %g s", h,
+                     duration);
+  }
+  return (duration / h <= 2e9)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need at most 2e9 steps", h,
+                         duration);
+}
+
 /* ---- the whole --------------------------------------------------------------------------------*/
 
 static void summarise(sim *s, const series *record) {
@@ -203,7 +218,7 @@ static base_status run_opened(sim *s, series *record, base_error *err) {
   sim_result *r = s->out;
   BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
-  r->steps_planned = lround(ceil(q->duration / q->h - 1e-9));
+  r->steps_planned = lround(ceil(q->duration / q->h - SIM_LAST_STEP));
   BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
   BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
   BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
@@ -229,11 +244,7 @@ base_status simulate(const sim_request *q, series *record, sim_result *out, base
                       .finite = true,
                       .stiffness_ratio = HUGE_VAL};
   out->hash = SIM_HASH_START;
-  if (!(q->h > 0.0) || !(q->duration > 0.0) || q->duration / q->h > 2e9) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "step %g s over %g s: need step and duration above 0, and at most 2e9 steps",
-                     q->h, q->duration);
-  }
+  BASE_TRY(sim_check_times(q->h, q->duration, err));
   sim s = {.q = q, .out = out, .order.seed = q->contact_order};
   const base_status done = run_opened(&s, record, err);
   lcp_instance_close(s.instance);

@@ -74,6 +74,13 @@ typedef struct sim_result {
 
 double sim_total_seconds(const sim_result *r);
 
+/* Of a step this share may lie beyond the end of the run, for the rounding of decimal numbers. */
+#define SIM_LAST_STEP 1e-9 /* [1] */
+
+/* Step h over `duration` [s]: BASE_EINVAL unless both are finite and above 0 and the steps at most 2e9;
+ * BASE_EUNSUPPORTED where the step is longer than the run. */
+base_status sim_check_times(double h, double duration, base_error *err);
+
 /* Runs and records. `record` is opened here and owned by the caller (series_close) whatever is
  * returned. Failure of a solver is a status of the result, an error return is misuse, an
  * unsupported combination included as RUN_UNSUPPORTED with a note. */

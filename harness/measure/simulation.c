@@ -47,6 +47,7 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   *q = (sim_request){.spec = spec, .form = &out->form, .solver = &out->solver};
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
+  BASE_TRY(sim_check_times(q->h, q->duration, err));
   BASE_TRY(start_of(t->start, &q->start, err));
   if (given(t->contact_order)) {
     BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));
