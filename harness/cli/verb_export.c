@@ -46,8 +46,7 @@ static base_status export_problem(const char *problem, const export_options *o, 
     return BASE_FAIL(err, BASE_EINVAL, "--format %s: need mtx, siconos or fclib", o->format);
   }
   struct stat st;
-  if (mtx &&
-      (base_out_is_stdout(o->out) || (stat(o->out, &st) == 0 && !S_ISREG(st.st_mode)))) {
+  if (mtx && (base_out_is_stdout(o->out) || (stat(o->out, &st) == 0 && !S_ISREG(st.st_mode)))) {
     return BASE_FAIL(err, BASE_EINVAL,
                      "--out %s: mtx is two files, PATH.M.mtx and PATH.q.mtx; need a PATH for them",
                      o->out);

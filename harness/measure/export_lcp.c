@@ -93,22 +93,22 @@ base_status export_lcp_text(const lcp_problem *p, const char *path, base_error *
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %d x %d numbers", path, n, n);
   }
   lcp_matrix_to_dense(&p->M, M);
-  FILE *to = fopen(path, "w");
-  bool good = to != NULL;
-  if (good) {
-    if (sets == plain) {
-      (void)fprintf(to, "%d\n", n);
-    } else {
-      print_runs(to, p);
-    }
-    (void)fprintf(to, "0\n%d\n%d\n%d\t%d\n", n, n, n, n); /* dense, and its size twice */
-    print_columns(to, M, n, n);
-    print_columns(to, p->q, n, 1);
-    good = ferror(to) == 0;
-    good = fclose(to) == 0 && good;
+  base_out out;
+  const base_status opened = base_out_open(&out, path, err);
+  if (opened != BASE_OK) {
+    free(M);
+    return opened;
   }
+  if (sets == plain) {
+    (void)fprintf(out.to, "%d\n", n);
+  } else {
+    print_runs(out.to, p);
+  }
+  (void)fprintf(out.to, "0\n%d\n%d\n%d\t%d\n", n, n, n, n); /* dense, and its size twice */
+  print_columns(out.to, M, n, n);
+  print_columns(out.to, p->q, n, 1);
   free(M);
-  return good ? BASE_OK : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
+  return base_out_close(&out, true, err);
 }
 
 /* 2, 3 or 5 rows a contact; 0: no friction problem of this kind. */

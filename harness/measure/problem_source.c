@@ -52,8 +52,8 @@ static base_status open_import(const char *text, int facets, problem_source *out
 
 /* A friction problem's file may have its facets behind it. */
 static bool is_import_text(const char *text) {
-  return problem_is_import(text) || strstr(text, ".dat:") != NULL || strstr(text, ".hdf5:") != NULL ||
-         strstr(text, ".h5:") != NULL;
+  return problem_is_import(text) || strstr(text, ".dat:") != NULL ||
+         strstr(text, ".hdf5:") != NULL || strstr(text, ".h5:") != NULL;
 }
 
 bool problem_is_file(const char *text) {
