@@ -144,6 +144,13 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
   const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
   sim_result *r = s->out;
   s->iterates = !own;
+  if (s->q->spec->model != NULL && (own || (s->q->form->form->model & FORM_CURVED) != 0)) {
+    char text[120];
+    (void)snprintf(text, sizeof text, "%s: needs bodies, the scene has generalised coordinates",
+                   s->q->form->form->name);
+    sim_trouble(s, RUN_UNSUPPORTED, text);
+    return BASE_OK;
+  }
   while (r->steps < r->steps_planned && !hopeless(r->status)) {
     const double from = sim_total_seconds(r);
     base_error why = {0};

@@ -633,6 +633,15 @@ def mechanisms_are_refused_where_they_are_not_simulated(d):
     assert o["status"] == "ok", o["note"]
 
 
+def generalised_coordinates_are_refused_where_bodies_are_needed(d: pathlib.Path) -> None:
+    """These formulations read the state of bodies, which such a scene has not: it ended in a crash."""
+    for formulation in ("event", "penalty", "acceleration"):
+        for scene in ("woodpecker", "slider_crank"):
+            arguments = ("--formulation", formulation, "--solver", "lemke", "--duration", "0.01")
+            o = run_json("simulate", scene, *arguments, code=3)
+            assert o["status"] == "unsupported" and "needs bodies" in o["note"], o["note"]
+
+
 def what_is_not_computed_is_empty(d):
     """A compliant or event-driven step is not held against the cone of a time step: no number, and no 0."""
     cone = ("res_ncp_max", "res_ncp_rel_max", "res_cone_rel_max", "dissipation_gap_max_J")
@@ -687,6 +696,7 @@ tap(
         dimensions_of_the_three_formulations,
         mechanisms_are_refused_where_they_are_not_simulated,
         what_is_not_computed_is_empty,
+        generalised_coordinates_are_refused_where_bodies_are_needed,
         environment_gives_options,
         certificates_are_written,
         export_reads_back,
