@@ -84,6 +84,11 @@ void list_formulation_more(json_t *o, const formulation *f) {
   json_out_text(o, "when", f->when);
   (void)json_object_set_new(o, "apart", apart);
   (void)json_object_set_new(o, "model", model);
+  (void)json_object_set_new(o, "polyhedral", json_boolean(f->model & FORM_CONE_POLYHEDRAL));
+  (void)json_object_set_new(o, "compliant", json_boolean(f->model & FORM_PENALTY));
+  (void)json_object_set_new(o, "normal_only", json_boolean(f->model & FORM_NORMAL_ONLY));
+  (void)json_object_set_new(o, "frictionless", json_boolean(!(f->model & FORM_FRICTION)));
+  (void)json_object_set_new(o, "forces", json_boolean(f->model & FORM_ACCELERATION));
   (void)json_object_set_new(o, "solver", json_boolean(f->sets != 0));
   (void)json_object_set_new(o, "sets", sets_json(f->sets));
 }

@@ -15,8 +15,9 @@ json_t *list_fields_json(const base_field *f, int n);
  * peer (another project's code), sets (of blocks it takes). */
 void list_solver_more(json_t *o, const lcp_solver *s);
 
-/* What a formulation declares beyond its row: words, when, apart (options of which every value is a
- * curve of its own), model (what of Coulomb's law it keeps, in the words of the rows' column), solver
+/* What a formulation declares beyond its row: words and when, apart (options of which every value is a
+ * curve of its own), model (what of Coulomb's law it keeps, in the words of the rows' column), the
+ * same as traits: polyhedral, compliant, normal_only, frictionless, forces (not impulses); solver
  * (whether it poses problems to one), sets (of blocks in them). */
 void list_formulation_more(json_t *o, const formulation *f);
 

@@ -452,7 +452,7 @@ const lcp_solver lcp_solver_lemke = {
     .name = "lemke",
     .title = "Lemke, lexicographic",
     .cite = "lemke1965; cottle1992, 4.4 and 4.9",
-    .words = "Exact, by pivoting along a path from the origin.",
+    .words = "Exact, by pivoting along a path.",
     .when = "Problems with friction up to some thousand unknowns, above all from the last step's "
             "answer; a ray tells where none exists.",
     .sets = 1u << LCP_ORTHANT | 1u << LCP_FREE,

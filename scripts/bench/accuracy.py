@@ -1,11 +1,13 @@
 """What accuracy costs in time: error against time per scene, the Pareto front, the cheapest combination per error."""
 
 import collections
+import itertools
 import math
 
 import numpy as np
 
-from bench import converged, stats
+from bench import converged, registry, stats
+from bench import rows as rows_
 from bench.chart import Chart, Line, Panel
 from bench.paper import variants
 from bench.section import Cell, Section, Table, error, si
@@ -21,35 +23,6 @@ YARDSTICKS = {
     "trajectory": ("err_ref", "error of the trajectory"),
     "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
     "algebraic": ("rho", "residual of the complementarity problem"),
-}
-
-# What a reader comes with, and the scenes of the catalogue that stand for it
-SITUATIONS = {
-    "stack": (
-        "stack",
-        "wall",
-        "pyramid",
-        "card_house",
-        "arch",
-        "sphere_pile",
-        "pile3",
-        "row",
-        "granular_column",
-    ),
-    "grasp": ("gripper", "vise", "wedge", "jam", "capstan"),
-    "sliding": (
-        "slide",
-        "incline",
-        "conveyor",
-        "belt",
-        "plank",
-        "push",
-        "tablecloth",
-        "spin",
-        "oscillator",
-        "ladder",
-    ),
-    "impact": ("bounce", "impact", "drop", "cradle", "rocking", "tip", "slider_crank"),
 }
 
 
@@ -105,10 +78,6 @@ def ties(cells, best, level, column="err_ref"):
         (fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
     ]
     return sorted(set(fit["combination"]) - {best["combination"]})
-
-
-def situation_of(family):
-    return next((s for s, names in SITUATIONS.items() if family in names), "")
 
 
 def scenes(cells):
@@ -203,64 +172,69 @@ def trades(found):
     ]
 
 
-SHORT_FORMS = (
-    "velocity, 4 facets",
-    "velocity, 8 facets",
-    "velocity, 32 facets",
-    "position, 4 facets",
-    "coulomb",
-    "boxed",
-    "penalty (stiffness=1e7)",
-)
+VALUES = 3  # of an option that figures tell apart: the two least and the largest
+
+
+def drawn_values(values):
+    """Which of an option's values are drawn: all where they are few or are words."""
+    if len(values) <= VALUES or not all(v.isdigit() for v in values):
+        return values
+    ranked = sorted(values, key=int)
+    return {*ranked[: VALUES - 1], ranked[-1]}
 
 
 def kept(cells):
-    """For a legible figure: one or two variants per formulation. The table and the page's rows have all of them."""
-    label = cells["label"].where(~cells["formulation"].eq("regularized"), "regularized")
-    label = label.where(
-        ~(
-            cells["formulation"].eq("regularized")
-            & cells["formulation_options"].str.contains("viscous")
-        ),
-        "regularized (viscous)",
-    )
-    some = cells.assign(label=label)
-    return some[some["label"].isin(SHORT_FORMS) | some["formulation"].eq("regularized")]
+    """For a legible figure: a line for each formulation and each value of the options that it tells apart, over all of its other
+    settings. The table and the page's rows have all of them."""
+    given = [
+        {o: v for o, v in rows_.options(text).items() if o in registry.apart(form)}
+        for form, text in zip(cells["formulation"], cells["formulation_options"])
+    ]
+    values = {}
+    for form, options in zip(cells["formulation"], given):
+        for option, value in options.items():
+            values.setdefault((form, option), set()).add(value)
+    values = {key: drawn_values(found) for key, found in values.items()}
+    shown = [
+        all(v in values[form, o] for o, v in options.items())
+        for form, options in zip(cells["formulation"], given)
+    ]
+    labels = [
+        rows_.formulation_label(form, ",".join(f"{o}={v}" for o, v in options.items()))
+        for form, options in zip(cells["formulation"], given)
+    ]
+    return cells.assign(label=labels)[shown]
 
 
-FIRST = [
-    "stack",
-    "gripper",
-    "slide",
-    "incline",
-    "bounce",
-    "drop",
-    "spin",
-    "rocking",
-    "sphere_pile",
-    "granular_column",
-    "slider_crank",
-    "arch",
-    "oscillator",
-    "push",
-]
+def price(cells):
+    """How many times the time of the cheapest point of the front its dearest takes."""
+    fit = usable(cells)
+    cost = fit.iloc[front(fit)]["cost"]
+    return cost.max() / cost.min()
+
+
+def picked(found, most):
+    """Scenes for a figure: the situations in turn, in each those first where accuracy costs most."""
+    queues = {s: [] for s in [*registry.situations(), ""]}
+    for problem, group in sorted(found, key=lambda pg: (-price(pg[1]), pg[0])):
+        queues[registry.situation(group["problem_family"].iloc[0])].append((problem, group))
+    turns = [pg for turn in itertools.zip_longest(*queues.values()) for pg in turn if pg]
+    return sorted(turns[:most], key=lambda pg: pg[0])
 
 
 def chart(cells, most=12):
     found = trades(scenes(kept(cells)))
-    rank = {f: i for i, f in enumerate(FIRST)}
-    found.sort(key=lambda pg: (rank.get(pg[0].split(":")[0], 99), pg[0]))
-    picked = sorted(found[:most], key=lambda pg: pg[0])
-    if not picked:
+    shown = picked(found, most)
+    if not shown:
         return None
     index = variants(kept(cells))
     return Chart(
         "accuracy_against_time",
         "What accuracy costs: total time against the error of the trajectory, one panel a scene "
-        f"({len(picked)} of the {len(found)} where accuracy has a price), for each formulation named below the settings that none of its own beats in both; grey: the front over them. A cross is a run that was not solved, was cut short, or "
+        f"({len(shown)} of the {len(found)} where accuracy has a price), for each formulation named below the settings that none of its own beats in both; grey: the front over them. A cross is a run that was not solved, was cut short, or "
         "whose claim was not confirmed. In the hatched band errors are below the uncertainty of the reference (rounding for a closed form, the spread of a converged "
         "run where there is none): not resolved, they stand in its middle.",
-        [panel(p, g, index) for p, g in picked],
+        [panel(p, g, index) for p, g in shown],
         columns=3,
         height=1.75,
     )
@@ -482,11 +456,11 @@ def advise(cells, level=LEVEL):
     """What the first screen says: one answer a situation, from rows only."""
     cells = own(cells)
     out = []
-    for situation in SITUATIONS:
+    for situation in registry.situations():
         here = [
             (p, g)
             for p, g in scenes(cells)
-            if situation_of(g["problem_family"].iloc[0]) == situation
+            if registry.situation(g["problem_family"].iloc[0]) == situation
         ]
         ranked = choose(here, level)
         if not ranked:

@@ -9,21 +9,19 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import binary  # noqa: E402
+from bench import binary, experiments  # noqa: E402
 
-VELOCITY, REGULARIZED, POSITION = (
-    ("velocity:facets=4", "lemke"),
-    ("regularized", "lemke"),
-    ("position:facets=4", "lemke"),
-)
-COULOMB, ACCELERATION = (
-    ("coulomb", "nsgs:tol=1e-13,max_iter=100000"),
-    ("acceleration:facets=4", "lemke"),
-)
+WAYS = {name: experiments.way(entry) for name, entry in experiments.of("answers.ways").items()}
+VELOCITY, POSITION, REGULARIZED, CONE, ACCELERATION = WAYS.values()
 
 
 def simulate(scene, way, *more):
     return binary.simulate(scene, *way, *more)
+
+
+def scene(name, *values):
+    """A scene of scripts/experiments.toml with its {} filled."""
+    return experiments.filled(experiments.of("answers.scenes")[name]["scene"], *values)
 
 
 def end(o, name):
@@ -35,9 +33,10 @@ def end(o, name):
 
 def stands(mu_cylinders, mu_ground, way):
     """Has the top cylinder not moved by more than a millionth of its radius?"""
-    o = simulate(f"pile3:mu_cylinders={mu_cylinders!r},mu_ground={mu_ground!r}", way)
+    asked = scene("pile", mu_cylinders, mu_ground)
+    o = simulate(asked, way)
     if o["status"] != "ok":
-        raise SystemExit(f"pile3, {way[0]}: {o['status']}: {o['note']}")
+        raise SystemExit(f"{asked}, {way[0]}: {o['status']}: {o['note']}")
     return abs(end(o, "top.y") - 0.1 * (1 + math.sqrt(3))) < 1e-7
 
 
@@ -53,7 +52,7 @@ def threshold(test, low, high, width):
 def pile():
     tan15 = math.tan(math.pi / 12)
     piles = ((0.30, 0.12, 1), (0.27, 0.09, 1), (0.25, 0.12, 0), (0.30, 0.08, 0))
-    for way in (VELOCITY, POSITION, COULOMB):
+    for way in (VELOCITY, POSITION, CONE):
         for cylinders, ground, answer in piles:
             yield (
                 f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}",
@@ -66,7 +65,7 @@ def pile():
     # bristles give way a little before they hold: standing is told by the fall, not by the first micrometre
     for cylinders, ground, answer in piles:
         fall = 0.1 * (1 + math.sqrt(3)) - end(
-            simulate(f"pile3:mu_cylinders={cylinders},mu_ground={ground}", REGULARIZED), "top.y"
+            simulate(scene("pile", cylinders, ground), REGULARIZED), "top.y"
         )
         yield (
             f"three cylinders stand: mu = {cylinders:.2f}, {ground:.2f}",
@@ -76,7 +75,7 @@ def pile():
             0,
             "tan 15 and tan(15)/3",
         )
-    for way in (VELOCITY, COULOMB):
+    for way in (VELOCITY, CONE):
         yield (
             "least mu between the cylinders",
             way,
@@ -101,7 +100,7 @@ def pile():
 def block(b, h, mu):
     """Falls flat turning about its left lower corner at 1 rad/s: one step without gravity is the impact alone."""
     return {
-        "id": "impact",
+        "id": "falls flat",
         "dim": 2,
         "T": 1e-4,
         "hs": [1e-4],
@@ -118,7 +117,7 @@ def block(b, h, mu):
                 "omega": -1,
             }
         ],
-        "static": [{"name": "floor", "normal": [0, 1], "offset": 0}],
+        "static": [dict(name="floor", normal=[0, 1], offset=0)],
         "observe": ["block.omega"],
         "checks": [{"type": "finite"}],
     }
@@ -138,7 +137,7 @@ def rocking():
         for b, h, mu, ratio in cases:
             path.write_text(json.dumps(block(b, h, mu)))
             least = 3 * b * h / (h * h + b * b) / (1 + 3 * h * h / (h * h + b * b))
-            for way in (VELOCITY, COULOMB):
+            for way in (VELOCITY, CONE):
                 what = f"omega after over before, b/h = {b}/{h}, mu = {mu}"
                 yield (
                     what,
@@ -156,12 +155,12 @@ def rocking():
 def spin():
     event = [
         p
-        for p in simulate("spin", COULOMB)["predictions"]
+        for p in simulate(scene("drilling"), CONE)["predictions"]
         if p["quantity"].startswith("event_time")
     ][0]
     yield (
         "time until the spinning box stops [s]",
-        COULOMB,
+        CONE,
         event["predicted"],
         event["value"],
         event["tolerance"],
@@ -172,7 +171,7 @@ def spin():
 def belt():
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "belt.csv"
-        simulate("belt", REGULARIZED, "--trajectory", path, "--step", 1e-4)
+        simulate(scene("stick_slip"), REGULARIZED, "--trajectory", path, "--step", 1e-4)
         with open(path, newline="", encoding="utf-8") as f:
             rows = [
                 (float(r["t_s"]), float(r["vx_m_s"]))
@@ -203,9 +202,9 @@ def painleve():
         least = (1 + 3 * cosine**2) / (3 * sine * cosine)
 
         def refused(mu, angle=angle):
-            return simulate(
-                f"painleve:theta_deg={angle!r},mu={mu!r}", ACCELERATION, "--duration", 1e-3
-            )["status"] in ("infeasible", "ray")
+            return simulate(scene("paradox", angle, mu), ACCELERATION, "--duration", 1e-3)[
+                "status"
+            ] in ("infeasible", "ray")
 
         yield (
             f"mu from which no acceleration exists, tan = {tangent:g}",
@@ -215,7 +214,7 @@ def painleve():
             1e-5,
             "(1 + 3 cos^2)/(3 sin cos)",
         )
-        o = simulate(f"painleve:theta_deg={angle!r},mu={1.5 * least!r}", VELOCITY)
+        o = simulate(scene("paradox", angle, 1.5 * least), VELOCITY)
         yield (
             f"steps of time stepping beyond it, tan = {tangent:g}",
             VELOCITY,
@@ -235,7 +234,7 @@ def cradle():
         ),
         (0.01, (0, 0, 1), "apart: impacts one after another"),
     ):
-        o = simulate(f"cradle:gap={gap}", VELOCITY)
+        o = simulate(scene("balls", gap), VELOCITY)
         got = {p["quantity"]: p["value"] for p in o["predictions"]}
         for i, v in enumerate(answer):
             yield (

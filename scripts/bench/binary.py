@@ -1,4 +1,4 @@
-"""The lcpbench that scripts ask (LCPBENCH, or the one in build/), and where its cases are."""
+"""The lcpbench that scripts ask (LCPBENCH, or the one that is built), and where its cases are."""
 
 import json
 import os
@@ -7,7 +7,10 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-LCPBENCH = os.environ.get("LCPBENCH", str(ROOT / "build" / "lcpbench"))
+BUILDS = [
+    ROOT / folder / "lcpbench" for folder in ("build", "build-release")
+]  # the second is that of scripts/reproduce
+LCPBENCH = os.environ.get("LCPBENCH", str(next((b for b in BUILDS if b.exists()), BUILDS[0])))
 CASES = ROOT / "tests" / "cases" / "cases.json"
 HONEST = (0, 3)  # solved and verified, honest failure
 
@@ -16,6 +19,10 @@ def ask(*args, exits=(0,), program=None, before=()):
     """The JSON that a command prints; ends the script with one line where it exits otherwise or prints nothing.
     before: a command that starts it (taskset ...)."""
     command = [*map(str, before), str(program or LCPBENCH), *map(str, args)]
+    if not pathlib.Path(program or LCPBENCH).exists():
+        sys.exit(
+            f"{pathlib.Path(sys.argv[0]).stem}: no {program or LCPBENCH}: build it first (scripts/setup && scripts/configure build && ninja -C build)"
+        )
     done = subprocess.run(
         command,
         stdin=subprocess.DEVNULL,

@@ -7,24 +7,9 @@ import sys
 import tempfile
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import binary  # noqa: E402
+from bench import binary, experiments  # noqa: E402
 
 FOLDER = binary.ROOT / "problems" / "scenes"
-
-# Where the defaults make a poor picture: parameters, the way it is solved, times as shares of the run, part of the plane shown.
-CONES = {"formulation": "coulomb", "solver": "nsgs:tol=1e-6"}
-SHOWN = {
-    "billiard": {**CONES, "times": (0, 0.4, 0.8)},
-    "bounce": {"times": (0, 0.18, 0.3)},
-    "sphere_pile": {**CONES, "par": "n=48,duration=0.2"},
-    "silo": CONES,
-    "granular_column": {"par": "duration=0.6", "times": (0, 0.4, 1)},
-    "pile3": {"par": "mu_cylinders=0.25", "times": (0, 0.6, 1)},
-    "card_house": {"par": "mu=0.2"},
-    "vise": {"times": (0,)},
-    "tablecloth": {"look": ((-0.3, -0.1), (0.9, 0.3))},
-}
-
 
 # ---- text ------------------------------------------------------------------------------------------------------------------
 
@@ -120,17 +105,16 @@ def picture(s):
 
     from bench import render
 
-    extra = SHOWN.get(s["name"], {})
-    par, form = (
-        extra.get("par", ""),
-        extra.get("formulation", f"velocity:facets={4 if s['dim'] == 2 else 8}"),
+    asked = experiments.of("pictures")
+    extra = next(
+        (e for e in asked["scenes"] if e["scene"].partition(":")[0] == s["name"]),
+        {"scene": s["name"]},
     )
-    solver, shares = extra.get("solver", "lemke"), extra.get("times", (0, 0.5, 1))
+    way = {**asked["plane" if s["dim"] == 2 else "space"], **extra}
+    shares = extra.get("times", (0, 0.5, 1))
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "t.csv"
-        binary.simulate(
-            f"{s['name']}:{par}" if par else s["name"], form, solver, "--trajectory", path
-        )
+        binary.simulate(way["scene"], *experiments.way(way), "--trajectory", path)
         run = render.Run(path)
     times = [run.nearest(run.times[0] + share * (run.times[-1] - run.times[0])) for share in shares]
     times[0] = run.times[min(1, len(run.times) - 1)]  # forces belong to steps

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from matplotlib.transforms import ScaledTranslation
 
 from bench import style
 from bench.style import plt
@@ -29,6 +30,7 @@ class Line:
     end_label: str = ""
 
     def look(self):
+        """Of the component that it is called after, unless it says which."""
         return style.look((self.look_as or self.name).split(",")[0].split(" ")[0], self.variant)
 
 
@@ -191,7 +193,7 @@ def _heat_panel(ax, heat, panel, top, tall):
                 va="center",
                 fontsize=heat.size,
                 color="#1c2330" if share is not None else "#9a9a9a",
-                fontweight="bold" if share is not None and share < 0.5 else "normal",
+                fontweight=700 if share is not None and share < 0.5 else 400,
             )
     ax.pcolormesh(
         np.arange(len(heat.columns) + 1) - 0.5,
@@ -210,6 +212,20 @@ def _heat_panel(ax, heat, panel, top, tall):
     ax.set_ylim(tall - 0.5, -0.5)
     ax.xaxis.tick_top()
     ax.tick_params(length=0, pad=1.5)
+    ax.tick_params(axis="y", pad=9)  # room for the marker of the row
+    beside = ax.get_yaxis_transform() + ScaledTranslation(-5 / 72, 0, ax.figure.dpi_scale_trans)
+    for i, row in enumerate(panel.rows):
+        _, colour, marker = style.code(row.split(" ")[0])
+        ax.plot(
+            [0],
+            [i],
+            transform=beside,
+            color=colour,
+            marker=marker,
+            markersize=3.6,
+            linestyle="none",
+            clip_on=False,
+        )
     ax.grid(False)
     ax.set_xticks(np.arange(len(heat.columns) + 1) - 0.5, minor=True)
     ax.set_yticks(np.arange(len(panel.rows) + 1) - 0.5, minor=True)
@@ -382,7 +398,7 @@ def _plotly_line(line, axis, shown):
         "marker": {
             "symbol": PLOTLY_MARKER[look["marker"]]
             + ("-open" if "markerfacecolor" in look else ""),
-            "size": 8,
+            "size": 10 if "markersize" in look else 7,
             "color": look["color"],
         },
     }
@@ -512,7 +528,7 @@ def plotly(chart):
 def table(chart):
     """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
     if isinstance(chart, Heat):
-        lines = ["\t".join(["panel", "row", *chart.columns])]
+        lines = ["\t".join(["panel", "of", *chart.columns])]
         lines += [
             "\t".join([p.title, row] + [w for w, _ in words])
             for p in chart.panels

@@ -1,12 +1,13 @@
-"""The claims made for the regularized formulation, each with its evidence and a verdict computed from the rows."""
+"""The claims made for one formulation, each with its evidence and a verdict computed from the rows. Which one, and what it is
+held against, stands in scripts/experiments.toml; what else a claim speaks of is told by traits."""
 
 import math
 
 import numpy as np
 import pandas as pd
 
+from bench import experiments, registry, stats
 from bench import rows as rows_
-from bench import stats
 from bench.section import Cell, Section, Table, error, interval
 
 KEY = [
@@ -29,12 +30,21 @@ OWN = (
 )  # campaigns that a claim is judged by; redundancy also by the ladders of `stability`
 
 
+ASKED = experiments.of("claims")
+SUBJECT, AGAINST = ASKED["formulation"], ASKED["against"]["formulation"]
+
+
+def polyhedral():
+    """Time stepping with a cone of flat facets."""
+    return [f for f in registry.with_trait("polyhedral") if not registry.trait(f, "forces")]
+
+
 def facets(opts):
-    """Facets of a velocity or position cell; the option's default is 4 when it is not written."""
+    """Facets of a cell with a polyhedral cone; the option's default is 4 when it is not written."""
     return int(rows_.options(opts).get("facets", 4))
 
 
-def pairs(cells, other, reference="regularized"):
+def pairs(cells, other, reference=SUBJECT):
     """Cells of `reference` beside cells of `other` that differ in the formulation only."""
     left = cells[(cells["formulation"] == reference) & (cells["formulation_options"] == "")]
     if left.empty:
@@ -52,7 +62,7 @@ def verdict(share, when=""):
 
 
 def dimension(cells):
-    p = pairs(cells, "velocity")
+    p = pairs(cells, AGAINST)
     p = p[(p["lcp_dim"] > 0) & (p["lcp_dim_other"] > 0)]
     if p.empty:
         return None
@@ -94,7 +104,7 @@ def sides(wins, sizes):
 
 def faster(column, what):
     def claim(cells):
-        p = pairs(cells, "velocity")
+        p = pairs(cells, AGAINST)
         p = p[p["good"] & p["good_other"] & p["p"].notna()]
         if p.empty:
             return None
@@ -129,7 +139,7 @@ def faster(column, what):
             f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3])
         )
         return word, (
-            f"{what}: velocity / regularized = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
+            f"{what}: {AGAINST} / {SUBJECT} = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
             f"at p = {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}"
         )
 
@@ -143,7 +153,7 @@ def met(cell, suffix=""):
 def agreement(cells):
     """Cell by cell against the same scene, step and solver with a polyhedral cone: does it meet the closed forms that the other meets,
     and is its error of the common quantity no larger than that plus the scene's tolerance?"""
-    p = pd.concat([pairs(cells, other) for other in ("velocity", "position")])
+    p = pd.concat([pairs(cells, other) for other in polyhedral()])
     p = p[
         p["good"]
         & p["good_other"]
@@ -170,16 +180,11 @@ def agreement(cells):
     )
 
 
-IMPACTS = "bounc|impact|rock|cradle|drop|tip|clatter|woodpecker"
-
-
 def impacts(cells):
     """h -> 0: the error at the smallest step against the largest, and the observed order."""
+    hits = cells["problem_family"].map(registry.situation) == ASKED["impacts"]
     some = cells[
-        (cells["formulation"] == "regularized")
-        & cells["good"]
-        & cells["err_ref"].notna()
-        & cells["problem_family"].str.contains(IMPACTS)
+        (cells["formulation"] == SUBJECT) & cells["good"] & cells["err_ref"].notna() & hits
     ]
     orders, stuck = {}, []
     for (problem, opts, solver), g in some.groupby(["problem", "formulation_options", "solver"]):
@@ -220,8 +225,9 @@ def impacts(cells):
 
 def redundancy(cells):
     some = cells[
-        (cells["formulation"] == "regularized")
-        & (cells["problem"].str.contains("multiplicity|stack|wall|pyramid") & (cells["p"] >= 4))
+        (cells["formulation"] == SUBJECT)
+        & cells["problem_family"].map(registry.redundant)
+        & (cells["p"] >= 4)
     ]
     some = some[~some["status"].isin(["unsupported", "skipped"])]
     if some.empty:
@@ -240,16 +246,16 @@ STIFF = 10  # G/m_t from which impact friction counts as that of a hard cone (re
 
 
 def stiffness(cells):
-    """A ladder of fixed bristle stiffness against `velocity` on the same scene, step and solver: a rung is right where its error of the
-    common quantity is no larger than that of `velocity` plus the scene's tolerance."""
+    """A ladder of fixed bristle stiffness against the hard cone on the same scene, step and solver: a rung is right where its error of the
+    common quantity is no larger than that of the hard cone plus the scene's tolerance."""
     fixed = cells[
-        (cells["formulation"] == "regularized")
+        (cells["formulation"] == SUBJECT)
         & (
             cells["formulation_options"].map(rows_.options).map(lambda o: o.get("stiffness"))
             == "fixed"
         )
     ]
-    hard = cells[(cells["formulation"] == "velocity") & cells["good"] & cells["err_ref"].notna()]
+    hard = cells[(cells["formulation"] == AGAINST) & cells["good"] & cells["err_ref"].notna()]
     p = fixed.merge(hard, on=KEY, suffixes=("", "_other"))
     p = p[(p["stiffness_ratio"] > 0) & (p["err_tol"] > 0)].sort_values(
         ["problem", "stiffness_ratio"]
@@ -268,22 +274,24 @@ def stiffness(cells):
             for _, r in g.iterrows()
         )
         told.append(
-            f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; velocity {error(g['err_ref_other'].iloc[0])}"
+            f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; {AGAINST} {error(g['err_ref_other'].iloc[0])}"
         )
     return word, (
-        f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as velocity, below {int(right[~above].sum())} of {int((~above).sum())} "
+        f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as {AGAINST}, below {int(right[~above].sum())} of {int((~above).sum())} "
         f"({'; '.join(told)}). The impulse of an impact is finite in one step however short, a bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step"
     )
 
 
 def stiff(cells):
-    """At the error of each penalty run: the cheapest regularized run that is at least as accurate, its time and its steps."""
+    """At the error of each run with compliant contact: the cheapest run of the claims' formulation that is at least as accurate, its
+    time and its steps."""
+    soft = registry.with_trait("compliant")
     time, work, lost, never = [], [], [], []
     for problem, g in cells[cells["err_ref"].notna() & cells["good"]].groupby("problem"):
-        reg = g[g["formulation"] == "regularized"]
+        reg = g[g["formulation"] == SUBJECT]
         if reg.empty:
             continue
-        for _, pen in g[g["formulation"] == "penalty"].iterrows():
+        for _, pen in g[g["formulation"].isin(soft)].iterrows():
             fit = reg[reg["err_ref"] <= max(pen["err_ref"], 1e-12)]
             if fit.empty:
                 never.append(problem)
@@ -314,7 +322,7 @@ def stiff(cells):
         else ""
     )
     return word, (
-        f"at the error of {total} penalty runs, compliant contact takes {ratio}{evaluations} (geometric means of the {len(time)} that a regularized run matches); "
+        f"at the error of {total} runs of {' and '.join(soft)}, compliant contact takes {ratio}{evaluations} (geometric means of the {len(time)} that {SUBJECT} matches); "
         f"dearer in {len(time) - len(lost)}, never matched in {len(never)}"
     )
 
@@ -344,7 +352,7 @@ def section(cells):
     counts = pd.Series([row[1].text for row in table]).value_counts()
     return Section(
         "claims",
-        "The claims made for the regularized formulation",
+        f"The claims made for the {SUBJECT} formulation",
         "Each verdict is computed from the rows below; none is written by hand.",
         [],
         [

@@ -4,16 +4,10 @@ import re
 
 import numpy as np
 
+from bench import registry
 from bench.chart import Chart, Line, Panel
 from bench.section import Cell, Section, Table, error, si
 
-LOOKS = {
-    "everything on": "velocity",
-    "auto": "regularized",
-    "-friction": "normal",
-    "-rotation": "event",
-    "-spatial": "penalty",
-}
 ORDER = {"everything on": 0, "as declared": 1, "auto": 2}
 SAME = 0.02  # times closer than this are equal, however quiet the machine
 
@@ -80,13 +74,32 @@ def noise_of(compared):
     return max(SAME, float(np.expm1(np.quantile(spread, 0.9)))) if spread else SAME
 
 
+def unknowns(cell):
+    """Of the motion, and of each contact."""
+    return cell["n_dof"], cell["lcp_dim"] / cell["n_active"] if cell["n_active"] > 0 else 0
+
+
+def drawn(found):
+    """What is left out in the figure: effects without which most scenes that declare them have other unknowns, and contacts still."""
+    out = {"everything on", "auto"}
+    pairs = {}
+    for _, _, by in found:
+        declared = by.get("as declared")
+        for name, c in by.items():
+            if name.startswith("-") and declared is not None and declared["good"] and c["good"]:
+                pairs.setdefault(name, []).append(
+                    c["n_contacts"] > 0 and unknowns(c) != unknowns(declared)
+                )
+    return out | {name for name, differ in pairs.items() if 2 * sum(differ) > len(differ)}
+
+
 def chart(found):
     """Time of a run relative to the one as declared, a row a scene, a mark for each change."""
-    panels = {}
+    panels, shown = {}, drawn(found)
     for problem, combo, by in found:
         declared = by.get("as declared")
         for name, c in by.items():
-            if declared is not None and declared["good"] and c["good"] and name in LOOKS:
+            if declared is not None and declared["good"] and c["good"] and name in shown:
                 panels.setdefault(combo, {}).setdefault(name, []).append(
                     (problem, shortest(c) / shortest(declared))
                 )
@@ -99,16 +112,11 @@ def chart(found):
             else [names]
         )
         for half in halves:
-            lines = [
-                Line(
-                    "as declared",
-                    [1.0] * len(half),
-                    list(range(len(half))),
-                    kind="points",
-                    look_as="coulomb",
-                )
-            ]
-            for name in LOOKS:
+            lines = [Line("as declared", [1.0] * len(half), list(range(len(half))), kind="points")]
+            for name in registry.in_order(
+                set(kinds),
+                ["everything on", "auto"] + [f"-{e}" for e in registry.listed("effects")],
+            ):
                 points = [(p, r) for p, r in kinds.get(name, []) if p in half]
                 if points:
                     lines.append(
@@ -117,7 +125,7 @@ def chart(found):
                             [r for _, r in points],
                             [half.index(p) for p, _ in points],
                             kind="points",
-                            look_as=LOOKS[name],
+                            look_as=name,
                         )
                     )
             out.append(
@@ -134,7 +142,7 @@ def chart(found):
         return None
     return Chart(
         "effects",
-        "What an effect is worth: time of the run with everything on, with the effects that a pilot chose (auto), and with one declared effect dropped, "
+        "What an effect is worth: time of the run with everything on, with the effects that a pilot chose (auto), and with one declared effect dropped (those that change the unknowns of most scenes), "
         "relative to the run as declared (least of the samples). Left is cheaper.",
         out,
         columns=2,

@@ -52,9 +52,18 @@ def fields(cells):
     return sorted(out, key=lambda field: (-field[1]["combination"].nunique(), field[0]))
 
 
+def variants(combinations):
+    """combination -> its number among those of the same solver (their lines differ in dashes)."""
+    seen = {}
+    return {
+        c: seen.setdefault(c.partition(":")[0], []).append(c) or len(seen[c.partition(":")[0]]) - 1
+        for c in combinations
+    }
+
+
 def data_profile(products, solvers):
     """More & Wild (2009): share of all problems solved within so many products with the matrix, for the solvers that are counted in them."""
-    lines = []
+    lines, variant = [], variants(solvers)
     if products is None:
         return lines
     for j, s in enumerate(solvers):
@@ -67,7 +76,7 @@ def data_profile(products, solvers):
                     grid.tolist(),
                     stats.absolute_profile(mine[:, None], grid)[:, 0].tolist(),
                     kind="steps",
-                    variant=j // 9,
+                    variant=variant[s],
                 )
             )
     return lines
@@ -85,7 +94,7 @@ def profiles(name, cost, families, solvers, noise, products=None):
     times = np.sort(cost[np.isfinite(cost)])
     grid = np.geomspace(times[0], times[-1], 120) if len(times) else np.array([1.0])
     absolute = stats.absolute_profile(cost, grid)
-    left, right = [], []
+    left, right, variant = [], [], variants(solvers)
     most = sorted(range(len(solvers)), key=lambda j: (-rel[-1, j], -rel[:, j].mean()))[
         :3
     ]  # a band for each would hide the lines
@@ -99,10 +108,12 @@ def profiles(name, cost, families, solvers, noise, products=None):
                     else corners(tau, rel[:, j])
                 ),
                 kind="steps",
-                variant=j // 9,
+                variant=variant[s],
             )
         )
-        right.append(Line(s, *corners(grid * 1e3, absolute[:, j]), kind="steps", variant=j // 9))
+        right.append(
+            Line(s, *corners(grid * 1e3, absolute[:, j]), kind="steps", variant=variant[s])
+        )
     panels = [
         Panel(
             left,

@@ -12,7 +12,8 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import stability  # noqa: E402
+from bench import binary as asked  # noqa: E402
+from bench import experiments, registry, stability
 from bench.section import Cell, Table  # noqa: E402
 
 COLUMNS = [
@@ -41,6 +42,10 @@ class Stressor:
     formulation: str = "{form}"  # {form} or one formulation's options with {}
     whole: bool = False  # integers only
 
+    def only(self):
+        """The formulation whose options it turns up; empty: any."""
+        return "" if self.formulation == "{form}" else self.formulation.partition(":")[0]
+
     def command(self, form, solver, value):
         text = f"{value:.0f}" if self.whole else f"{value:.4g}"
         put = [
@@ -50,71 +55,20 @@ class Stressor:
         return ["simulate", put[0], "--formulation", put[1], "--solver", solver, "--step", put[2]]
 
 
-STRESSORS = [
-    Stressor("largest mass ratio", "stack:dim=2,n=2,mass_ratio={}", 1, 1e9),
-    Stressor("largest step [s]", "stack:dim=2,n=2,duration=5", 1e-3, 5, step="{}"),
-    Stressor(
-        "largest step while sliding [s]",
-        "incline:dim=2,theta_deg=40,duration=1",
-        1e-3,
-        1,
-        step="{}",
-    ),
-    Stressor("tallest stack", "stack:dim=2,n={}", 1, 128, whole=True),
-    Stressor(
-        "most copies of a contact",
-        "walking_foot:multiplicity={},duration=0.01",
-        1,
-        128,
-        step="0.005",
-        whole=True,
-    ),
-    Stressor("smallest inertia [kg m^2]", "needle:inertia={}", 1e-1, 1e-15),
-]
-STIFF = [  # the mild end is stiff: a soft contact creeps, a stiff one is hard to solve
-    (
-        "regularized",
+def stressors():
+    """The stressors of scripts/experiments.toml."""
+    return [
         Stressor(
-            "largest stiffness [N/m]",
-            "incline:dim=2,mass=1,duration=0.1",
-            1e9,
-            1e18,
-            formulation="regularized:stiffness=fixed,k={}",
-        ),
-    ),
-    (
-        "regularized",
-        Stressor(
-            "smallest stiffness [N/m]",
-            "incline:dim=2,mass=1,duration=0.1",
-            1e9,
-            1e1,
-            formulation="regularized:stiffness=fixed,k={}",
-        ),
-    ),
-]
-FORMS = [
-    "normal",
-    "velocity",
-    "position",
-    "regularized",
-    "boxed",
-    "coulomb",
-    "acceleration",
-    "event",
-]
-QUICK = [
-    ("regularized", "lemke"),
-    ("velocity", "lemke"),
-    ("position", "lemke"),
-    ("regularized", "pgs"),
-    ("velocity", "pgs"),
-    ("boxed", "pgs"),
-    ("coulomb", "nsgs"),
-    ("velocity", "interior_point"),
-    ("event", "lemke"),
-    ("penalty", "lemke"),
-]
+            s["name"],
+            s["scene"],
+            s["from"],
+            s["to"],
+            s.get("step", "0.01"),
+            s.get("formulation", "{form}"),
+            s.get("whole", False),
+        )
+        for s in experiments.of("bisect.stressors")
+    ]
 
 
 def as_cell(answer, stressor, form):
@@ -131,6 +85,7 @@ def as_cell(answer, stressor, form):
         "verified": answer["verified"],
         "note": answer["note"],
         "part": stressor.name,
+        "problem": stressor.problem,
         "formulation": form,
         "n_predictions_missed": len(bad),
         "missed": ", ".join(map(text, bad[:3])),
@@ -229,11 +184,19 @@ def bisect(probe):
 
 
 def work(quick):
-    solvers = stability.SOLVERS
-    combos = QUICK if quick else [(f, s) for f in FORMS for s in solvers] + [("penalty", "lemke")]
-    for form, solver in combos:
-        for stressor in STRESSORS + [s for f, s in STIFF if f == form]:
-            yield stressor, form, solver
+    """Every formulation with every solver; one that poses no problem only once."""
+    solvers = registry.solvers()
+    every = [
+        (f, s)
+        for f in registry.formulations()
+        for s in (solvers if registry.uses_solver(f) else solvers[:1])
+    ]
+    for form, solver in (
+        [experiments.way(e) for e in experiments.of("bisect.quick")] if quick else every
+    ):
+        for stressor in stressors():
+            if stressor.only() in ("", form):
+                yield stressor, form, solver
 
 
 def load(path):
@@ -250,10 +213,14 @@ def number(text, whole=False):
 def table(rows):
     """Combinations against stressors: the last value that stands, and the word of the first that does not."""
     names = list(dict.fromkeys(r["stressor"] for r in rows))
-    whole = {s.name for s in STRESSORS if s.whole}
+    whole = {s.name for s in stressors() if s.whole}
+    only = {s.name: s.only() for s in stressors()}
     body = []
     for form, solver in dict.fromkeys((r["formulation"], r["solver"]) for r in rows):
-        line = [form, solver if form != "penalty" else "none (integrator)"]
+        line = [
+            Cell(form, look=form),
+            Cell(solver, look=solver) if registry.uses_solver(form) else "none (integrator)",
+        ]
         for name in names:
             found = [
                 r
@@ -261,8 +228,8 @@ def table(rows):
                 if (r["formulation"], r["solver"], r["stressor"]) == (form, solver, name)
             ]
             if not found:
-                stiff = name in {s.name for _, s in STIFF} and form not in {f for f, _ in STIFF}
-                line.append(Cell("not defined: no stiffness" if stiff else "not run", "none"))
+                lacks = only.get(name, "") not in ("", form)
+                line.append(Cell("not defined: no such option" if lacks else "not run", "none"))
                 continue
             r = found[0]
             if r["word"] == "not defined":
@@ -307,6 +274,7 @@ def main():
     if not binary.exists():
         print(f"scripts/bisect: {binary}: no such file", file=sys.stderr)
         return 2
+    asked.LCPBENCH = str(binary)  # whose components are tried
     path = pathlib.Path(args.folder) / "limits.csv"
     path.parent.mkdir(parents=True, exist_ok=True)
     build = hashlib.sha256(binary.read_bytes()).hexdigest()[:12]

@@ -49,7 +49,7 @@ if (cells) {
     shown.textContent = `${count} of ${rows.length} cells`;
   };
   [...menus, text].forEach(m => m.addEventListener("input", apply));
-  /* a link can carry the filter: #cells:pgs;slide sets the words "pgs slide" */
+  /* a link can carry the filter: #cells:A;B sets the words A and B */
   if (location.hash.startsWith("#cells:")) text.value = decodeURIComponent(location.hash.slice(7)).replaceAll(";", " ");
   apply();
 }

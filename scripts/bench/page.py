@@ -2,6 +2,7 @@
 
 import base64
 import gzip
+import html
 import io
 import pathlib
 
@@ -10,7 +11,7 @@ import plotly
 from markupsafe import Markup
 from PIL import Image
 
-from bench import accuracy, style
+from bench import accuracy, registry, style
 from bench import chart as chart_
 from bench.section import Cell, Table, error, si, table_html
 
@@ -203,41 +204,51 @@ def method_tables(manifests):
     ]
 
 
-# For a reader who meets the names for the first time
-PLAIN = {
-    "regularized": "solves for normal impulses only; friction acts as a stiff spring",
-    "velocity": "friction cone with flat facets, on velocities",
-    "position": "friction cone with flat facets, on positions",
-    "coulomb": "exact friction cone",
-    "boxed": "friction bounded by the last normal impulse",
-    "normal": "no friction",
-    "acceleration": "contact forces and accelerations",
-    "event": "stops at every impact",
-    "penalty": "compliant contact, a stiff differential equation",
-    "lemke": "solver: exact, by pivoting",
-    "ppm": "solver: exact, by pivoting",
-    "murty": "solver: exact, by pivoting",
-    "block_pivoting": "solver: exact, by pivoting in blocks",
-    "enumerate": "solver: tries every case",
-    "pgs": "solver: sweeps over the contacts",
-    "jacobi": "solver: sweeps",
-    "nsgs": "solver: sweeps over the contacts",
-    "prox": "solver: fixed point",
-    "projected_gradient": "solver: gradient steps",
-    "apgd": "solver: accelerated gradient steps",
-    "nncg": "solver: sweeps with conjugate directions",
-    "pgs_sm": "solver: sweeps, then a linear solve",
-    "newton": "solver: semismooth Newton",
-    "interior_point": "solver: interior point",
-    "sqp": "solver: general optimiser",
-}
+def names_table(cells):
+    """Formulations and solvers of these rows, for a reader who meets the names for the first time."""
+    rows = []
+    for kind, column, order in (
+        ("formulation", "formulation", registry.by_formulation),
+        ("solver", "solver", registry.by_solver),
+    ):
+        known = registry.listed(f"{kind}s")
+        for name in order({n for n in cells[column] if n}):
+            what = known.get(name)
+            rows.append(
+                [
+                    Cell(name, look=name),
+                    kind,
+                    *(
+                        [what["words"], what["when"], what["cite"]]
+                        if what
+                        else [Cell("unknown to this build", "none"), "", ""]
+                    ),
+                ]
+            )
+    return Table(
+        "names",
+        "The names on this page. Each has its colour and marker in every figure.",
+        ["name", "is a", "what it is", "when to take it", "source"],
+        rows,
+    )
+
+
+def plain(*names):
+    """'regularized: solves for ...' for each of the names that this build knows."""
+    return " ".join(
+        f"{name}: {registry.words(name)[0].lower()}{registry.words(name)[1:]}"
+        for name in names
+        if registry.words(name)
+    )
 
 
 def card(a):
     """One situation of the first screen, in words."""
+    stands_for = registry.listed("situations")[a["situation"]]["words"]
     if not a["use"]:
         return {
             "situation": a["situation"],
+            "stands_for": stands_for,
             "use": "",
             "why": "Nothing in these rows reaches it."
             if a["scenes"]
@@ -246,8 +257,13 @@ def card(a):
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
     return {
         "situation": a["situation"],
-        "use": a["use"],
-        "plain": "; ".join(PLAIN[n] for n in (a["formulation"], a["solver"]) if n in PLAIN),
+        "stands_for": stands_for,
+        "use": Markup(
+            " + ".join(
+                f"{style.swatch(n)}{html.escape(n)}" for n in (a["formulation"], a["solver"])
+            )
+        ),
+        "plain": plain(a["formulation"], a["solver"]),
         "cost": f"{si(a['per_step'], 's', 2)} a step",
         "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
         "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.",
@@ -257,7 +273,7 @@ def card(a):
     }
 
 
-def render(title, counts, footer, cards, advice, sections):
+def render(title, counts, footer, cards, advice, names, sections):
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE),
         autoescape=True,
@@ -290,6 +306,7 @@ def render(title, counts, footer, cards, advice, sections):
         scope=SCOPE,
         cards=[card(a) for a in cards],
         advice=Markup(table_html(advice)) if advice else "",
+        names=Markup(table_html(names)),
         sections=links,
         body=body,
         css=Markup((HERE / "page.css").read_text()),

@@ -1,6 +1,6 @@
 """Charts of the `paper` campaign: how large, how long, how wrong, formulation against formulation."""
 
-from bench import style
+from bench import registry, style
 from bench.chart import Chart, Line, Panel, from_cells
 from bench.section import Table, si
 
@@ -34,8 +34,7 @@ def ladder(cells):
 
 
 def solvers_of(cells):
-    have = set(cells["solver"])
-    return [s for s in style.SOLVERS if s in have] + sorted(have - set(style.SOLVERS))
+    return registry.by_solver(set(cells["solver"]))
 
 
 def dimension(cells):
@@ -213,9 +212,10 @@ def summary(cells):
     if cells.empty:
         return None
     cells = cells[cells["solver"] == solvers_of(cells)[0]]
+    unknowns = cells.groupby("label")["lcp_dim"].max()
     labels = sorted(
-        set(cells["label"]), key=lambda label: (label.split(",")[0] != "regularized", label)
-    )
+        set(cells["label"]), key=lambda label: (unknowns[label], label)
+    )  # the smallest problem first
     rows = []
     for p, here in cells.groupby("p"):
         row = [f"{p:g}"]

@@ -6,7 +6,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, rows  # noqa: E402
+from bench import accuracy, rows, style  # noqa: E402
 from bench.section import error, si  # noqa: E402
 
 
@@ -79,8 +79,9 @@ def main():
             )
             continue
         status = 0
+        use = style.marked(best["combination"]) if sys.stdout.isatty() else best["combination"]
         print(
-            f"{problem}: {best['combination']}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}"
+            f"{problem}: {use}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}"
         )
         same = accuracy.ties(group, best, args.error, column)
         if same:

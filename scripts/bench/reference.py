@@ -11,7 +11,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, chart, effects, paper, rows, section, stability, style  # noqa: E402
+from bench import accuracy, chart, effects, paper, registry, rows, section, stability, style  # noqa: E402
 from bench.section import Cell, Table, si  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -183,6 +183,22 @@ def effects_words(cells):
     )
 
 
+def dimension_words(cells):
+    """Whose unknowns are the normal impulses, of the formulations in these rows with friction."""
+    few = [
+        f"`{f}`"
+        for f in registry.with_trait("normal_only")
+        if not registry.trait(f, "frictionless") and (cells["formulation"] == f).any()
+    ]
+    if not few:
+        return ""
+    one = len(few) == 1
+    return (
+        f"{' and '.join(few)} {'keeps' if one else 'keep'} the normal impulses only, so {'its' if one else 'their'} problem has as many unknowns as there are active contacts, "
+        "where a polyhedral cone with *nd* facets has *nd* + 2 times as many."
+    )
+
+
 def measured_words(cells, manifests):
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
@@ -221,13 +237,7 @@ def long_words(cells, ladders, have, manifests):
         picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
         picture("stability", "Stability map", have, stability_words(ladders)),
         picture("effects", "Effects", have, effects_words(cells)),
-        picture(
-            "dimension",
-            "Unknowns of the LCP against contacts",
-            have,
-            "The regularized formulation keeps the normal impulses only, so its problem has as many unknowns as there are "
-            "active contacts, where a polyhedral cone with *nd* facets has *nd* + 2 times as many.",
-        ),
+        picture("dimension", "Unknowns of the LCP against contacts", have, dimension_words(cells)),
         f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
         measured_words(cells, manifests),
         "\n",

@@ -477,7 +477,7 @@ def picture(ax, run, t):
     (draw_plane if run.dim == 2 else draw_space)(ax, run, t)
     ax.set_aspect("equal")
     ax.axis("off")
-    ax.set_title(f"t = {t:.3g} s", fontsize=8, fontweight="normal")
+    ax.set_title(f"t = {t:.3g} s", fontsize=8, fontweight=400)
 
 
 def key(figure, run, times):

@@ -7,7 +7,7 @@ import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import (
+from bench import (  # noqa: E402
     accuracy,
     calibration,
     claims,
@@ -20,7 +20,7 @@ from bench import (
     rows,
     scaling,
     stability,
-)  # noqa: E402
+)
 from bench.section import Section  # noqa: E402
 
 LIMIT = 5_000_000  # bytes of the page
@@ -34,7 +34,7 @@ def paper_section(cells):
     return Section(
         "paper",
         "How large, how long, how wrong",
-        "The regularized formulation against the polyhedral ones: unknowns, time and error.",
+        f"The {claims.SUBJECT} formulation against the polyhedral ones: unknowns, time and error.",
         charts,
         [t for t in (paper.summary(own),) if t],
     )
@@ -170,6 +170,7 @@ def main():
             falls.get((card.get("formulation"), card.get("solver")))
         )
     advice = accuracy.advice(cards) if cards else None
+    names = page.names_table(cells)
     out.mkdir(parents=True, exist_ok=True)
     text = page.render(
         title,
@@ -177,13 +178,16 @@ def main():
         "Made by scripts/report from results.csv and manifest.json.",
         cards,
         advice,
+        names,
         sections,
     )
     (out / "index.html").write_text(text)
     latex.write(
         out / "latex",
         facts(all_rows, cells, sections, title),
-        ([Section("advice", "Which one to use", "", [], [advice])] if advice else []) + sections,
+        ([Section("advice", "Which one to use", "", [], [advice])] if advice else [])
+        + sections
+        + [Section("names", "What the names mean", "", [], [names])],
         args.pgf,
     )
     print(out / "index.html")

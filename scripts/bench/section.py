@@ -4,6 +4,8 @@ import dataclasses
 import html
 import math
 
+from bench import style
+
 
 @dataclasses.dataclass
 class Cell:
@@ -11,6 +13,7 @@ class Cell:
     mark: str = ""  # good, fair, bad, none: shading; the text always says it too
     title: str = ""  # longer text on the screen
     sort: float = None  # value to sort by
+    look: str = ""  # the component whose colour and marker stand before the text, on the page
 
 
 @dataclasses.dataclass
@@ -90,8 +93,9 @@ def table_html(table):
                 attributes += f' title="{html.escape(cell.title)}"'
             if cell.sort is not None:
                 attributes += f' data-sort="{cell.sort:.9g}"'
+            mark = style.swatch(cell.look) if cell.look else ""
             out.append(
-                f"<td{attributes}>{text}"
+                f"<td{attributes}>{mark}{text}"
             )  # HTML needs no end tags of cells and rows; a tenth of the page
     out.append("</tbody></table></div>")
     if table.note:

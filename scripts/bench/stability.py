@@ -7,10 +7,10 @@ import re
 import numpy as np
 import pandas as pd
 
+from bench import registry
 from bench import rows as rows_
 from bench.chart import Heat, HeatPanel
 from bench.section import Cell, Section, Table
-from bench.style import FORMULATIONS, SOLVERS
 
 # Words of a run, the worst first; one letter each for the maps
 LETTERS = {
@@ -43,29 +43,9 @@ MILD = {
     "long step": ("h", lambda v: v),
     "gyroscopic": ("", None),
 }  # no key: problems of different kinds
-NO_SOLUTION = {"vise"}  # stressors without a solution for rigid bodies: only a refusal is right
 
 
-# The stressors and the ends of a run for a reader who meets the names for the first time
-SAID = {
-    "mass ratio": "a heavy box on a light one",
-    "height": "tall stacks",
-    "duplicated contacts": "the same contact listed many times",
-    "near-parallel normals": "planes that nearly agree or oppose each other",
-    "large friction": "very large friction",
-    "long step": "very long time steps",
-    "short step": "very short time steps",
-    "long run": "very long runs",
-    "chatter": "rattling corners",
-    "fast impact": "very fast impacts",
-    "vanishing inertia": "bodies that hardly resist turning",
-    "jam": "a plug pressed into a slot",
-    "vise": "jaws that close on a rigid part (no solution exists)",
-    "heavy end of a row": "a row of bodies with a heavy end",
-    "gyroscopic": "fast spinning bodies",
-    "initial overlap": "bodies that overlap at the start",
-    "stiffness": "the formulation's own stiffness from very soft to very stiff",
-}
+# The ends of a run for a reader who meets the words for the first time
 ENDS = {
     "false claim": "claims a wrong answer",
     "dies": "crashes",
@@ -78,13 +58,18 @@ ENDS = {
 }
 
 
+def said(part):
+    """What a stressor is, in the words of the campaign's file."""
+    return registry.part_words("stability", part)
+
+
 def fall_words(found):
     """'Passes 14 of 17 stress tests. Bodies at rest creep: tall stacks.', from one entry of falls()."""
     if not found:
         return ""
     stands, of, fell = found
     ends = [
-        f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(SAID.get(p, p) for p in parts)}."
+        f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(said(p) or p for p in parts)}."
         for w, parts in sorted(fell.items())
     ]
     return " ".join([f"Passes {stands} of {of} stress tests."] + ends)
@@ -103,7 +88,9 @@ def missed_word(missed):
 
 
 def unsolvable(cell):
-    return cell["part"] in NO_SOLUTION and cell["formulation"] != "penalty"
+    """No motion of rigid bodies exists, and the contact is not compliant: only a refusal is right."""
+    scene = cell["problem"].partition(":")[0]
+    return not registry.solvable(scene) and not registry.trait(cell["formulation"], "compliant")
 
 
 def refusals(cells):
@@ -197,10 +184,6 @@ class Ladder:
         )
 
 
-def order(names, known):
-    return [n for n in known if n in names] + sorted(set(names) - set(known))
-
-
 def ladders(cells):
     """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without solver have the solver ''."""
     out = {}
@@ -208,7 +191,9 @@ def ladders(cells):
         cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")
     ]
     for (form, solver, part), g in some.groupby(["formulation", "solver", "part"]):
-        out.setdefault((form, "" if form == "penalty" else solver), {})[part] = Ladder(part, g)
+        out.setdefault((form, solver if registry.uses_solver(form) else ""), {})[part] = Ladder(
+            part, g
+        )
     return out
 
 
@@ -228,13 +213,13 @@ LEGEND = ", ".join(f"{letter} {name}" for name, letter in LETTERS.items())
 
 def overview(by, parts):
     forms, solvers = (
-        order({f for f, _ in by}, FORMULATIONS),
-        order({s for _, s in by if s}, SOLVERS),
+        registry.by_formulation({f for f, _ in by}),
+        registry.by_solver({s for _, s in by if s}),
     )
     panels = [
         HeatPanel(
             "formulations",
-            [f if f != "penalty" else "penalty (no solver)" for f in forms],
+            [f if registry.uses_solver(f) else f"{f} (no solver)" for f in forms],
             [
                 [summed([l for (f, _), l in by.items() if f == form], p) for p in parts]
                 for form in forms
@@ -260,8 +245,10 @@ def overview(by, parts):
 
 def map_of_all(by, parts):
     panels = []
-    for form in order({f for f, _ in by}, FORMULATIONS):
-        solvers = order({s for f, s in by if f == form}, SOLVERS)
+    for form in sorted(
+        registry.by_formulation({f for f, _ in by}), key=lambda f: not registry.uses_solver(f)
+    ):
+        solvers = registry.by_solver({s for f, s in by if f == form})
         words = []
         for solver in solvers:
             line = []
@@ -333,7 +320,7 @@ def stressors_table(by, parts):
         rows.append(
             [
                 part,
-                SAID.get(part, ""),
+                said(part),
                 "; ".join(dict.fromkeys(turned_up(l) for l in found)),
                 str(max(len(l.rungs) for l in found)),
             ]
@@ -365,14 +352,12 @@ def section(by):
         ),
     )
     table, reasons = [], collections.Counter()
-    for form, solver in sorted(
-        by,
-        key=lambda k: (
-            order({f for f, _ in by}, FORMULATIONS).index(k[0]),
-            order({s for _, s in by}, SOLVERS).index(k[1]),
-        ),
-    ):
-        line = [form, solver or "none (integrator)"]
+    forms, solvers = (
+        registry.by_formulation({f for f, _ in by}),
+        registry.by_solver({s for _, s in by}),
+    )
+    for form, solver in sorted(by, key=lambda k: (forms.index(k[0]), solvers.index(k[1]))):
+        line = [Cell(form, look=form), Cell(solver, look=solver) if solver else "none (integrator)"]
         for part in parts:
             ladder = by[form, solver].get(part)
             cell = ladder.cell() if ladder else Cell(why_missing(form, solver, part), "none")
@@ -380,6 +365,7 @@ def section(by):
             line.append(cell)
         table.append(line)
     fields = sum(reasons.values())
+    refusing = [name for name in registry.scenes() if not registry.solvable(name)]
     counts = ", ".join(f"{name} {n}" for name, n in sorted(reasons.items(), key=lambda kv: -kv[1]))
     return Section(
         "stability",
@@ -387,7 +373,7 @@ def section(by):
         f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
         "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
         f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
-        f"({', '.join(NO_SOLUTION)}), only a refusal stands.",
+        f"({', '.join(refusing)}), only a refusal stands.",
         [overview(by, parts), map_of_all(by, parts)],
         [
             stressors_table(by, parts),

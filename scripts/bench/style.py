@@ -1,5 +1,6 @@
 """One look for every figure: column widths, colours that colour-blind readers and grey printers can tell apart, and
-bytes that repeat. A name has the same colour, marker and line style in every figure of a campaign."""
+bytes that repeat. A component has the same colour and marker wherever it is drawn; both follow from its place in
+the registry, so that a new one has its own without a word here."""
 
 import os
 import pathlib
@@ -7,24 +8,18 @@ import re
 
 import matplotlib
 
+from bench import registry
+
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 
 COLUMN, PAGE = 3.49, 7.16  # widths of one and two columns [in]
 
-# Okabe & Ito (2008), ordered so that neighbours differ in lightness too
-COLOURS = [
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
-    "#000000",
-    "#8C6D1F",
-    "#7A7A7A",
-]
+# Okabe & Ito (2008), black and yellow replaced by grey and wine, which have darker and lighter shades: three rounds of eight
+HUES = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6E6E6E", "#882255"]
+SHADES = [(0, 0.0), (0, 0.45), (255, 0.5)]  # towards black or white, and how far
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h"]
+GLYPHS = dict(zip(MARKERS, "●■▲◆▼✚✖◀▶⬢"))  # the markers where text is all there is
 DASHES = [
     "-",
     (0, (5, 1.5)),
@@ -33,37 +28,12 @@ DASHES = [
     (0, (3, 1)),
     (0, (6, 1, 1, 1, 1, 1)),
 ]
-
-FORMULATIONS = [
-    "regularized",
-    "velocity",
-    "position",
-    "normal",
-    "coulomb",
-    "boxed",
-    "acceleration",
-    "penalty",
-    "event",
-]
-SOLVERS = [
-    "lemke",
-    "pgs",
-    "projected_gradient",
-    "ppm",
-    "block_pivoting",
-    "newton",
-    "interior_point",
-    "nncg",
-    "apgd",
-    "murty",
-    "jacobi",
-    "pgs_sm",
-    "sqp",
-    "nsgs",
-    "prox",
-    "enumerate",
-    "cone_newton",
-]
+KINDS = {
+    "formulations": 0,
+    "solvers": 5,
+    "effects": 2,
+}  # what has a look, and with which marker it begins
+NEUTRAL = "#444444"  # of names that this build does not know
 
 matplotlib.rcParams.update(
     {
@@ -103,33 +73,52 @@ matplotlib.rcParams.update(
 )
 
 
-def _place(name, known):
-    base = name.split(":")[0].split()[0]
-    if base in known:
-        return known.index(base)
-    return len(known) + sum(map(ord, base)) % 7
+def colour_at(i):
+    """The colour of the i-th of a registry."""
+    hue, (target, share) = HUES[i % len(HUES)], SHADES[i // len(HUES) % len(SHADES)]
+    parts = [int(hue[k : k + 2], 16) for k in (1, 3, 5)]
+    return "#" + "".join(f"{round(v + (target - v) * share):02X}" for v in parts)
 
 
-def colour(name, known=None):
-    known = known or (FORMULATIONS if name.split(":")[0] in FORMULATIONS else SOLVERS)
-    return COLOURS[_place(name, known) % len(COLOURS)]
+def code(name):
+    """(place in its registry, colour, marker) of a component; options and a sign before the name do not matter."""
+    base = name.split(":")[0].lstrip("+-")
+    for kind, first in KINDS.items():
+        names = list(registry.listed(kind))
+        if base in names:
+            i = names.index(base)
+            return i, colour_at(i), MARKERS[(i + first) % len(MARKERS)]
+    return 0, NEUTRAL, MARKERS[sum(map(ord, base)) % len(MARKERS)]
 
 
 def look(name, variant=0):
-    """Keyword arguments of plot() for a formulation or a solver; variants of one name differ in dashes."""
-    known = FORMULATIONS if name.split(":")[0] in FORMULATIONS else SOLVERS
-    i = _place(name, known)
-    marker = MARKERS[(i + 3 * variant) % len(MARKERS)]
-    out = {
-        "color": COLOURS[i % len(COLOURS)],
-        "marker": marker,
-        "linestyle": DASHES[(i + variant) % len(DASHES)],
-    }
-    if (
-        i % 2 == 0 and i > 0
-    ):  # large and open below, small and filled above: two lines on top of each other both show
-        out.update(markerfacecolor="white", markersize=6.5, markeredgewidth=1.1, zorder=1.9)
+    """Keyword arguments of plot() for a component; variants of one name differ in dashes and in the filling of the marker."""
+    i, colour, marker = code(name)
+    out = {"color": colour, "marker": marker, "linestyle": DASHES[(i + variant) % len(DASHES)]}
+    if variant % 2:
+        out.update(markerfacecolor="white", markeredgewidth=1.1)
+    if i % 2:  # large below, small above: two lines on top of each other both show
+        out.update(markersize=5.6, zorder=1.9)
     return out
+
+
+def glyph(name):
+    """The marker of a component as a character."""
+    return GLYPHS[code(name)[2]]
+
+
+def swatch(name):
+    """The marker of a component in its colour, for the page."""
+    return f'<i class="look" style="color:{code(name)[1]}">{glyph(name)}\ufe0e</i>'  # the character, not a picture of it
+
+
+def marked(combination):
+    """A combination with the marker of each part before it, in its colour, for a terminal."""
+    parts = []
+    for part in combination.split(" + "):
+        rgb = ";".join(str(int(code(part)[1][k : k + 2], 16)) for k in (1, 3, 5))
+        parts.append(f"\x1b[38;2;{rgb}m{glyph(part)}\x1b[0m {part}")
+    return " + ".join(parts)
 
 
 UNVERIFIED = {

@@ -16,7 +16,7 @@ import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from bench import (
+from bench import (  # noqa: E402
     accuracy,
     chart,
     claims,
@@ -32,7 +32,7 @@ from bench import (
     section,
     stability,
     style,
-)  # noqa: E402
+)
 
 HEADER = (
     "schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
@@ -279,7 +279,7 @@ class Judged(unittest.TestCase):
 
     def test_the_stability_map_names_the_first_failing_rung(self):
         table = stability.section(stability.ladders(self.cells)).tables[1]
-        self.assertEqual(table.rows[0][:2], ["velocity", "lemke"])
+        self.assertEqual([c.text for c in table.rows[0][:2]], ["velocity", "lemke"])
         self.assertEqual(table.rows[0][2].text, "fails honestly 2/3")
         self.assertIn("mass_ratio = 100: ray", table.rows[0][2].title)
 
@@ -288,6 +288,7 @@ class Judged(unittest.TestCase):
             "status": "ok",
             "verified": True,
             "part": "height",
+            "problem": "stack:n=2",
             "formulation": "velocity",
             "n_predictions_missed": 0,
             "missed": "",
@@ -313,7 +314,7 @@ class Judged(unittest.TestCase):
             {w: w for w in ends},
         )
         self.assertEqual(stability.missed_word("state b.vx = 0 3x"), "creeps")
-        vise = {**ok, "part": "vise"}
+        vise = {**ok, "problem": "vise:speed=1"}
         self.assertEqual(
             [
                 stability.word({**vise, **c})[0]
@@ -345,18 +346,23 @@ class Judged(unittest.TestCase):
         more = some.assign(part="stiffness", formulation="regularized", problem="stack")
         table = stability.section(stability.ladders(pd.concat([some, more]))).tables[1]
         self.assertTrue(all(cell.text for row in table.rows for cell in row[2:]))
-        self.assertIn(
-            "no stiffness",
-            next(r for r in table.rows if r[0] == "velocity")[3].text
-            + next(r for r in table.rows if r[0] == "velocity")[2].text,
-        )
+        other = next(r for r in table.rows if r[0].text == "velocity")
+        self.assertIn("no stiffness", other[3].text + other[2].text)
 
     def test_a_refusal_is_right_only_where_no_solution_exists(self):
         some = self.cells[self.cells["campaign"] == "stability"]
         bad = some[some["status"] == "ray"]
         self.assertEqual(int(stability.refusals(bad).sum()), 0)
-        self.assertEqual(int(stability.refusals(bad.assign(part="vise")).sum()), 1)
-        self.assertEqual(int(stability.refusals(bad.assign(part="vise", status="crash")).sum()), 0)
+        self.assertEqual(int(stability.refusals(bad.assign(problem="vise:speed=1")).sum()), 1)
+        self.assertEqual(
+            int(
+                stability.refusals(bad.assign(problem="vise:speed=1", formulation="penalty")).sum()
+            ),
+            0,
+        )
+        self.assertEqual(
+            int(stability.refusals(bad.assign(problem="vise:speed=1", status="crash")).sum()), 0
+        )
 
     def test_a_probe_that_is_killed_or_prints_nothing_dies(self):
         stressor = limits.Stressor("edge", "x={}", 1, 1e9)
@@ -394,7 +400,7 @@ class Judged(unittest.TestCase):
         )
         self.assertEqual(
             [c.text for c in table.rows[0][2:]],
-            ["5, the end of the ladder", "not defined: no stiffness"],
+            ["5, the end of the ladder", "not defined: no such option"],
         )
         self.assertEqual(table.rows[1][2].text, "not run")
 
