@@ -26,7 +26,7 @@ TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 
 
 
 def lab(colour: str, seen_by: np.ndarray) -> np.ndarray:
-    """CIE 1976 L*a*b* of a colour, as some reader sees it."""
+    """L*a*b* of a colour, as some reader sees it."""
     rgb = np.array([int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)])
     linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
     xyz = TO_XYZ @ np.clip(seen_by @ linear, 0, 1) / np.array([0.9505, 1, 1.089])
