@@ -50,6 +50,19 @@ SAME = {
 }
 
 
+class Pipes(unittest.TestCase):
+    def test_a_reader_that_has_seen_enough_gets_no_traceback(self) -> None:
+        """`scripts/recommend ... | head`: more lines than a pipe holds, to a reader that closes it at once."""
+        words = [sys.executable, "-c", "import bench\nwhile True:\n    print('x' * 1000)"]
+        with subprocess.Popen(
+            words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT / "scripts"
+        ) as writer:
+            writer.stdout.readline()
+            writer.stdout.close()
+            said = writer.stderr.read()
+        self.assertEqual(said, b"")
+
+
 class Recommended(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
