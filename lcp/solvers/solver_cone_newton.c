@@ -19,6 +19,7 @@
  *     then on (shrink^0.8), and the other map takes over; counted in `fallbacks`. So is a singular system. */
 #include "lcp/lcp_cone.h"
 #include "lcp/solvers/cone_step.h"
+#include "lcp/solvers/data_test.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
 
@@ -210,6 +211,18 @@ static base_status finish(state *s, const options *o, const lcp_problem *p, doub
   return status;
 }
 
+/* Proximal steps drive z of an infeasible problem to any size, also to the one at which the rounding that lcp_loop_ended
+ * allows for equals the violation (M = [1 -1; -1 1], infeasible by 2^-20: z = 3e7). So the violation of orthant, box
+ * and free rows must be small against q without that allowance; else the answer is not claimed. */
+static void refuse_runaway(state *s, const options *o, const lcp_problem *p, const double *z,
+                           lcp_result *res) {
+  lcp_matrix_apply(&p->M, z, p->q, s->loop.stop.w, s->loop.stop.scratch);
+  res->work.matvecs++;
+  if (!lcp_data_allows(p, o->stop.tol, s->loop.q_size, s->loop.scale, z, s->loop.stop.w, NULL)) {
+    res->outcome = LCP_STALLED;
+  }
+}
+
 static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   const options *o = opt;
@@ -253,6 +266,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   }
   if (res->outcome == LCP_SOLVED) {
     status = finish(s, o, p, z, res);
+    refuse_runaway(s, o, p, z, res);
   } else if (best < res->residual || res->residual != res->residual) {
     memcpy(z, s->best, bytes);
     res->residual = best;

@@ -19,7 +19,7 @@ def copied(d):
     root = d / "tree"
     for entry in ROOT.iterdir():
         if entry.is_dir() and entry.name not in (".git", ".venv", "subprojects") and not (entry / "meson-private").exists():
-            shutil.copytree(entry, root / entry.name, ignore=shutil.ignore_patterns("runs", "__pycache__", "*.xz", "data"))
+            shutil.copytree(entry, root / entry.name, ignore=shutil.ignore_patterns("runs", "__pycache__", "*.xz"))
         elif entry.is_file():
             root.mkdir(exist_ok=True)
             shutil.copy(entry, root / entry.name)
