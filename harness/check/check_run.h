@@ -35,7 +35,8 @@ base_status check_equivalence(const check_plan *plan, const case_equivalence *e,
 const char *check_not_applicable(const scene_spec *spec, const formulation_choice *form);
 
 /* What the scene declares and the model lacks; NULL: nothing. Such a run is made all the same, and has
- * to end with an honest status and finite numbers, which are not compared. */
+ * to end with an honest status and finite numbers, which are compared by checks that name the
+ * formulation only. */
 const char *check_limit(const scene_spec *spec, const formulation_choice *form);
 
 /* The solver that a scene is run with where none was asked for: a finite method on the sets that the

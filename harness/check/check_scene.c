@@ -10,7 +10,8 @@ typedef struct scene_unit {
   sim_request request;
   const spec_off *off; /* judged by this statement alone; NULL: by the scene's checks */
   const char *forms;   /* which "forms" word the formulation goes by; "" for none */
-  const char *limit;   /* what the model lacks: only status and finiteness are judged; or NULL */
+  const char *limit;   /* what the model lacks: only status, finiteness and the checks that name the
+                          formulation are judged; or NULL */
   check_outcome blank;
 } scene_unit;
 
@@ -86,10 +87,20 @@ static void judge_checks(isolate_channel *out, const scene_unit *u, const series
                              .deflection = r->deflection,
                              .finite = r->finite};
   const int facets = formulation_choice_facets(u->request.form);
+  const char *form = u->request.form->form->name;
   if (u->limit != NULL) {
     const spec_check finite = {.kind = CHECK_FINITE};
     emit_check(out, u, &finite, &ctx);
-    emit(out, u, "numbers", CHECK_SKIPPED, u->limit);
+    bool named = false;
+    for (int i = 0; u->off == NULL && i < spec->n_check; i++) {
+      if (spec_check_names(&spec->check[i], form)) {
+        emit_check(out, u, &spec->check[i], &ctx);
+        named = true;
+      }
+    }
+    if (!named) {
+      emit(out, u, "numbers", CHECK_SKIPPED, u->limit);
+    }
     return;
   }
   if (u->off != NULL) {
@@ -100,7 +111,7 @@ static void judge_checks(isolate_channel *out, const scene_unit *u, const series
     if (spec->check[i].kind == CHECK_BRISTLE_DEFLECTION) {
       emit(out, u, "tangential_bristle_deflection", CHECK_SKIPPED,
            "a rule without a number; the unit tests of the bristle law hold it");
-    } else if (spec_check_applies(&spec->check[i], u->forms, facets)) {
+    } else if (spec_check_applies(&spec->check[i], form, u->forms, facets)) {
       emit_check(out, u, &spec->check[i], &ctx);
     }
   }
@@ -153,7 +164,7 @@ static base_status run_off(const check_plan *plan, scene_unit *u, base_error *er
   const scene_spec *spec = u->request.spec;
   for (int k = 0; k < spec->n_off && isolate_stop_requested() == 0; k++) {
     u->off = &spec->off[k];
-    if (!spec_check_applies(&u->off->check, u->forms, 0)) {
+    if (!spec_check_applies(&u->off->check, u->request.form->form->name, u->forms, 0)) {
       continue;
     }
     u->request.effects = spec->effects & ~u->off->effect;

@@ -21,7 +21,8 @@ static bool declared(const sim_request *q) {
 bool prediction_applies(const sim_request *q, int i) {
   const spec_check *c = &q->spec->check[i];
   return declared(q) && in_time(q, c) &&
-         spec_check_applies(c, stands_for(q), formulation_choice_facets(q->form));
+         spec_check_applies(c, q->form->form->name, stands_for(q),
+                            formulation_choice_facets(q->form));
 }
 
 check_context prediction_context(const sim_request *q, const series *record, const sim_result *r) {
@@ -71,7 +72,7 @@ static const spec_check *reference_of(const sim_request *q) {
   for (int pass = 0; declared(q) && pass < 3; pass++) {
     for (int i = 0; i < q->spec->n_check; i++) {
       const spec_check *c = &q->spec->check[i];
-      const bool fits = (pass == 0)   ? c->nd == 0 && spec_check_applies(c, "coulomb", 0)
+      const bool fits = (pass == 0)   ? c->nd == 0 && spec_check_applies(c, "coulomb", "coulomb", 0)
                         : (pass == 1) ? c->nd == 0
                                       : prediction_applies(q, i);
       if (fits && kinematic(c->kind) && in_time(q, c)) {

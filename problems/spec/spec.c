@@ -293,10 +293,18 @@ const char *spec_check_name(spec_check_kind k) {
   return ((int)k >= 0 && k < CHECK_COUNT) ? check_names[k] : "unknown";
 }
 
-bool spec_check_applies(const spec_check *c, const char *formulation, int facets) {
-  bool listed = (c->n_form == 0);
+bool spec_check_names(const spec_check *c, const char *word) {
   for (int i = 0; i < c->n_form; i++) {
-    listed = listed || strcmp(c->form[i], formulation) == 0;
+    if (strcmp(c->form[i], word) == 0) {
+      return true;
+    }
   }
+  return false;
+}
+
+bool spec_check_applies(const spec_check *c, const char *formulation, const char *stands_for,
+                        int facets) {
+  const bool listed = c->n_form == 0 || spec_check_names(c, formulation) ||
+                      (stands_for[0] != '\0' && spec_check_names(c, stands_for));
   return listed && (c->nd == 0 || facets == 0 || c->nd == facets);
 }

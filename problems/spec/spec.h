@@ -293,5 +293,10 @@ base_status spec_solid_inertia(const spec_shape *p, int dim, double mass, double
  * omega.x, ...) in this dimension? */
 bool spec_quantity_known(const char *quantity, int dim);
 
-/* Does the check apply to this formulation at these facets (0: no facets)? */
-bool spec_check_applies(const spec_check *c, const char *formulation, int facets);
+/* Does the check list this word among its `forms`? */
+bool spec_check_names(const spec_check *c, const char *word);
+
+/* Does the check apply to this formulation at these facets (0: no facets)? It does where it lists no
+ * forms, or the formulation, or the one that it stands for ("": none). */
+bool spec_check_applies(const spec_check *c, const char *formulation, const char *stands_for,
+                        int facets);

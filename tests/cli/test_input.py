@@ -65,45 +65,104 @@ def options_out_of_range_are_refused(d):
 def nearest_names_are_proposed(d):
     """In the same one line; nothing is proposed for nonsense."""
     m = problem(d)
-    sim, dry = ("simulate", "incline", "--formulation", "velocity", "--solver"), ("run", "smoke", "--dry-run")
-    cases = [(("simulat", "incline"), "simulate"), (("list", "solver"), "solvers"), (("solve", m, "--solver", "lemk"), "lemke"),
-             (("solve", m, "--solver", "LEMKE"), "lemke"), (("solve", m, "--solver", "lmeke"), "lemke"), (("solve", m, "--solver", "interior"), "interior_point"),
-             (("solve", m, "--solver", "pgs:omga=1"), "omega"), (("solve", m, "--solver", "lemke", "--certifcate", "x"), "--certificate"),
-             (("solve", "murtz:n=4", "--solver", "lemke"), "murty"), (("solve", "murty:m=4,gh=1", "--solver", "lemk"), "lemke"),
-             (("simulate", "inclyne", "--formulation", "velocity", "--solver", "lemke"), "incline"), ((*sim[:3], "velocty", "--solver", "lemke"), "velocity"),
-             (("simulate", "incline:theta=3", *sim[2:], "lemke"), "theta_deg"), ((*sim, "lemke", "--effects", "+fricton"), "friction"),
-             ((*sim[:3], "regularized:model=bristel", "--solver", "lemke"), "bristle"), ((*sim, "lemke", "--trajectori", "x"), "--trajectory"),
-             (("run", "smok", "--dry-run"), "smoke"), ((*dry, "--filter", "solvr=lemke"), "solver"), ((*dry, "--filter", "-formulations_=x"), "formulations"),
-             ((*dry, "--rerun", "faild"), "failed"), ((*dry, "--rerun", "lemk"), "lemke"), (("compare", d, d, "--column", "t_totl_s"), "t_total_s"),
-             (("export", m, "--fromat", "mtx"), "--format"), (("submit", "papr", "--engine", "slurm"), "paper")]
-    texts = {"solver": "solvers: [lemk]", "axis": "solvrs: [lemke]", "family": "problems: ['murtz:n=4'], solvers: [lemke]",
-             "parameter": "problems: ['stack:nn=1,mass_rtio=2'], solvers: [lemke]", "form": "problems: [incline], formulations: [velocty], solvers: [lemke]",
-             "scene": "problems: [inclin], formulations: [velocity], solvers: [lemke]"}
-    wants = {"solver": "lemke", "axis": "solvers", "family": "murty", "parameter": "n", "form": "velocity", "scene": "incline"}
+    sim, dry = (
+        ("simulate", "incline", "--formulation", "velocity", "--solver"),
+        ("run", "smoke", "--dry-run"),
+    )
+    cases = [
+        (("simulat", "incline"), "simulate"),
+        (("list", "solver"), "solvers"),
+        (("solve", m, "--solver", "lemk"), "lemke"),
+        (("solve", m, "--solver", "LEMKE"), "lemke"),
+        (("solve", m, "--solver", "lmeke"), "lemke"),
+        (("solve", m, "--solver", "interior"), "interior_point"),
+        (("solve", m, "--solver", "pgs:omga=1"), "omega"),
+        (("solve", m, "--solver", "lemke", "--certifcate", "x"), "--certificate"),
+        (("solve", "murtz:n=4", "--solver", "lemke"), "murty"),
+        (("solve", "murty:m=4,gh=1", "--solver", "lemk"), "lemke"),
+        (("simulate", "inclyne", "--formulation", "velocity", "--solver", "lemke"), "incline"),
+        ((*sim[:3], "velocty", "--solver", "lemke"), "velocity"),
+        (("simulate", "incline:theta=3", *sim[2:], "lemke"), "theta_deg"),
+        ((*sim, "lemke", "--effects", "+fricton"), "friction"),
+        ((*sim[:3], "regularized:model=bristel", "--solver", "lemke"), "bristle"),
+        ((*sim, "lemke", "--trajectori", "x"), "--trajectory"),
+        (("run", "smok", "--dry-run"), "smoke"),
+        ((*dry, "--filter", "solvr=lemke"), "solver"),
+        ((*dry, "--filter", "-formulations_=x"), "formulations"),
+        ((*dry, "--rerun", "faild"), "failed"),
+        ((*dry, "--rerun", "lemk"), "lemke"),
+        (("compare", d, d, "--column", "t_totl_s"), "t_total_s"),
+        (("export", m, "--fromat", "mtx"), "--format"),
+        (("submit", "papr", "--engine", "slurm"), "paper"),
+    ]
+    texts = {
+        "solver": "solvers: [lemk]",
+        "axis": "solvrs: [lemke]",
+        "family": "problems: ['murtz:n=4'], solvers: [lemke]",
+        "parameter": "problems: ['stack:nn=1,mass_rtio=2'], solvers: [lemke]",
+        "form": "problems: [incline], formulations: [velocty], solvers: [lemke]",
+        "scene": "problems: [inclin], formulations: [velocity], solvers: [lemke]",
+    }
+    wants = {
+        "solver": "lemke",
+        "axis": "solvers",
+        "family": "murty",
+        "parameter": "n",
+        "form": "velocity",
+        "scene": "incline",
+    }
     for word, text in texts.items():
         text = text if "problems" in text else f"problems: ['{m}'], {text}"
         (d / f"{word}.yaml").write_text("name: x\nparts: [{name: a, %s}]\n" % text)
         cases.append((("run", d / f"{word}.yaml", "--dry-run"), wants[word]))
     (d / "key.yaml").write_text("name: x\nsamplin: {samples: 1}\nparts: []\n")
     cases.append((("run", d / "key.yaml", "--dry-run"), "sampling"))
-    scene = {"id": "one", "dim": 2, "T": 0.1, "bodies": [{"name": "b", "shape": {"type": "dics", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}]}
+    scene = {
+        "id": "one",
+        "dim": 2,
+        "T": 0.1,
+        "bodies": [{"name": "b", "shape": {"type": "dics", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}],
+    }
     (d / "kind.json").write_text(json.dumps(scene))
     (d / "member.json").write_text(json.dumps(dict(scene, boddies=[])))
     scene["bodies"][0]["shape"]["type"] = "disc"
     (d / "two.json").write_text(json.dumps([scene, dict(scene, id="ramp")]))
-    cases += [(("simulate", d / "kind.json", *sim[2:], "lemke"), "disc"), (("simulate", d / "member.json", *sim[2:], "lemke"), "bodies"),
-              (("simulate", f"{d}/two.json#rmap", *sim[2:], "lemke"), "ramp")]
+    cases += [
+        (("simulate", d / "kind.json", *sim[2:], "lemke"), "disc"),
+        (("simulate", d / "member.json", *sim[2:], "lemke"), "bodies"),
+        (("simulate", f"{d}/two.json#rmap", *sim[2:], "lemke"), "ramp"),
+    ]
     for words, want in cases:
         one_line_error(*words, names=[f"did you mean '{want}'?"])
-    for words in (("xyzzy",), ("solve", m, "--solver", "xyzzy"), ("list", "tea"), ("simulate", "qqqqqq", *sim[2:], "lemke")):
+    for words in (
+        ("xyzzy",),
+        ("solve", m, "--solver", "xyzzy"),
+        ("list", "tea"),
+        ("simulate", "qqqqqq", *sim[2:], "lemke"),
+    ):
         assert "did you mean" not in run(*words, code=2).stderr, words
 
 
 def steps_longer_than_the_run_are_refused(d):
     """They used to be `ok` after no step at all."""
     words = ("simulate", "incline", "--formulation", "velocity", "--solver", "lemke")
-    for step, duration in (("2", "1"), ("1e9", "1"), ("0.01", "0.001"), ("1e300", "1e-300"), ("1.0001", "1")):
-        one_line_error(*words, "--step", step, "--duration", duration, "--trajectory", d / "t", names=["step", f"{float(step):g} s", f"{float(duration):g} s"])
+    for step, duration in (
+        ("2", "1"),
+        ("1e9", "1"),
+        ("0.01", "0.001"),
+        ("1e300", "1e-300"),
+        ("1.0001", "1"),
+    ):
+        one_line_error(
+            *words,
+            "--step",
+            step,
+            "--duration",
+            duration,
+            "--trajectory",
+            d / "t",
+            names=["step", f"{float(step):g} s", f"{float(duration):g} s"],
+        )
     one_line_error(*words, "--duration", "1e-3", names=["0.01 s", "0.001 s"])
     for option in ("--step", "--duration"):
         for value in ("0", "-0", "-1", "nan", "-nan", "inf", "1e999", "", "x"):
@@ -113,12 +172,16 @@ def steps_longer_than_the_run_are_refused(d):
     assert not (d / "t").exists()
     assert run_json(*words, "--step", "1", "--duration", "1", code=None)["steps"] == 1
     ball = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}
-    (d / "h.json").write_text(json.dumps({"id": "s", "dim": 2, "T": 0.1, "hs": [0.5], "bodies": [ball]}))
+    (d / "h.json").write_text(
+        json.dumps({"id": "s", "dim": 2, "T": 0.1, "hs": [0.5], "bodies": [ball]})
+    )
     one_line_error("simulate", d / "h.json", *words[2:], names=["0.5 s", "0.1 s"])
     one_line_error("calibrate", "slide", "--error", "1", "--step", "1e9", names=["1e+09 s"])
     # in a campaign it is a row with its reason
-    (d / "c.yaml").write_text("name: c\nsampling: {processes: 1, samples: 1, max_samples: 1}\nparts: [{name: a, problems: [incline], formulations: [velocity], "
-                              "solvers: [lemke], steps: [5], durations: [0.1]}]\n")
+    (d / "c.yaml").write_text(
+        "name: c\nsampling: {processes: 1, samples: 1, max_samples: 1}\nparts: [{name: a, problems: [incline], formulations: [velocity], "
+        "solvers: [lemke], steps: [5], durations: [0.1]}]\n"
+    )
     run("run", d / "c.yaml", "--out", d / "o", "--quiet")
     (row,) = csv.DictReader((d / "o/results.csv").read_text().splitlines())
     assert row["status"] == "unsupported" and "5 s" in row["note"] and "0.1 s" in row["note"], row
@@ -153,7 +216,16 @@ def options_without_a_meaning_are_refused(d):
     one_line_error(*submit, "parallel", "--slurm-time", 10, names=["--slurm-time", "parallel"])
     one_line_error(*submit, "slurm", "--slurm-time", "1; rm", names=["--slurm-time", "1; rm"])
     for folder in ("it's", "two words", "100%", "a\\b"):  # a line of #SBATCH knows no quoting
-        one_line_error("submit", "smoke", "--out", d / folder, "--dry-run", "--engine", "slurm", names=["--out", "Slurm"])
+        one_line_error(
+            "submit",
+            "smoke",
+            "--out",
+            d / folder,
+            "--dry-run",
+            "--engine",
+            "slurm",
+            names=["--out", "Slurm"],
+        )
 
 
 def output_that_does_not_arrive_is_no_success(d):
@@ -303,6 +375,36 @@ def check_fails_what_it_cannot_run(d):
         assert "FAILED s - - [run]" in done.stdout and done.stdout.endswith(
             " 1 failed, 0 skipped\n"
         ), done.stdout
+
+
+def a_check_that_names_a_formulation_judges_it(d):
+    """Also one whose model leaves out an effect of the scene: penalty has no rigid contact."""
+    scene = {
+        "id": "s",
+        "dim": 2,
+        "T": 0.02,
+        "gravity": [0, -9.81],
+        "bodies": [
+            {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 0.1]}
+        ],
+        "static": [{"name": "floor", "normal": [0, 1], "offset": 0}],
+    }
+    for forms, said in (([], "skipped"), (["velocity"], "skipped"), (["penalty"], "failed")):
+        scene["checks"] = [
+            {
+                "type": "state",
+                "var": "b.y",
+                "value": 5,
+                "tol": {"abs": 1e-9},
+                **({"forms": forms} if forms else {}),
+            }
+        ]
+        (d / "s.json").write_text(json.dumps(scene))
+        words = ("check", d / "s.json", "--formulation", "penalty", "--solver", "lemke", "--json")
+        checks = json.loads(run(*words, code=None).stdout)["checks"]
+        got = {c["check"]: c["result"] for c in checks}
+        assert got.pop("status") == got.pop("finite") == "passed", got
+        assert list(got.values()) == [said], (forms, got)
 
 
 def lists_are_bare_names(d):
@@ -688,6 +790,7 @@ tap(
         check_errors,
         check_skips_no_case_for_want_of_anything,
         check_fails_what_it_cannot_run,
+        a_check_that_names_a_formulation_judges_it,
         lists_are_bare_names,
         scenes_are_described_in_full,
         solve_prints_one_object,

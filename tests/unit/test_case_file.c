@@ -70,8 +70,10 @@ static void scenes_keep_their_numbers(void **state) {
   check_close(s->check[0].tol.reg_v, 0.0, 0.0);
   check_close(s->check[1].tol.h2, 27.45378519737761, 0.0);
   check_close(s->check[1].tol.reg_v, 3.8216874597951245, 0.0);
-  assert_true(spec_check_applies(&s->check[0], "velocity", 8));
-  assert_false(spec_check_applies(&s->check[0], "regularized", 0));
+  assert_true(spec_check_applies(&s->check[0], "velocity", "velocity", 8));
+  assert_false(spec_check_applies(&s->check[0], "regularized", "regularized", 0));
+  assert_false(spec_check_applies(&s->check[0], "penalty", "", 0));
+  assert_true(spec_check_applies(&s->check[0], "boxed", "velocity", 0));
   s = find(&f, "B23.d");
   assert_int_equal(s->facets, 6);
   assert_int_equal(s->body[1].lock, SPEC_ROT | SPEC_Y | SPEC_Z);
