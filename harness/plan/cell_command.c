@@ -61,7 +61,8 @@ static void solver_text(const cell *c, const campaign_limits *l, char *buf, size
 size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, size_t cap) {
   const bool is_scene = c->formulation[0] != '\0';
   char solver[400];
-  line l = {buf, cap, 0};
+  line l = {.cap = cap};
+  l.buf = buf;
   solver_text(c, limits, solver, sizeof solver);
   put_plain(&l, is_scene ? "lcpbench simulate " : "lcpbench solve ");
   put_word(&l, c->problem);

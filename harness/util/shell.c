@@ -38,7 +38,8 @@ static void put_char(sink *s, char c) {
 }
 
 size_t shell_quote(const char *word, char *buf, size_t cap) {
-  sink s = {buf, cap, 0};
+  sink s = {.cap = cap};
+  s.buf = buf;
   const bool control = has_control(word);
   put(&s, control ? substitution : "'");
   for (const char *c = word; *c != '\0'; c++) {

@@ -146,6 +146,17 @@ static int row_at(const lcp_cone_step *s, int a, int b) {
   return s->near_at[low];
 }
 
+/* Undoes on the columns of an inverse the exchanges of rows k and row[k] that made it, the last one first. */
+static void columns_back(int n, const int *row, double *A) {
+  for (int k = n - 1; k >= 0; k--) {
+    for (int i = 0; i < n && row[k] != k; i++) {
+      const double x = A[i + k * n];
+      A[i + k * n] = A[i + row[k] * n];
+      A[i + row[k] * n] = x;
+    }
+  }
+}
+
 /* A (n x n, column-major) -> its inverse by Gauss-Jordan with row pivoting. False: singular. */
 static bool invert(int n, double *A) {
   int row[LCP_CONE_MAX];
@@ -174,13 +185,7 @@ static bool invert(int n, double *A) {
       }
     }
   }
-  for (int k = n - 1; k >= 0; k--) { /* columns back */
-    for (int i = 0; i < n && row[k] != k; i++) {
-      const double x = A[i + k * n];
-      A[i + k * n] = A[i + row[k] * n];
-      A[i + row[k] * n] = x;
-    }
-  }
+  columns_back(n, row, A);
   return true;
 }
 

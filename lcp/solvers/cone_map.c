@@ -27,6 +27,7 @@ static void vanish(int n, int at, int dim, const double *x, double *F, double *X
 }
 
 /* One part on the circle of radius mu p_n, p = x - y of length t outside it. */
+// NOLINTNEXTLINE(readability-function-size): a part is told by nine plain values
 static void slip(int n, int at, int dim, double mu, double radius, double t, const double *x,
                  const double *y, double *F, double *X, double *Y) {
   double d[2] = {0};
@@ -151,6 +152,7 @@ static void fischer(const lcp_block *k, const double *x, const double *y, double
   }
 }
 
+// NOLINTNEXTLINE(readability-function-size): a map takes its block, its point and three results
 void lcp_cone_map(lcp_map map, const lcp_block *b, double lo, double hi, const double *x,
                   const double *y, double *F, double *X, double *Y) {
   const size_t bytes = (size_t)b->size * (size_t)b->size * sizeof *X;

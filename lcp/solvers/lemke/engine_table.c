@@ -59,6 +59,7 @@ static void open(lemke_engine *e, const double *d) {
   lin_tableau_cover(&table_of(e)->tableau, d);
 }
 
+// NOLINTNEXTLINE(readability-non-const-parameter): the signature of lemke_engine.column
 static const double *column(lemke_engine *e, int var, double *room) {
   (void)room;
   return lin_tableau_column(&table_of(e)->tableau, var);
