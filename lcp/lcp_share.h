@@ -1,0 +1,45 @@
+/* lcp/lcp_share.h - one answer where the problem has many: impulses of redundant rows as equal springs share them.
+ *
+ * Rigid bodies on more contacts than degrees of freedom leave the normal impulses undetermined, and with sliding
+ * friction the motion follows them. Blocks with compliance c_i > 0 (`soft` in lcp_block, the block's first row)
+ * ask for the limit
+ *
+ *   z = lim z(eps),   z(eps) solves  w = (M + eps C) z + q,   C = diag(c_i), zero elsewhere        (eps -> 0)
+ *
+ * which is the answer of rigid bodies on ever stiffer springs (MATHEMATICS 2.8). It is made from a solver's answer z in
+ * three steps, and it solves the problem with eps = 0 to rounding:
+ *
+ *   1. the normal rows that touch are factored; without a zero pivot z is unique and is left alone, bit for bit;
+ *   2. the active rows of M + delta C are found by pivoting in blocks from those of z (cones: by Newton's method),
+ *      delta = 1e-7 of the diagonal;
+ *   3. with their factor, z <- (M + delta C)^-1 (-q + delta C z) is repeated until delta C z no longer moves. From zero
+ *      this proximal iteration never leaves the C-orthogonal complement of what M does not see, so that it ends in
+ *      the limit and not near it.
+ *
+ * Where active rows are not found, or the result does not solve the problem, z stays as it was and the outcome is
+ * LCP_SHARE_MISSED. */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+
+typedef enum lcp_share_outcome {
+  LCP_SHARE_UNIQUE, /* nothing to choose */
+  LCP_SHARE_MADE,   /* z is the limit */
+  LCP_SHARE_MISSED, /* z is the solver's */
+} lcp_share_outcome;
+
+typedef struct lcp_share_result {
+  lcp_share_outcome outcome;
+  int deficit; /* touching normal rows less their rank */
+  int rounds;  /* changes of active rows, Newton steps of cones included */
+  long factorizations, backsolves;
+} lcp_share_result;
+
+typedef struct lcp_share lcp_share; /* opaque: owns the workspace, reusable step after step */
+
+base_status lcp_share_open(lcp_share **out, base_error *err);
+void lcp_share_close(lcp_share *s); /* accepts NULL */
+
+/* z[n], an answer of p, in; the chosen answer out. BASE_ENOMEM only. */
+base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_share_result *out,
+                            base_error *err);

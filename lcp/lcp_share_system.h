@@ -1,0 +1,46 @@
+/* lcp/lcp_share_system.h - the linear system of lcp_share: active rows of M + delta C, cones that slip linearised.
+ * Private to lcp_share*.c. */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+#include "lcp/linear/sparse_lu.h"
+
+/* What is asked of an unknown: its value stays; its row of M z + q is zero; it is friction of a cone that slips,
+ *   own z_i + pull z_n + gain_0 w_t + gain_1 w_t+1 = 0,   t = first row of its part, n its normal. */
+enum { SHARE_FIXED, SHARE_ACTIVE, SHARE_SLIP };
+
+typedef struct share_rows {
+  unsigned char *kind; /* n */
+  double *delta;       /* n: added to the diagonal of an active row */
+  int *part;           /* n: first row of the part of a slipping row; of every cone's friction */
+  int *part_dim;       /* n: 1 or 2 */
+  int *slips;          /* n: of a cone's normal: one past its last friction row; else 0 */
+  double *own, *pull;  /* n */
+  double *gain;        /* 2 n */
+} share_rows;
+
+typedef struct share_system {
+  int count;            /* active and slipping unknowns */
+  int *unknown, *local; /* cap_n */
+  int *met, *stamp;     /* cap_n: rows met in a column; the column that met a row last */
+  double *sum, *x;      /* cap_n */
+  int *colptr, *rowind; /* cap_n + 1, cap_nnz */
+  double *val;
+  lin_lu lu;
+  int cap_n;
+  size_t cap_nnz, cap_fill;
+  void *mem, *nnz_mem, *lu_mem; /* owned */
+  long factorizations, backsolves;
+} share_system;
+
+void lcp_share_system_close(share_system *s);
+
+/* Builds and factors the system for the kinds in r, n unknowns. *regular = false: singular. BASE_ENOMEM only. */
+base_status lcp_share_system_factor(share_system *s, const lcp_matrix *M, const share_rows *r,
+                                    bool *regular, base_error *err);
+
+/* Pivots of the last factor that are at most `small`. */
+int lcp_share_system_small_pivots(const share_system *s, double small);
+
+/* z of the unknowns in the system from right (n entries, those of the system read). */
+void lcp_share_system_solve(share_system *s, const double *right, double *z);
