@@ -7,7 +7,8 @@
  *
  * Numbers are decimal with 17 digits, so they read back as the same binary64. A check sees the problem
  * and the file only:
- *   farkas  y >= 0, M'y <= 0, q'y < 0 in exact rational arithmetic (GMP), any n;
+ *   farkas  y >= 0, M'y <= 0, q'y < 0 in exact rational arithmetic (GMP), any n; in the rows of friction of a cone
+ *           y_i = 0 and (M'y)_i = 0 (lcp_farkas.h);
  *   basis   n <= 64: M_BB z_B = -q_B is solved in rational arithmetic and z_B >= 0, w_N >= 0 are
  *           tested exactly. A degenerate problem with rounded data may fail that by round-off, and
  *           above n = 64 it is not tried: then rho of the file's z (lcp_judge.h, extended precision)
@@ -48,7 +49,7 @@ void lcp_certificate_free(lcp_certificate_file *f);
 
 /* The one check of a certificate that a solver has just handed over (c->kind is not LCP_CERT_NONE; z[n]
  * is the solution of a basis, else unused) and of a file. BASE_EINVAL: the problem has sets other than
- * orthant and free rows. */
+ * orthant and free rows and, for a Farkas vector, cones. */
 base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate *c, const double *z,
                                    lcp_certificate_verdict *out, base_error *err);
 

@@ -2,6 +2,7 @@
 #include "lcp/lcp_column.h"
 #include "lcp/lcp_wide_column.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -207,6 +208,7 @@ base_status lcp_matrix_to_csc(const lcp_matrix *M, lcp_csc *out, base_error *err
     lcp_csc_free(out);
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for a sparse copy of a matrix of size %d", M->n);
   }
+  assert(lcp_csc_is_sorted(out));
   return BASE_OK;
 }
 

@@ -75,8 +75,9 @@ static bool holds(const lcp_matrix *M, const double *q, const unsigned char *kin
                   lcp_farkas_sum *force, const double *y) {
   lcp_farkas_sum value = {0, 0, 0};
   for (int i = 0; i < M->n; i++) {
-    const bool is_free = kind != NULL && kind[i] != 0;
-    if (!isfinite(y[i]) || (y[i] < 0 && !is_free)) {
+    const int row = (kind != NULL) ? kind[i] : LCP_FARKAS_SIGNED;
+    if (!isfinite(y[i]) || (y[i] < 0 && row == LCP_FARKAS_SIGNED) ||
+        (y[i] != 0 && row == LCP_FARKAS_SIDEWAYS)) {
       return false;
     }
     add_product(&value, q[i], y[i]);

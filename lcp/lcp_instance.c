@@ -2,6 +2,7 @@
 
 #include "lcp/base/clock.h"
 
+#include <assert.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -118,6 +119,7 @@ base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_err
   BASE_TRY(lcp_solver_admits(k->solver, p, err));
   const double started = base_seconds();
   BASE_TRY(read_storage(k, p, err));
+  assert(lcp_problem_is_shaped(&k->p));
   const lcp_capacity need = lcp_problem_capacity(&k->p);
   if (!lcp_capacity_holds(&k->cap, &need)) {
     BASE_TRY(fit(k, &need, err));

@@ -50,6 +50,19 @@ static base_status check_csc(const lcp_csc *m, int n, const char *what, base_err
   return check_values(m->val, (size_t)m->colptr[n], what, err);
 }
 
+bool lcp_csc_is_sorted(const lcp_csc *m) {
+  bool good = m->colptr[0] == 0;
+  for (int j = 0; j < m->n_col && good; j++) {
+    int last = -1;
+    for (int k = m->colptr[j]; k < m->colptr[j + 1]; k++) {
+      good = good && m->rowind[k] > last;
+      last = m->rowind[k];
+    }
+    good = good && m->colptr[j] <= m->colptr[j + 1] && last < m->n_row;
+  }
+  return good;
+}
+
 static base_status check_bodies(const lcp_factored *f, base_error *err) {
   for (int b = 0; b < f->n_body; b++) {
     const int dofs = f->dof_start[b + 1] - f->dof_start[b];
@@ -184,6 +197,31 @@ base_status lcp_problem_check(const lcp_problem *p, base_error *err) {
   }
   BASE_TRY(check_values(p->q, (size_t)M->n, "q", err));
   return check_blocks(p, err);
+}
+
+bool lcp_problem_is_shaped(const lcp_problem *p) {
+  const lcp_csc *m = NULL;
+  if (p->M.storage == LCP_CSC) {
+    m = &p->M.csc;
+  } else if (p->M.storage == LCP_FACTORED) {
+    const lcp_factored *f = p->M.factored;
+    m = f->shift;
+    if (f->row_start[f->n_group] != p->M.n) {
+      return false;
+    }
+  }
+  if (p->M.n > 0 && m != NULL &&
+      (m->n_row != p->M.n || m->n_col != p->M.n || !lcp_csc_is_sorted(m))) {
+    return false;
+  }
+  int next = 0;
+  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
+    if (p->block[k].start != next || p->block[k].size < 1) {
+      return false;
+    }
+    next += p->block[k].size;
+  }
+  return p->block == NULL || next == p->M.n;
 }
 
 unsigned lcp_problem_sets(const lcp_problem *p) {

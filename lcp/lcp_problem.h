@@ -72,13 +72,17 @@ typedef struct lcp_matrix {
 
 typedef enum lcp_set { LCP_ORTHANT, LCP_BOX, LCP_FREE, LCP_CONE } lcp_set;
 
-/* One block of unknowns, normally one contact or one joint. */
+/* One block of unknowns, normally one contact or one joint. Parts are those of a cone, size = 1 + sum part_dim; or, on an
+ * orthant, its facets: the normal impulse, part_dim[k] facets of each part, then one slip speed a part,
+ * size = 1 + sum part_dim + n_part. Solvers of orthants need not know of parts; lcp_share does. */
 typedef struct lcp_block {
   int start, size;
   lcp_set set;
-  int n_part; /* LCP_CONE: number of parts; size = 1 + sum part_dim */
+  int n_part;
   int part_dim[LCP_PARTS_MAX];
-  double part_mu[LCP_PARTS_MAX]; /* >= 0 [1], or [m] for torsion and rolling */
+  double part_mu[LCP_PARTS_MAX]; /* LCP_CONE: >= 0 [1], or [m] for torsion and rolling */
+  double
+      soft; /* relative compliance of the first row where M leaves it undetermined (lcp_share.h); 0: any answer */
 } lcp_block;
 
 /* ---- problem ------------------------------------------------------------------------------ */
@@ -123,6 +127,12 @@ bool lcp_capacity_holds(const lcp_capacity *c, const lcp_capacity *need);
 /* Checks shapes, index ranges, finiteness of every number, lo <= hi, mu >= 0, blocks that cover
  * 0..n-1 in order. Cost O(nnz). Called by readers, harness and tests, never by a solver. */
 base_status lcp_problem_check(const lcp_problem *p, base_error *err);
+
+/* Invariants for assert, which look at no number of M or q. Of columns: offsets do not decrease, row indices increase
+ * and are in range. Of a problem: its columns (or those of S) are such, its groups and its blocks cover 0..n-1 in
+ * order. */
+bool lcp_csc_is_sorted(const lcp_csc *m);
+bool lcp_problem_is_shaped(const lcp_problem *p);
 
 /* ---- products ----------------------------------------------------------------------------- */
 

@@ -1,6 +1,5 @@
 #include "lcp/lcp_rho.h"
 
-#include "lcp/lcp_column.h"
 #include "lcp/lcp_cone.h"
 
 void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *size) {
@@ -22,32 +21,22 @@ void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *s
   }
 }
 
-static double column_reference(const lcp_matrix *M, int j, const double *tau0) {
-  const lcp_column c = lcp_column_of(M, j);
-  double ref = 0.0;
-  bool empty = true;
-  for (int k = 0; k < c.count; k++) {
-    if (c.val[k] != 0.0) {
-      ref = fmax(ref, tau0[lcp_column_row(&c, k)] / fabs(c.val[k]));
-      empty = false;
-    }
-  }
-  return empty ? 1.0 : ref;
-}
-
 void lcp_rho_references(const lcp_problem *p, const double *d, const double *tau0, double *zref) {
   for (int i = 0; i < p->M.n; i++) {
-    zref[i] = (d[i] != 0.0) ? tau0[i] / fabs(d[i]) : column_reference(&p->M, i, tau0);
+    zref[i] = lcp_rho_reference(d[i], tau0[i], lcp_column_of(&p->M, i), tau0);
   }
 }
 
-/* Over the largest tau of the block, with the mean diagonal. */
+/* Over the largest tau of the block, with the mean diagonal. A projection could lose a NaN of w, so it is looked for. */
 static double cone(const lcp_block *b, const double *d, const double *z, const double *w,
                    const double *tau) {
   double moved[1 + 2 * LCP_PARTS_MAX], mean = 0.0, largest = 0.0, worst = 0.0;
   for (int i = 0; i < b->size; i++) {
     mean += d[i] / b->size;
     largest = fmax(largest, tau[i]);
+    if (w[i] != w[i]) {
+      return w[i];
+    }
   }
   mean = (mean > 0.0) ? mean : 1.0;
   for (int i = 0; i < b->size; i++) {

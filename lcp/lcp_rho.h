@@ -5,7 +5,7 @@
  * could show it. */
 #pragma once
 
-#include "lcp/lcp_problem.h"
+#include "lcp/lcp_column.h"
 
 /* x / scale; where the scale is zero nothing but zero can stand above it. */
 static inline double lcp_rho_over(double x, double scale) {
@@ -15,18 +15,27 @@ static inline double lcp_rho_over(double x, double scale) {
   return (x == 0.0) ? 0.0 : copysign(HUGE_VAL, x);
 }
 
+/* The smaller and the larger of x and a bound, which is a number; NaN where x is NaN. */
+static inline double lcp_rho_below(double x, double bound) {
+  return (x > bound) ? bound : x;
+}
+static inline double lcp_rho_above(double x, double bound) {
+  return (x < bound) ? bound : x;
+}
+
 /* The term of one row of an orthant, a box [lo, hi] or a free row, from z, w = (M z + q)_i and their scales.
- * lo and hi are read for boxes only. */
+ * lo and hi are read for boxes only. Not a number where z or w is none: w of a z so large that it overflows. */
 static inline double lcp_rho_row(lcp_set set, double z, double w, double lo, double hi, double zref,
                                  double tau) {
-  const double x = lcp_rho_over(z, zref), y = lcp_rho_over(w, tau);
+  const double x = lcp_rho_over(z, zref), y = (w == w) ? lcp_rho_over(w, tau) : w;
   if (set == LCP_FREE) {
     return fabs(y);
   }
   if (set == LCP_BOX) {
-    return fabs(x - fmin(fmax(x - y, lcp_rho_over(lo, zref)), lcp_rho_over(hi, zref)));
+    const double low = lcp_rho_over(lo, zref), high = lcp_rho_over(hi, zref);
+    return fabs(x - lcp_rho_below(lcp_rho_above(x - y, low), high));
   }
-  return fabs(fmin(x, y));
+  return fabs((x < y || x != x) ? x : y);
 }
 
 /* The larger of two residuals. fmax would drop NaN; a residual must not. */
@@ -38,9 +47,26 @@ static inline double lcp_rho_worse(double worst, double r) {
  * NULL; of the factored form with S alone in the place of M. One pass over what is stored. */
 void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *size);
 
-/* zref from tau0 and the diagonal d of M: tau0_i / |d_i|; where d_i = 0 the largest tau0_j / |M_ji| of the
- * column, 1 where it is zero. (A zero diagonal of the factored form means a zero row of J: its column is that
- * of S.) zref must not alias tau0. */
+/* zref_i of one unknown from its tau0_i and diagonal entry d: tau0_i / |d|; where d = 0 the largest tau0_j / |M_ji|
+ * of its column, 1 where that is zero. */
+static inline double lcp_rho_reference(double d, double own, lcp_column column,
+                                       const double *tau0) {
+  if (d != 0.0) {
+    return own / fabs(d);
+  }
+  double ref = 0.0;
+  bool empty = true;
+  for (int k = 0; k < column.count; k++) {
+    if (column.val[k] != 0.0) {
+      ref = fmax(ref, tau0[lcp_column_row(&column, k)] / fabs(column.val[k]));
+      empty = false;
+    }
+  }
+  return empty ? 1.0 : ref;
+}
+
+/* zref of all unknowns from tau0 and the diagonal d of M. (A zero diagonal of the factored form means a zero row of
+ * J: its column is that of S.) zref must not alias tau0. */
 void lcp_rho_references(const lcp_problem *p, const double *d, const double *tau0, double *zref);
 
 /* max over the blocks at z, w = M z + q, with zref and tau as they stand; NaN where a term is. */

@@ -95,6 +95,12 @@ typedef struct lcp_solver {
   void (*release)(void *state);
 } lcp_solver;
 
+/* The members of a descriptor that every file of a solver calls the same: its options are the struct `options`, its
+ * state is state_. `prepare`, `factor` and `release` are named by those that have them. */
+#define LCP_SOLVER_PARTS(state_)                                                                   \
+  .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
+  .state_size = sizeof(state_), .layout = layout, .solve = solve
+
 /* Of an lcp_set, as errors and lists tell it; NULL beyond the last. */
 const char *lcp_set_name(int set);
 

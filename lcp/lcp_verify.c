@@ -27,6 +27,11 @@ static bool is_free(const lcp_problem *p, const unsigned char *set, int i) {
   return p->block != NULL && set[i] == LCP_FREE;
 }
 
+/* A row of friction of a cone, told by lcp_certificate_verify. */
+static bool is_sideways(const lcp_problem *p, const unsigned char *set, int i) {
+  return p->block != NULL && set[i] == LCP_CONE;
+}
+
 static const char *farkas_fault(const lcp_problem *p, const lcp_csc *M, const unsigned char *set,
                                 const double *y) {
   mpq_t sum;
@@ -37,6 +42,7 @@ static const char *farkas_fault(const lcp_problem *p, const lcp_csc *M, const un
   for (int i = 0; i < p->M.n; i++) {
     add_product(sum, a, b, p->q[i], y[i]);
     fault = (y[i] < 0 && !is_free(p, set, i)) ? "y has a negative entry" : fault;
+    fault = (y[i] != 0 && is_sideways(p, set, i)) ? "y has an entry in a row of friction" : fault;
   }
   fault = (mpq_sgn(sum) >= 0) ? "q'y is not negative" : fault;
   for (int j = 0; j < M->n_col && fault == NULL; j++) {
@@ -45,7 +51,8 @@ static const char *farkas_fault(const lcp_problem *p, const lcp_csc *M, const un
       add_product(sum, a, b, M->val[k], y[M->rowind[k]]);
     }
     const int sign = mpq_sgn(sum);
-    fault = (sign > 0 || (sign < 0 && is_free(p, set, j))) ? "M'y has a positive entry" : NULL;
+    const bool zero = is_free(p, set, j) || is_sideways(p, set, j);
+    fault = (sign > 0 || (sign < 0 && zero)) ? "M'y has an entry of the wrong sign" : NULL;
   }
   mpq_clears(sum, a, b, NULL);
   return fault;
@@ -434,8 +441,11 @@ static bool all_finite(const double *x, int n) {
 base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate *c, const double *z,
                                    lcp_certificate_verdict *out, base_error *err) {
   *out = (lcp_certificate_verdict){.why = ""};
-  if ((lcp_problem_sets(p) & ((1u << LCP_BOX) | (1u << LCP_CONE))) != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "certificate: only orthant and free rows are checked");
+  const unsigned unchecked = (1u << LCP_BOX) | ((c->kind == LCP_CERT_FARKAS) ? 0 : 1u << LCP_CONE);
+  if ((lcp_problem_sets(p) & unchecked) != 0) {
+    return BASE_FAIL(
+        err, BASE_EINVAL,
+        "certificate: only orthant and free rows, and of cones only Farkas vectors, are checked");
   }
   if (c->kind == LCP_CERT_BASIS ? c->basis == NULL
                                 : c->vector == NULL || !all_finite(c->vector, p->M.n)) {
@@ -448,7 +458,8 @@ base_status lcp_certificate_verify(const lcp_problem *p, const lcp_certificate *
   }
   for (int k = 0; p->block != NULL && k < p->n_block; k++) {
     for (int i = 0; i < p->block[k].size; i++) {
-      set[p->block[k].start + i] = (unsigned char)p->block[k].set;
+      const bool normal = p->block[k].set == LCP_CONE && i == 0;
+      set[p->block[k].start + i] = (unsigned char)(normal ? LCP_ORTHANT : p->block[k].set);
     }
   }
   base_status status = BASE_OK;

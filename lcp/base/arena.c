@@ -15,7 +15,7 @@ base_arena base_arena_over(void *mem, size_t cap) {
   return (base_arena){.mem = mem, .cap = cap};
 }
 
-void *base_arena_take(base_arena *a, size_t bytes) {
+static void *take(base_arena *a, size_t bytes) {
   const size_t padded = (bytes + BASE_ALIGN - 1) / BASE_ALIGN * BASE_ALIGN;
   if (padded < bytes || padded > a->cap - a->used) {
     a->overflow = true;
@@ -36,7 +36,7 @@ void *base_arena_take_array(base_arena *a, size_t count, size_t size) {
     a->overflow = true;
     return NULL;
   }
-  return base_arena_take(a, count * size);
+  return take(a, count * size);
 }
 
 /* Blocks that fill many pages lie on whole huge pages where the system has them on request: a sweep

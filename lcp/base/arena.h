@@ -21,12 +21,9 @@ typedef struct base_arena {
 base_arena base_arena_measuring(void);
 base_arena base_arena_over(void *mem, size_t cap); /* mem aligned to BASE_ALIGN */
 
-/* Returns `bytes` aligned to BASE_ALIGN, or NULL when measuring or full.
+/* Returns count * size bytes aligned to BASE_ALIGN, or NULL when measuring or full; typed: BASE_ARRAY(a, double, n).
  * Never touches the heap. Builds without NDEBUG fill the block with 0xFF, which
- * reads back as NaN, so use of an uninitialised entry shows in the result. */
-void *base_arena_take(base_arena *a, size_t bytes);
-
-/* Typed form: BASE_ARRAY(a, double, n). A count whose size would not fit in
+ * reads back as NaN, so use of an uninitialised entry shows in the result. A count whose size would not fit in
  * size_t overflows the arena instead of wrapping round. */
 void *base_arena_take_array(base_arena *a, size_t count, size_t size);
 #define BASE_ARRAY(a, type, count)                                                                 \

@@ -1,3 +1,6 @@
+#ifndef _GNU_SOURCE /* the harness has it on its command line */
+#define _GNU_SOURCE /* O_TMPFILE */
+#endif
 #include "lcp/base/output.h"
 
 #include "lcp/base/clock.h"
@@ -98,21 +101,50 @@ static base_status open_direct(base_out *o, int flags, base_error *err) {
   return stream_of(o, fd, err);
 }
 
-/* A name beside the file that nobody has. */
-static int create_temporary(base_out *o, mode_t mode) {
+/* Puts the k-th of the names beside the file that are tried into o->temporary. */
+static void name_temporary(base_out *o, int k) {
   const size_t folder = folder_length(o->path);
+  (void)snprintf(o->temporary, sizeof o->temporary, "%.*s%.200s.%ld-%d.tmp", (int)folder, o->path,
+                 o->path + folder, (long)getpid(), k);
+}
+
+/* A name beside the file that nobody has. */
+static int create_temporary(base_out *o) {
   int fd = -1;
   errno = EEXIST;
   for (int k = 0; fd < 0 && errno == EEXIST && k < TRIES; k++) {
-    (void)snprintf(o->temporary, sizeof o->temporary, "%.*s%.200s.%ld-%d.tmp", (int)folder, o->path,
-                   o->path + folder, (long)getpid(), k);
-    fd = open(o->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    name_temporary(o, k);
+    fd = open(o->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   }
   return fd;
 }
 
-/* `old`: the file that will be replaced, NULL where the name is free. */
-static base_status open_whole(base_out *o, const struct stat *old, base_error *err) {
+/* A file without a name, of which nothing is left where the program is killed; -1 where the file system
+ * has none, or where /proc, by which it gets its name, is not there. */
+static int create_nameless(const base_out *o) {
+  char folder[sizeof o->path];
+  (void)snprintf(folder, sizeof folder, "%.*s.", (int)folder_length(o->path), o->path);
+  return (access("/proc/self/fd", X_OK) == 0) ? open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666)
+                                              : -1;
+}
+
+/* Gives the nameless file a temporary name, which can replace another in one step; false with errno. */
+static bool link_nameless(base_out *o) {
+  char self[64];
+  (void)snprintf(self, sizeof self, "/proc/self/fd/%d", fileno(o->to));
+  errno = EEXIST;
+  for (int k = 0; errno == EEXIST && k < TRIES; k++) {
+    name_temporary(o, k);
+    if (linkat(AT_FDCWD, self, AT_FDCWD, o->temporary, AT_SYMLINK_FOLLOW) == 0) {
+      return true;
+    }
+  }
+  o->temporary[0] = '\0';
+  return false;
+}
+
+/* `old`: the file that will be replaced, NULL where the name is free. `named`: a library opens it by name. */
+static base_status open_whole(base_out *o, const struct stat *old, bool named, base_error *err) {
   struct stat out;
   if (old != NULL && faccessat(AT_FDCWD, o->path, W_OK, AT_EACCESS) != 0) {
     return failed(o->path, errno, err);
@@ -121,7 +153,11 @@ static base_status open_whole(base_out *o, const struct stat *old, base_error *e
       out.st_ino == old->st_ino) {
     return refuse(o->path, "is what standard output writes to", err);
   }
-  const int fd = create_temporary(o, 0666);
+  int fd = named ? -1 : create_nameless(o);
+  o->nameless = fd >= 0;
+  if (!o->nameless) {
+    fd = create_temporary(o);
+  }
   if (fd < 0) {
     o->temporary[0] = '\0';
     return failed(o->path, errno, err);
@@ -136,7 +172,9 @@ static base_status open_whole(base_out *o, const struct stat *old, base_error *e
   if (done == BASE_OK && good) {
     return BASE_OK;
   }
-  (void)unlink(o->temporary);
+  if (!o->nameless) {
+    (void)unlink(o->temporary);
+  }
   if (done == BASE_OK) {
     (void)fclose(o->to);
     o->to = NULL;
@@ -148,6 +186,7 @@ static base_status take_path(base_out *o, const char *path, base_error *err) {
   const size_t len = strlen(path);
   o->to = NULL;
   o->temporary[0] = '\0';
+  o->nameless = false;
   if (len == 0 || len >= sizeof o->path) {
     return BASE_FAIL(err, BASE_EINVAL, "'%.80s%s: need the name of a file, of 1 to %zu characters",
                      path, len == 0 ? "'" : "...'", sizeof o->path - 1);
@@ -168,7 +207,7 @@ static base_status open_any(base_out *o, bool regular, base_error *err) {
     return refuse(o->path, kind_of(st.st_mode), err);
   }
   if (!descriptor && (!there || S_ISREG(st.st_mode))) {
-    return open_whole(o, there ? &st : NULL, err);
+    return open_whole(o, there ? &st : NULL, regular, err);
   }
   return regular ? refuse(o->path, "is not a regular file, which this format needs", err)
                  : open_direct(o, descriptor ? O_APPEND : 0, err);
@@ -194,11 +233,12 @@ base_status base_out_close(base_out *o, bool keep, base_error *err) {
   if (o->to == NULL) {
     return BASE_OK;
   }
-  const bool whole = o->temporary[0] != '\0';
+  const bool whole = o->nameless || o->temporary[0] != '\0';
   errno = 0;
   /* what an earlier write could not put down is tried again here, and says why */
   bool good = fflush(o->to) == 0 && ferror(o->to) == 0;
   good = good && (!whole || !keep || fsync(fileno(o->to)) == 0);
+  good = good && (!o->nameless || !keep || link_nameless(o));
   int why = errno;
   if (o->to != stdout && fclose(o->to) != 0 && good) {
     good = false;
@@ -209,7 +249,7 @@ base_status base_out_close(base_out *o, bool keep, base_error *err) {
     good = false; /* on the disk the name means the old or the new file, each of them whole */
     why = errno;
   }
-  if (whole && (!keep || !good)) {
+  if (o->temporary[0] != '\0' && (!keep || !good)) {
     (void)unlink(o->temporary);
   }
   return (good || !keep) ? BASE_OK : failed(o->path, why, err);

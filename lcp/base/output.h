@@ -1,7 +1,9 @@
 /* base/output.h - every file that the suite writes.
  *
- *   a name that is free, a regular file   written under a temporary name beside it, flushed to the
- *                                         disk, then renamed: there whole or not at all
+ *   a name that is free, a regular file   written without a name, flushed to the disk, then given its
+ *                                         name: there whole or not at all, and nothing is left where the
+ *                                         program is killed. Where the file system has no files without
+ *                                         a name, and where a library writes: under a temporary name
  *   a symlink                             stays; what it points to is written
  *   a character device, a FIFO            written to as it is; a FIFO that nobody has opened for
  *                                         reading after BASE_OUT_WAIT is refused
@@ -18,9 +20,11 @@
 #define BASE_OUT_WAIT 5.0 /* [s] */
 
 typedef struct base_out {
-  FILE *to;             /* NULL: not open */
-  char path[1100];      /* the file itself, symlinks followed */
-  char temporary[1200]; /* what is written until it is whole; "" where it is written as it is */
+  FILE *to;        /* NULL: not open */
+  char path[1100]; /* the file itself, symlinks followed */
+  char temporary
+      [1200]; /* what is written until it is whole; "" where it has no name yet, or is written as it is */
+  bool nameless; /* it gets a name when it is whole */
 } base_out;
 
 /* BASE_EINVAL: the path is empty or too long. BASE_EIO: refused, or with the system's word. BASE_ENOMEM:

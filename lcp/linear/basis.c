@@ -3,6 +3,7 @@
 #include "lcp/base/clones.h"
 #include "lcp/linear/extended.h"
 
+#include <assert.h>
 #include <math.h>
 #include <string.h>
 
@@ -31,6 +32,23 @@ void lin_basis_layout(lin_basis *b, int n, int nnz, base_arena *a) {
   b->eta_value = BASE_ARRAY(a, double, b->cap_eta);
 }
 
+#ifndef NDEBUG
+/* Every row position has a variable of its own, and head and where name each other. */
+static bool consistent(const lin_basis *b) {
+  const int n = b->sys->n;
+  int basic = 0;
+  bool good = true;
+  for (int v = 0; v <= 2 * n; ++v) {
+    basic += b->where[v] >= 0;
+  }
+  for (int i = 0; i < n; ++i) {
+    const int v = b->head[i];
+    good = good && v >= 0 && v <= 2 * n && b->where[v] == i;
+  }
+  return good && basic == n;
+}
+#endif
+
 void lin_basis_start(lin_basis *b, const lin_system *sys, const unsigned char *in_z) {
   const int n = sys->n;
   b->sys = sys;
@@ -44,6 +62,7 @@ void lin_basis_start(lin_basis *b, const lin_system *sys, const unsigned char *i
     b->head[i] = in_z[i] ? n + i : i;
     b->where[b->head[i]] = i;
   }
+  assert(consistent(b));
 }
 
 /* Appends the kernel part of one column; w rows are left out. */
@@ -117,6 +136,7 @@ bool lin_basis_factor(lin_basis *b) {
     b->head[row] = var;
     b->where[var] = row;
   }
+  assert(consistent(b));
   return true;
 }
 
@@ -256,18 +276,6 @@ void lin_basis_residual(const lin_basis *b, const double *y, const double *r, lo
   lin_extended_flush(&e);
 }
 
-void lin_basis_defect(const lin_basis *b, const double *y, const double *r, double *x) {
-  const int n = b->sys->n;
-  memcpy(x, r, sizeof(double) * (size_t)n);
-  waiting w = {0};
-  for (int k = 0; k < n; ++k) {
-    if (y[k] != 0) {
-      add_later(&w, b->sys, b->head[k], -y[k], x);
-    }
-  }
-  add_waiting(&w, n, x);
-}
-
 void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   const int n = b->sys->n;
   const int e = b->n_eta++;
@@ -286,9 +294,11 @@ void lin_basis_replace(lin_basis *b, int p, int var, const double *d) {
   b->eta_pos[e] = p;
   b->eta_pivot[e] = d[p];
   b->eta_flops += 2 * (double)at;
+  assert(b->where[var] < 0);
   b->where[b->head[p]] = -1;
   b->head[p] = var;
   b->where[var] = p;
+  assert(consistent(b));
 }
 
 /* Product-form columns are streamed, a factorisation jumps about: the weights are measured times of

@@ -70,9 +70,6 @@ void lin_basis_column(const lin_basis *b, int var, double *x);
 /* sum <- r - B y, accumulated in extended precision (for refinement). */
 void lin_basis_residual(const lin_basis *b, const double *y, const double *r, long double *sum);
 
-/* x <- r - B y in double. */
-void lin_basis_defect(const lin_basis *b, const double *y, const double *r, double *x);
-
 /* Replaces the variable in position p by `var`, whose column solved to d. */
 void lin_basis_replace(lin_basis *b, int p, int var, const double *d);
 

@@ -1,0 +1,21 @@
+/* lcp/lcp_rho_factored.h - sizes of the terms of w where M = J W J' + S is held in factors, entry by entry.
+ *
+ * The product J (W (J'x)) does not tell what its terms were: where they cancel, as at a contact that neither carries nor
+ * moves between bodies that do, |w| is rounding and a bound from it is rounding too. Here every M_ij of two groups that
+ * share a body is formed, which costs about an assembly of M: for the last test of a solve, not for every one. */
+#pragma once
+
+#include "lcp/lcp_problem.h"
+
+typedef struct lcp_rho_factored {
+  double *wj;        /* n_jac: J W, as jac is stored */
+  int *first, *next; /* groups at every body as lists: 2 group + side, or -1 */
+  bool ready;        /* for the matrix of this solve */
+} lcp_rho_factored;
+
+void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_arena *a);
+
+/* size_i = |q_i| + sum_j |M_ij||x_j|, over the groups that share a body with that of i (all, unless S couples others:
+ * then a lower bound). Clear s->ready when the matrix has changed. */
+void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const double *x,
+                              double *size);
