@@ -85,10 +85,102 @@ static double slide(double a, void *data) {
   return sqrt(size) - s->mu * s->r[0];
 }
 
+/* A tangential block of the Schur complement of A_nn, diagonal in the axes e. */
+typedef struct tangential {
+  double value[2], axis[2][2]; /* largest first */
+  double b[2], coupling[2];    /* b_t - A_tn b_n / A_nn and A_tn / A_nn along the axes */
+  double size;                 /* of what b is a difference of */
+} tangential;
+
+static void diagonalise(const double *A, const double *b, int n, tangential *t) {
+  const int dim = n - 1;
+  double S[2][2] = {{0}}, off[2] = {0}, rest[2] = {0};
+  *t = (tangential){.axis = {{1.0, 0.0}, {0.0, 1.0}}};
+  for (int i = 0; i < dim; i++) {
+    off[i] = A[1 + i] / A[0];
+    rest[i] = b[1 + i] - off[i] * b[0];
+    t->size = fmax(t->size, fabs(b[1 + i]) + fabs(off[i] * b[0]));
+    for (int j = 0; j < dim; j++) {
+      S[i][j] = A[1 + i + (1 + j) * n] - A[1 + i] * A[(1 + j) * n] / A[0];
+    }
+  }
+  if (dim == 2) {
+    const double half = 0.5 * (S[0][0] - S[1][1]), q = 0.5 * (S[0][1] + S[1][0]);
+    const double angle = 0.5 * atan2(q, half);
+    t->axis[0][0] = t->axis[1][1] = cos(angle);
+    t->axis[0][1] = sin(angle);
+    t->axis[1][0] = -t->axis[0][1];
+    const double mean = 0.5 * (S[0][0] + S[1][1]), root = hypot(half, q);
+    t->value[0] = mean + root;
+    t->value[1] = mean - root;
+  } else {
+    t->value[0] = S[0][0];
+  }
+  for (int k = 0; k < dim; k++) {
+    t->b[k] = t->axis[k][0] * rest[0] + t->axis[k][1] * rest[1];
+    t->coupling[k] = t->axis[k][0] * off[0] + t->axis[k][1] * off[1];
+  }
+}
+
+/* Joints that let a contact move along one line, or in one plane, through its normal make A singular. */
+typedef enum singular { REGULAR, RESTS, SLIDES } singular;
+
+/* Rest (w = 0) of a singular A: of all r with w = 0 the one of least friction, from there along the null vector to the
+ * cone. SLIDES: no such r is in the cone. */
+static singular rest_of_singular(const lcp_block *k, const double *A, const double *b, double *r) {
+  static const double noise = 1e-13; /* share of a diagonal that a zero is computed with */
+  const int n = k->size, dim = n - 1;
+  const double mu = k->part_mu[0];
+  double largest = 0.0, x[2] = {0};
+  for (int i = 1; i < n; i++) {
+    largest = fmax(largest, A[i + i * n]);
+  }
+  tangential t;
+  diagonalise(A, b, n, &t);
+  if (t.value[dim - 1] > noise * largest) {
+    return REGULAR;
+  }
+  int null = -1;
+  double normal = -b[0] / A[0];
+  for (int i = 0; i < dim; i++) {
+    if (t.value[i] > noise * largest) {
+      x[i] = -t.b[i] / t.value[i];
+      normal -= t.coupling[i] * x[i];
+    } else if (fabs(t.b[i]) > noise * t.size) {
+      return SLIDES; /* moves whatever r is */
+    } else {
+      null = i;
+    }
+  }
+  const double friction = fabs(x[0]) + fabs(x[1]); /* at most one is not zero */
+  if (friction > mu * normal) {
+    /* |(friction, s)| = mu (normal + s slope) for the least s > 0 */
+    const double slope = fabs(t.coupling[null]);
+    const double p = 1.0 - mu * mu * slope * slope, half = mu * mu * normal * slope;
+    const double rest = friction * friction - mu * mu * normal * normal;
+    const double root = half * half - p * rest;
+    const double s = (root >= 0.0) ? rest / (half + sqrt(root)) : -1.0;
+    if (!(normal > 0.0 && s > 0.0 && s < HUGE_VAL)) {
+      return SLIDES;
+    }
+    x[null] = (t.coupling[null] > 0.0) ? -s : s;
+    normal += slope * s;
+  }
+  r[0] = normal;
+  for (int i = 0; i < dim; i++) {
+    r[1 + i] = t.axis[0][i] * x[0] + ((dim == 2) ? t.axis[1][i] * x[1] : 0.0);
+  }
+  return RESTS;
+}
+
 static void one_part(const lcp_block *k, const double *A, const double *b, double *r) {
   const int n = k->size;
+  const singular kind = rest_of_singular(k, A, b, r);
+  if (kind == RESTS) {
+    return;
+  }
   sliding s = {.A = A, .b = b, .n = n, .mu = k->part_mu[0]};
-  double low = 0.0, at_low = slide(0.0, &s);
+  double low = (kind == SLIDES) ? 1e-12 * A[0] : 0.0, at_low = slide(low, &s);
   if (!(at_low <= 0.0)) { /* not stick (NaN: no stick at all, T singular) */
     double size = A[1 + n];
     size = (n == 3) ? 0.5 * (size + A[2 + 2 * n]) : size;
@@ -141,8 +233,11 @@ static void solve_disc(disc *s) {
     return;
   }
   double high = s->A[s->at + s->at * s->n], at_high;
-  if (!(s->radius > 0.0 && high > 0.0)) {
-    s->x[0] = s->x[1] = 0.0;
+  if (!(s->radius > 0.0 && high > 0.0)) { /* what cannot move rubs where it is moved */
+    const double speed = hypot(s->f[0], (s->dim == 2) ? s->f[1] : 0.0);
+    for (int i = 0; i < 2; i++) {
+      s->x[i] = (speed > 0.0 && i < s->dim) ? -s->radius * s->f[i] / speed : 0.0;
+    }
     return;
   }
   at_high = outside(high, s);
@@ -222,7 +317,7 @@ static void many_parts(const lcp_block *k, const double *A, const double *b, dou
 
 void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double *r) {
   memset(r, 0, (size_t)k->size * sizeof *r);
-  if (b[0] >= 0.0) { /* take-off */
+  if (b[0] >= 0.0 || !(A[0] > 0.0)) { /* take-off; or nothing stops the approach */
     return;
   }
   if (k->n_part == 0 || (k->n_part == 1 && k->part_mu[0] == 0.0)) {

@@ -75,14 +75,14 @@ static int sort_unique(int *list, int count) {
   return kept;
 }
 
-/* Neighbours of every body, itself among them, sorted. */
+/* Neighbours of every body in joined groups, itself among them, sorted. */
 static void neighbours(lcp_cone_step *s, const lcp_factored *f) {
   int *start = s->near_start, *next = s->near_at; /* near_at is filled later */
   for (int b = 0; b <= f->n_body; b++) {
     start[b] = (b < f->n_body) ? 1 : 0;
   }
   for (int g = 0; g < f->n_group; g++) {
-    for (int side = 0; side < 2 && meet(f, g); side++) {
+    for (int side = 0; side < 2 && s->joined[g] && meet(f, g); side++) {
       start[f->body[2 * g + side]]++;
     }
   }
@@ -96,7 +96,7 @@ static void neighbours(lcp_cone_step *s, const lcp_factored *f) {
     s->near[next[b]++] = b;
   }
   for (int g = 0; g < f->n_group; g++) {
-    for (int side = 0; side < 2 && meet(f, g); side++) {
+    for (int side = 0; side < 2 && s->joined[g] && meet(f, g); side++) {
       s->near[next[f->body[2 * g + side]]++] = f->body[2 * g + 1 - side];
     }
   }
@@ -110,7 +110,7 @@ static void neighbours(lcp_cone_step *s, const lcp_factored *f) {
   start[f->n_body] = kept;
 }
 
-void lcp_cone_body_pattern(lcp_cone_step *s, const lcp_factored *f) {
+static void pattern(lcp_cone_step *s, const lcp_factored *f) {
   neighbours(s, f);
   int at = 0;
   for (int b = 0; b < f->n_body; b++) {
@@ -130,6 +130,27 @@ void lcp_cone_body_pattern(lcp_cone_step *s, const lcp_factored *f) {
   }
   s->colptr[f->dof_start[f->n_body]] = at;
   s->entries = (size_t)at;
+}
+
+void lcp_cone_body_begin(lcp_cone_step *s, const lcp_factored *f) {
+  memset(s->joined, 0, (size_t)f->n_group);
+  pattern(s, f);
+}
+
+/* Groups come and go with their contacts: a new pattern where that happened. */
+static void join(lcp_cone_step *s, const lcp_factored *f) {
+  bool changed = false;
+  for (int g = 0; g < f->n_group; g++) {
+    unsigned char now = 0;
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      now |= s->active[i];
+    }
+    changed = changed || now != s->joined[g];
+    s->joined[g] = now;
+  }
+  if (changed) {
+    pattern(s, f);
+  }
 }
 
 /* First row of body a in the columns of body b. */
@@ -275,6 +296,7 @@ static void add_piece(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_sc
 
 bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c,
                         double weight) {
+  join(s, f);
   memset(s->val, 0, s->entries * sizeof *s->val);
   for (int b = 0; b < f->n_body; b++) {
     const int at = row_at(s, b, b);
@@ -287,7 +309,9 @@ bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled
     if (!local(f, c, b, weight)) {
       return false;
     }
-    add_piece(s, f, c, b);
+    if (s->active[b->start]) {
+      add_piece(s, f, c, b);
+    }
   }
   return true;
 }

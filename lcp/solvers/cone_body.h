@@ -11,9 +11,10 @@ base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
 size_t lcp_cone_body_pairs(const lcp_factored *f);
 size_t lcp_cone_body_entries(const lcp_factored *f);
 
-void lcp_cone_body_pattern(lcp_cone_step *s, const lcp_factored *f);
+/* The pattern of no contact; lcp_cone_body_fill keeps it up. */
+void lcp_cone_body_begin(lcp_cone_step *s, const lcp_factored *f);
 
-/* I + G'KG; T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T. */
+/* I + G'KG over the active rows (s->active); T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T. */
 bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c, double weight);
 void lcp_cone_body_solve(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
                          double *dx);

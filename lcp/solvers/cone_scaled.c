@@ -12,9 +12,9 @@ void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_ar
   c->Y = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)LCP_CONE_MAX);
 }
 
-/* One s for all rows of a part; mu scaled with them. */
-static base_status scale_cone(lcp_cone_scaled *c, const lcp_block *b, const double *d, int index,
-                              base_error *err) {
+/* One s for all rows of a part, that of the normal where none of them can move; mu scaled with them. */
+static base_status scale_cone(lcp_cone_scaled *c, const lcp_problem *p, const lcp_block *b,
+                              const double *d, int index, base_error *err) {
   lcp_block *piece = &c->piece[c->n_piece++];
   *piece = *b;
   if (b->size > LCP_CONE_MAX) {
@@ -22,14 +22,14 @@ static base_status scale_cone(lcp_cone_scaled *c, const lcp_block *b, const doub
                      b->size, (int)LCP_CONE_MAX);
   }
   for (int i = b->start; i < b->start + b->size; i++) {
-    if (!(d[i] > 0.0)) {
+    if (!(d[i] > 0.0) && !lcp_set_still(p, d[i], i)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "diagonal %d is %g: need > 0 in a cone", i, d[i]);
     }
   }
-  c->s[b->start] = 1.0 / sqrt(d[b->start]);
+  c->s[b->start] = (d[b->start] > 0.0) ? 1.0 / sqrt(d[b->start]) : 1.0;
   for (int k = 0, at = b->start + 1; k < b->n_part; at += b->part_dim[k++]) {
     const double mean = (b->part_dim[k] == 2) ? 0.5 * (d[at] + d[at + 1]) : d[at];
-    const double s = 1.0 / sqrt(mean);
+    const double s = (mean > 0.0) ? 1.0 / sqrt(mean) : c->s[b->start];
     for (int i = at; i < at + b->part_dim[k]; i++) {
       c->s[i] = s;
     }
@@ -49,7 +49,7 @@ base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, cons
   for (int k = 0; k < count; k++) {
     const lcp_block *b = &block[k];
     if (b->set == LCP_CONE) {
-      BASE_TRY(scale_cone(c, b, d, k, err));
+      BASE_TRY(scale_cone(c, p, b, d, k, err));
       continue;
     }
     for (int i = b->start; i < b->start + b->size; i++) {

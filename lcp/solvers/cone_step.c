@@ -102,6 +102,7 @@ static void layout_system(lcp_cone_step *s, const lcp_problem *p, base_arena *a)
   s->rowind = BASE_ARRAY(a, int, sparse ? s->entries : 0);
   if (p->M.storage == LCP_FACTORED) {
     const size_t pairs = lcp_cone_body_pairs(p->M.factored);
+    s->joined = BASE_ARRAY(a, unsigned char, p->M.factored->n_group);
     s->near_start = BASE_ARRAY(a, int, p->M.factored->n_body + 1);
     s->near = BASE_ARRAY(a, int, pairs);
     s->near_at = BASE_ARRAY(a, int, pairs);
@@ -135,7 +136,7 @@ static base_status build(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
   if (p->M.storage == LCP_CSC) {
     pattern_csc(s, &p->M.csc, c);
   } else if (p->M.storage == LCP_FACTORED) {
-    lcp_cone_body_pattern(s, p->M.factored);
+    lcp_cone_body_begin(s, p->M.factored);
   }
   return BASE_OK;
 }
@@ -231,11 +232,11 @@ bool lcp_cone_step_factor(lcp_cone_step *s, const lcp_problem *p, lcp_cone_scale
     }
   }
   work->factorizations++;
+  find_active(s, c);
   if (p->M.storage == LCP_FACTORED) {
     return lcp_cone_body_fill(s, p->M.factored, c, weight) &&
            lcp_direct_factor(&s->direct, &s->A, NULL, NULL, NULL, NULL, status);
   }
-  find_active(s, c);
   (p->M.storage == LCP_DENSE ? fill_dense : fill_csc)(s, p, c, weight);
   return lcp_direct_factor(&s->direct, &s->A, s->active, NULL, NULL, NULL, status);
 }

@@ -7,8 +7,9 @@
  *   CSC     KLU of the rest
  *   factored  M = J W J' + S, S inside the pieces: with W = L L', G = s J L, T = X + Y (s S s + weight I), K = T^-1 Y
  *           (I + G' K G) v = -G' T^-1 F,   dx = -T^-1 F - K G v,
- *           a system in the body velocities with the pattern of the contact graph (KLU), regular however
- *           redundant the contacts are, and no inverse of W is needed */
+ *           a system in the body velocities with the pattern of the graph of active contacts (KLU), regular however
+ *           redundant the contacts are, and no inverse of W is needed. The pattern, and with it KLU's analysis, stays
+ *           while the same groups are active */
 #pragma once
 
 #include "lcp/linear/direct.h"
@@ -27,6 +28,7 @@ typedef struct lcp_cone_step {
   size_t entries;
   double *val;
   int *colptr, *rowind;
+  unsigned char *joined; /* per group: in the pattern, as one of its pieces is active */
   int *near_start, *near,
       *near_at; /* per body: bodies that meet it, sorted; first entry of their rows in its columns */
   lcp_direct direct;

@@ -21,7 +21,7 @@ static const lcp_block *blocks(const lcp_problem *p, lcp_block *whole, int *coun
 base_status lcp_cone_sweep_prepare(lcp_cone_sweep *s, const lcp_problem *p, base_error *err) {
   BASE_TRY(lcp_sweep_prepare(&s->sweep, p, err));
   for (int i = 0; i < p->M.n; i++) {
-    if (!(s->sweep.d[i] > 0.0)) {
+    if (!(s->sweep.d[i] > 0.0) && !lcp_set_still(p, s->sweep.d[i], i)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "diagonal %d is %g: need > 0", i, s->sweep.d[i]);
     }
   }
@@ -91,7 +91,9 @@ static double rows(lcp_cone_sweep *s, const lcp_problem *p, const lcp_block *k, 
     double w = lcp_sweep_row(&s->sweep, p, i);
     w += (weight > 0.0) ? spring * (z[i] - center[i]) : 0.0;
     const double x =
-        lcp_set_clip(z[i] - omega * (w / (s->sweep.d[i] + spring)), s->lo[i], s->hi[i]);
+        (s->sweep.d[i] > 0.0)
+            ? lcp_set_clip(z[i] - omega * (w / (s->sweep.d[i] + spring)), s->lo[i], s->hi[i])
+            : lcp_set_end(z[i], w, s->lo[i], s->hi[i]);
     const lcp_block one = {.start = i, .size = 1};
     worst = fmax(worst, move(s, p, &one, 1.0, &x, z));
   }

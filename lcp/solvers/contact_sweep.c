@@ -1,5 +1,6 @@
 #include "lcp/solvers/contact_sweep_kernel.h"
 
+#include <assert.h>
 #include <string.h>
 
 enum { WINDOW = 64, PASSES = 16 };
@@ -225,6 +226,26 @@ static void colour(lcp_contact_sweep *s, const lcp_factored *f) {
   s->n_full = done / LCP_LANES;
 }
 
+#ifndef NDEBUG
+/* Every contact has one place, and the contacts of a full batch share no body: its lanes are written at once. */
+static bool partitioned(const lcp_contact_sweep *s, const lcp_factored *f) {
+  bool good = true;
+  memset(s->left, 0, (size_t)s->n_contact * sizeof *s->left);
+  for (int k = 0; k < s->n_contact && good; k++) {
+    const int c = s->order[k], lane = k % LCP_LANES;
+    good = c >= 0 && c < s->n_contact && s->left[c]++ == 0;
+    for (int l = 1; l <= lane && good && k / LCP_LANES < s->n_full; l++) {
+      const int *own = &f->body[2 * (ptrdiff_t)c],
+                *other = &f->body[2 * (ptrdiff_t)s->order[k - l]];
+      for (int side = 0; side < 2; side++) {
+        good = good && (own[side] < 0 || (own[side] != other[0] && own[side] != other[1]));
+      }
+    }
+  }
+  return good;
+}
+#endif
+
 /* ---- records ------------------------------------------------------------------------------- */
 
 static void record(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p, int k) {
@@ -285,6 +306,7 @@ bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp
 
 void lcp_contact_sweep_import(lcp_contact_sweep *s, const lcp_problem *p, const double *z) {
   const lcp_factored *f = p->M.factored;
+  assert(partitioned(s, f));
   for (size_t b = 0; b <= (size_t)f->n_body; b++) {
     for (size_t i = 0; i < 8; i++) {
       s->body[16 * b + i] = (i == 3) ? s->body[16 * b + i] : 0.0;

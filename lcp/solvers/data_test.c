@@ -1,5 +1,6 @@
 #include "lcp/solvers/data_test.h"
 
+#include "lcp/lcp_cone.h"
 #include "lcp/lcp_rho.h"
 #include "lcp/solvers/sets.h"
 
@@ -15,9 +16,24 @@ static double violation(const lcp_problem *p, lcp_set set, int i, double d, doub
   case LCP_BOX:
     return fmax(fmax(d * (p->lo[i] - z), d * (z - p->hi[i])),
                 (w > 0.0) ? fmin(w, d * (z - p->lo[i])) : fmin(-w, d * (p->hi[i] - z)));
-  default: /* cones: rho alone */
-    return 0.0;
+  case LCP_CONE: /* by its block */
+    break;
   }
+  return 0.0;
+}
+
+/* The same of a cone: the largest entry of d z - P_K(d z - w~). */
+static double cone_violation(const lcp_block *b, double d, const double *z, const double *w) {
+  double moved[1 + 2 * LCP_PARTS_MAX], worst = 0.0;
+  for (int i = 0; i < b->size; i++) {
+    moved[i] = d * z[i] - w[i];
+  }
+  moved[0] -= lcp_cone_shift(b, w);
+  lcp_cone_project(b, moved, moved);
+  for (int i = 0; i < b->size; i++) {
+    worst = lcp_rho_worse(worst, fabs(d * z[i] - moved[i]));
+  }
+  return worst;
 }
 
 double lcp_data_size(const lcp_problem *p, const double *r) {
@@ -34,6 +50,28 @@ double lcp_data_size(const lcp_problem *p, const double *r) {
   return size;
 }
 
+/* What a row or a cone misses by, and what rounding may hide there. */
+typedef struct miss {
+  double seen, noise;
+} miss;
+
+static miss miss_of_row(const lcp_problem *p, lcp_set set, int i, const double *r, const double *z,
+                        const double *w, const double *tau0) {
+  return (miss){r[i] * violation(p, set, i, 1.0 / (r[i] * r[i]), z[i], w[i]),
+                (tau0 != NULL) ? DBL_EPSILON * r[i] * tau0[i] : 0.0};
+}
+
+static miss miss_of_cone(const lcp_block *b, const double *r, const double *z, const double *w,
+                         const double *tau0) {
+  double d = 0.0, top = 0.0;
+  for (int i = b->start; i < b->start + b->size; i++) {
+    d += 1.0 / (r[i] * r[i] * b->size);
+    top = (tau0 != NULL) ? fmax(top, tau0[i]) : 0.0;
+  }
+  const double rb = 1.0 / sqrt(d);
+  return (miss){rb * cone_violation(b, d, z + b->start, w + b->start), DBL_EPSILON * rb * top};
+}
+
 bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double *r,
                      const double *z, const double *w, const double *tau0) {
   const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
@@ -41,10 +79,12 @@ bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double
   const int n_block = (p->block != NULL) ? p->n_block : 1;
   const double limit = 10.0 * tol * size;
   for (int b = 0; b < n_block; b++) {
-    for (int i = block[b].start; i < block[b].start + block[b].size; i++) {
-      const double noise = (tau0 != NULL) ? 32.0 * DBL_EPSILON * r[i] * tau0[i] : 0.0;
-      const double seen = r[i] * violation(p, block[b].set, i, 1.0 / (r[i] * r[i]), z[i], w[i]);
-      if (!(noise <= 1e-3 * size && seen <= limit + noise)) {
+    const bool cone = block[b].set == LCP_CONE;
+    for (int i = block[b].start; i < block[b].start + block[b].size;
+         i += cone ? block[b].size : 1) {
+      const miss m = cone ? miss_of_cone(&block[b], r, z, w, tau0)
+                          : miss_of_row(p, block[b].set, i, r, z, w, tau0);
+      if (!(m.noise <= 1e-6 * size && m.seen <= limit)) {
         return false;
       }
     }

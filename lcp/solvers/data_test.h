@@ -3,10 +3,12 @@
  * rho of lcp_judge.h is relative to the terms of M z. Where M is singular but for rounding, or z ran away on a problem
  * that has no solution, those terms are so large that rho is met by any z at all. What is asked besides:
  *
- *   r_i v_i <= 10 tol size + 32 eps r_i tau0_i,   r_i = 1 / sqrt(M_ii)
+ *   r_i v_i <= 10 tol size  and  eps r_i tau0_i <= size / 10^6,   r_i = 1 / sqrt(M_ii)
  *
- * with size = max_j r_j |q_j| (or, of a box that does not hold zero, its distance from zero over r_j), v the natural map d z - P(d z - w), d = 1/r^2, and tau0_i = |q_i| + sum |M_ij||z_j|; and never
- * where rounding alone (32 eps tau0) could hide a thousandth of the size. */
+ * with size = max_j r_j |q_j| (or, of a box that does not hold zero, its distance from zero over r_j), v the natural map
+ * d z - P(d z - w), d = 1/r^2, and tau0_i = |q_i| + sum |M_ij||z_j|: the violation as it is seen, without an allowance for
+ * rounding, and what rounding of w may hide of it. Of M = [1 -1; -1 1], infeasible by 2^-20, w is zero to the last bit at
+ * some z of 1e11. A cone is one row with the mean of its M_ii, the largest v_i and the largest tau0_i. */
 #pragma once
 
 #include "lcp/lcp_solver.h"
@@ -14,7 +16,7 @@
 /* The size above; r of lcp_set_scaling. */
 double lcp_data_size(const lcp_problem *p, const double *r);
 
-/* w = M z + q; tau0 as above, NULL for zero: before the magnitudes are known. Rows of cones pass: rho alone tells. */
+/* w = M z + q; tau0 as above, NULL for zero: before the magnitudes are known. */
 bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double *r,
                      const double *z, const double *w, const double *tau0);
 

@@ -21,7 +21,7 @@ static base_status choose(lcp_gs *s, const lcp_problem *p, base_error *err) {
     const lcp_block *k = &p->block[b];
     s->whole[b] = 0;
     for (int i = k->start; i < k->start + k->size; i++) {
-      s->whole[b] |= (unsigned char)(s->sweep.d[i] == 0.0);
+      s->whole[b] |= (unsigned char)(s->sweep.d[i] == 0.0 && !lcp_set_still(p, s->sweep.d[i], i));
     }
     if (s->whole[b] && (k->set != LCP_ORTHANT || k->size < 2 || k->size > LEMKE_BLOCK_MAX)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED,
@@ -31,7 +31,8 @@ static base_status choose(lcp_gs *s, const lcp_problem *p, base_error *err) {
     s->by_block = s->by_block || s->whole[b];
   }
   for (int i = 0; i < p->M.n; i++) {
-    if (s->sweep.d[i] < 0.0 || (p->block == NULL && s->sweep.d[i] == 0.0)) {
+    const bool zero = s->sweep.d[i] == 0.0 && !lcp_set_still(p, s->sweep.d[i], i);
+    if (s->sweep.d[i] < 0.0 || (p->block == NULL && zero)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED,
                        "diagonal %d is %g: need > 0 (or contact blocks where it is 0)", i,
                        s->sweep.d[i]);
@@ -56,7 +57,9 @@ void lcp_gs_start(lcp_gs *s, const lcp_problem *p, double *z, lcp_work *work) {
 static void points(lcp_gs *s, const lcp_problem *p, double omega, int first, int end, double *z) {
   for (int i = first; i < end; i++) {
     const double w = lcp_sweep_row(&s->sweep, p, i);
-    const double x = lcp_set_clip(z[i] - omega * (w / s->sweep.d[i]), s->lo[i], s->hi[i]);
+    const double x = (s->sweep.d[i] > 0.0)
+                         ? lcp_set_clip(z[i] - omega * (w / s->sweep.d[i]), s->lo[i], s->hi[i])
+                         : lcp_set_end(z[i], w, s->lo[i], s->hi[i]);
     if (x != z[i]) {
       lcp_sweep_add(&s->sweep, p, i, x - z[i]);
       z[i] = x;

@@ -8,6 +8,7 @@
 
 void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
   lcp_stop_layout(&s->stop, cap, a);
+  lcp_rho_factored_layout(&s->factored, cap, a);
   s->scale = BASE_ARRAY(a, double, cap->n);
   s->seen = BASE_ARRAY(a, double, cap->n);
 }
@@ -16,6 +17,7 @@ void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
   lcp_stop_begin(&s->stop, p);
   lcp_matrix_diagonal(&p->M, s->stop.d);
   lcp_set_scaling(&p->M, s->stop.d, s->scale);
+  s->factored.ready = false;
   s->tests = 0;
   s->next = 1;
   s->memoryless = memoryless;
@@ -27,42 +29,57 @@ static bool believable(const lcp_loop *s, const lcp_stop *stop, const lcp_proble
   return lcp_data_allows(p, stop->tol, s->q_size, s->scale, z, s->stop.w, tau0);
 }
 
-/* rho with the scales that the entries of M give (of S, where M is held in factors), after lcp_stop_test has
- * been at z: w, the diagonal and its tau are in s->stop. tau0 is left in s->seen. HUGE_VAL where p has cones:
- * lcp_stop_test is exact on those. */
+/* After lcp_stop_test has been at z, where M is held in factors: is z worth the price of rho_of_entries? Cones: the
+ * natural map is small against the largest tau of all rows (which it puts in the place of every other; ten times, since
+ * it is a bound). */
+static bool near(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z) {
+  lcp_stop_state *t = &s->stop;
+  if ((lcp_problem_sets(p) & (1u << LCP_CONE)) == 0) {
+    return believable(s, stop, p, z, NULL);
+  }
+  double top = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    top = fmax(top, t->tau[i]);
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    t->tau[i] = top;
+  }
+  return lcp_rho(p, t->d, z, t->w, t->zref, t->tau) <= 10.0 * stop->tol;
+}
+
+/* rho with the scales that the entries of J W J' + S give. tau0 is left in s->seen. */
 static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z) {
   lcp_stop_state *t = &s->stop;
-  double *tau0 = s->seen;
-  const bool factored = p->M.storage == LCP_FACTORED;
-  lcp_rho_product(p, z, NULL, tau0);
-  for (int i = 0; factored && i < p->M.n; i++) { /* J W J' by the triangle inequality */
-    tau0[i] = fmax(tau0[i], t->tau[i] - fabs(p->q[i]));
-  }
-  if ((lcp_problem_sets(p) & (1u << LCP_CONE)) != 0) {
-    return HUGE_VAL;
-  }
-  lcp_rho_references(p, t->d, tau0, t->zref);
-  lcp_rho_product(p, t->zref, NULL, t->tau);
-  for (int i = 0; factored && i < p->M.n; i++) {
-    t->tau[i] = fmax(t->tau[i], fabs(p->q[i]) + tau0[i]);
-  }
+  lcp_rho_factored_product(&s->factored, p, z, s->seen);
+  lcp_rho_references(p, t->d, s->seen, t->zref);
+  lcp_rho_factored_product(&s->factored, p, t->zref, t->tau);
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
 }
 
-/* lcp_stop_test bounds rho from one product. Two things can be wrong with its answer: it accepts a z
- * that ran away, and where the terms of a row cancel (the sigma rows of friction, q_i = 0) it cannot
- * see how large they were and refuses forever. Both are settled here, at the price of two products. */
+/* s->seen = tau0 at z: that of the entries of M; where M is held in factors, the bound that lcp_stop_test used. */
+static void sizes(lcp_loop *s, const lcp_problem *p, const double *z) {
+  lcp_rho_product(p, z, NULL, s->seen);
+  for (int i = 0; p->M.storage == LCP_FACTORED && i < p->M.n; i++) {
+    s->seen[i] = fmax(s->seen[i], s->stop.tau[i] - fabs(p->q[i]));
+  }
+}
+
+/* Two things can be wrong with the answer of lcp_stop_test: it accepts a z that ran away, and of a factored M, where
+ * it bounds rho from one product, it cannot see how large terms were that cancel (sigma rows of friction, contacts that
+ * neither carry nor move) and refuses forever. Both are settled here. */
 static bool settle(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                    lcp_result *res) {
-  const bool accepted = res->residual <= stop->tol;
-  if (!accepted && !believable(s, stop, p, z, NULL)) {
+  if (res->residual <= stop->tol) {
+    sizes(s, p, z);
+    res->work.matvecs++;
+  } else if (p->M.storage == LCP_FACTORED && near(s, stop, p, z)) {
+    res->residual = fmin(res->residual, rho_of_entries(s, p, z));
+    res->work.matvecs += 2;
+  } else {
     return false;
   }
-  const double rho = rho_of_entries(s, p, z);
   s->tests = 0; /* `seen` was overwritten: cycle detection starts again */
   s->next = 1;
-  res->work.matvecs += 2;
-  res->residual = accepted ? res->residual : fmin(res->residual, rho);
   return res->residual <= stop->tol && believable(s, stop, p, z, s->seen);
 }
 
@@ -116,4 +133,14 @@ void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p
   if (!lcp_loop_ended(s, &now, p, z, trace, res, NULL)) {
     res->outcome = LCP_STALLED;
   }
+}
+
+void lcp_loop_product(lcp_loop *s, const lcp_problem *p, const double *z, bool fresh, double *w,
+                      lcp_result *res) {
+  if (fresh) {
+    memcpy(w, s->stop.w, (size_t)p->M.n * sizeof *w);
+    return;
+  }
+  lcp_matrix_apply(&p->M, z, p->q, w, s->stop.scratch);
+  res->work.matvecs++;
 }

@@ -7,6 +7,7 @@
  * (Brent 1980, cycle finding with one stored iterate). */
 #pragma once
 
+#include "lcp/lcp_rho_factored.h"
 #include "lcp/lcp_solver.h"
 
 /* LCP_STOP_FIELDS for methods whose iteration costs less than a residual test: tested every tenth. */
@@ -14,6 +15,7 @@
 
 typedef struct lcp_loop {
   lcp_stop_state stop;
+  lcp_rho_factored factored;
   double *scale; /* n, r */
   double *seen;  /* n, an earlier iterate */
   long tests, next;
@@ -35,3 +37,7 @@ bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, con
 /* For a method that cannot move z any more: tests it out of turn; `stalled` where it does not pass. */
 void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                          lcp_trace *trace, lcp_result *res);
+
+/* w = M z + q: where the test at z was made just now (`fresh`) as it found it, otherwise by a product, which is counted. */
+void lcp_loop_product(lcp_loop *s, const lcp_problem *p, const double *z, bool fresh, double *w,
+                      lcp_result *res);

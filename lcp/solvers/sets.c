@@ -46,6 +46,24 @@ void lcp_set_scaling(const lcp_matrix *M, const double *d, double *s) {
   }
 }
 
+void lcp_set_binary_scaling(const lcp_matrix *M, double *s) {
+  lcp_matrix_diagonal(M, s);
+  for (int i = 0; i < M->n; i++) {
+    int e = 0;
+    (void)frexp(s[i], &e);
+    s[i] = (s[i] != 0.0) ? ldexp(1.0, -e / 2) : 1.0;
+  }
+}
+
 bool lcp_set_symmetric(const lcp_problem *p) {
   return (p->traits & LCP_SYMMETRIC) != 0 || lcp_matrix_is_symmetric(&p->M);
+}
+
+bool lcp_set_still(const lcp_problem *p, double d, int i) {
+  bool zero = d == 0.0;
+  const lcp_column c = lcp_column_of(&p->M, i);
+  for (int k = 0; zero && k < c.count; k++) {
+    zero = c.val[k] == 0.0;
+  }
+  return zero && lcp_set_symmetric(p);
 }

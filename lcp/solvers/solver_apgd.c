@@ -134,11 +134,6 @@ const lcp_solver lcp_solver_apgd = {
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
 };

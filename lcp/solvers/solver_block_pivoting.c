@@ -12,6 +12,7 @@
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/direct.h"
+#include "lcp/solvers/sets.h"
 
 #include <string.h>
 
@@ -61,13 +62,8 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   (void)err;
   block_pivoting *s = state;
   lcp_direct_begin(&s->direct);
-  lcp_matrix_diagonal(&p->M, s->scale);
-  for (int i = 0; i < p->M.n; i++) {
-    int e = 0;
-    (void)frexp(s->scale[i], &e);
-    s->scale[i] = (s->scale[i] != 0) ? ldexp(1, -e / 2) : 1;
-    s->is_free[i] = 0;
-  }
+  lcp_set_binary_scaling(&p->M, s->scale);
+  memset(s->is_free, 0, (size_t)p->M.n);
   for (int k = 0; p->block != NULL && k < p->n_block; k++) {
     for (int i = 0; i < p->block[k].size; i++) {
       s->is_free[p->block[k].start + i] = p->block[k].set == LCP_FREE;
@@ -361,12 +357,7 @@ const lcp_solver lcp_solver_block_pivoting = {
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .exact = true,
     .allocates = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(block_pivoting),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(block_pivoting),
     .release = release,
 };

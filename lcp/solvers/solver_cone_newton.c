@@ -16,8 +16,12 @@
  *     kink of F stops (a contact about to stick or slip) is not mended by a short one. On 1000 random sets
  *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, 1 set left open for 18.
  *   - six steps without a new lowest |F| of four fifths of the last: stalled. The weight is raised tenfold, shrinks more slowly from
- *     then on (shrink^0.8), and the other map takes over; counted in `fallbacks`. So is a singular system. */
+ *     then on (shrink^0.8), and the other map takes over; counted in `fallbacks`. So is a singular system.
+ *
+ * Of an infeasible problem the proximal points run away along a y with y'w < 0 (Rockafellar 1976, theorem 1): the normal
+ * parts of an outer step's way are tried as a Farkas vector where it made z four times as large. */
 #include "lcp/lcp_cone.h"
+#include "lcp/lcp_farkas.h"
 #include "lcp/solvers/cone_step.h"
 #include "lcp/solvers/data_test.h"
 #include "lcp/solvers/loop.h"
@@ -47,12 +51,15 @@ typedef struct state {
   lcp_loop loop;
   lcp_cone_scaled eq;
   lcp_cone_step step;
-  double *x, *y;  /* n, where F is taken */
-  double *center; /* n, in x */
-  double *dx;     /* n */
-  double *trial;  /* n, z */
-  double *wt;     /* n, w of the trial */
-  double *best;   /* n, z of the smallest residual */
+  double *x, *y;         /* n, where F is taken */
+  double *center;        /* n, in x */
+  double *dx;            /* n */
+  double *trial;         /* n, z */
+  double *wt;            /* n, w of the trial */
+  double *best;          /* n, z of the smallest residual */
+  double *proof;         /* n, Farkas vector */
+  unsigned char *kind;   /* n, of lcp_farkas.h */
+  lcp_farkas_sum *force; /* n_dof */
   /* of the outer step */
   lcp_map map;
   double weight, shrink;
@@ -67,10 +74,13 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   lcp_loop_layout(&s->loop, cap, a);
   lcp_cone_scaled_layout(&s->eq, cap, a);
   lcp_cone_step_layout(&s->step, cap, a);
-  double **const arrays[] = {&s->x, &s->y, &s->center, &s->dx, &s->trial, &s->wt, &s->best};
+  double **const arrays[] = {&s->x,     &s->y,  &s->center, &s->dx,
+                             &s->trial, &s->wt, &s->best,   &s->proof};
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
+  s->kind = BASE_ARRAY(a, unsigned char, cap->n);
+  s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
 }
 
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
@@ -104,12 +114,42 @@ static void stalled(state *s, const options *o, lcp_result *res) {
   res->work.fallbacks++;
 }
 
-/* Where the outer step stands, before the next Newton step from z: on, or on to the next. Returns |F|^2. */
-static double advance(state *s, const options *o, int n, const double *z, const double *w,
-                      lcp_result *res) {
+/* Has z run to four times the largest impulse of the outer step's centre, and do the normal parts of the way prove that no w
+ * is feasible? */
+static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
+  double here = 0.0, before = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    here = fmax(here, fabs(z[i] / s->eq.s[i]));
+    before = fmax(before, fabs(s->center[i]));
+  }
+  if (!(here > 4.0 * before) || (lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {
+    return false;
+  }
+  for (int k = 0; k < s->eq.n_piece; k++) {
+    const lcp_block *b = &s->eq.piece[k];
+    for (int i = b->start; i < b->start + b->size; i++) {
+      const double way = z[i] - s->eq.s[i] * s->center[i];
+      const bool sideways = b->set == LCP_CONE && i > b->start;
+      s->kind[i] = sideways ? LCP_FARKAS_SIDEWAYS
+                            : ((b->set == LCP_FREE) ? LCP_FARKAS_FREE : LCP_FARKAS_SIGNED);
+      s->proof[i] = sideways ? 0.0 : ((b->set == LCP_FREE) ? way : fmax(way, 0.0));
+    }
+  }
+  return lcp_farkas_prove(&p->M, p->q, s->kind, s->force, s->proof);
+}
+
+/* Where the outer step stands, before the next Newton step from z: on, or on to the next. Returns |F|^2.
+ * res->outcome turns LCP_INFEASIBLE where that is proved. */
+static double advance(state *s, const options *o, const lcp_problem *p, const double *z,
+                      const double *w, lcp_result *res) {
+  const int n = p->M.n;
   const double bare = merit(s, n, 0.0, z, w, false);
   double now = merit(s, n, s->weight, z, w, true);
   const bool reached = s->started && now <= 0.01 * bare;
+  if (reached && proved_infeasible(s, p, z)) {
+    res->outcome = LCP_INFEASIBLE;
+    res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->proof};
+  }
   if (reached) {
     s->weight = fmax(s->shrink * s->weight, least_weight);
   } else if (s->waited >= PATIENCE) {
@@ -211,18 +251,6 @@ static base_status finish(state *s, const options *o, const lcp_problem *p, doub
   return status;
 }
 
-/* Proximal steps drive z of an infeasible problem to any size, also to the one at which the rounding that lcp_loop_ended
- * allows for equals the violation (M = [1 -1; -1 1], infeasible by 2^-20: z = 3e7). So the violation of orthant, box
- * and free rows must be small against q without that allowance; else the answer is not claimed. */
-static void refuse_runaway(state *s, const options *o, const lcp_problem *p, const double *z,
-                           lcp_result *res) {
-  lcp_matrix_apply(&p->M, z, p->q, s->loop.stop.w, s->loop.stop.scratch);
-  res->work.matvecs++;
-  if (!lcp_data_allows(p, o->stop.tol, s->loop.q_size, s->loop.scale, z, s->loop.stop.w, NULL)) {
-    res->outcome = LCP_STALLED;
-  }
-}
-
 static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   const options *o = opt;
@@ -251,7 +279,10 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       s->weight = o->weight * fmin(1.0, res->residual);
       first = false;
     }
-    const double now = advance(s, o, n, z, w, res);
+    const double now = advance(s, o, p, z, w, res);
+    if (res->outcome == LCP_INFEASIBLE) {
+      return BASE_OK;
+    }
     res->work.iterations++;
     if (lcp_cone_step_factor(&s->step, p, &s->eq, s->weight, &res->work, &status)) {
       lcp_cone_step_solve(&s->step, p, &s->eq, s->dx, &res->work);
@@ -266,7 +297,6 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   }
   if (res->outcome == LCP_SOLVED) {
     status = finish(s, o, p, z, res);
-    refuse_runaway(s, o, p, z, res);
   } else if (best < res->residual || res->residual != res->residual) {
     memcpy(z, s->best, bytes);
     res->residual = best;
@@ -288,12 +318,7 @@ const lcp_solver lcp_solver_cone_newton = {
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,
     .allocates = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
     .release = release,
 };

@@ -353,11 +353,6 @@ const lcp_solver lcp_solver_enumerate = {
     .sets = 1u << LCP_ORTHANT,
     .storages = 1u << LCP_DENSE,
     .exact = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(enumerate),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(enumerate),
 };

@@ -223,12 +223,7 @@ const lcp_solver lcp_solver_interior_point = {
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .allocates = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
     .release = release,
 };

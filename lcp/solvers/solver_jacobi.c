@@ -73,10 +73,10 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   state *s = st;
   lcp_matrix_diagonal(&p->M, s->c);
   for (int i = 0; i < p->M.n; i++) {
-    if (!(s->c[i] > 0.0)) {
+    if (!(s->c[i] > 0.0) && !lcp_set_still(p, s->c[i], i)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "diagonal %d is %g: need > 0", i, s->c[i]);
     }
-    s->c[i] = 1.0 / sqrt(s->c[i]);
+    s->c[i] = (s->c[i] > 0.0) ? 1.0 / sqrt(s->c[i]) : 0.0;
   }
   lcp_set_intervals(p, s->lo, s->hi);
   s->omega = (o->omega > 0.0) ? o->omega : 1.0 / largest_eigenvalue(s, p);
@@ -101,7 +101,9 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
       w = s->w;
     }
     for (int i = 0; i < n; i++) {
-      z[i] = lcp_set_clip(z[i] - s->omega * (s->c[i] * (s->c[i] * w[i])), s->lo[i], s->hi[i]);
+      const double step = s->omega * (s->c[i] * (s->c[i] * w[i]));
+      z[i] = (s->c[i] > 0.0) ? lcp_set_clip(z[i] - step, s->lo[i], s->hi[i])
+                             : lcp_set_end(z[i], w[i], s->lo[i], s->hi[i]);
     }
     res->work.iterations++;
   }
@@ -117,11 +119,6 @@ const lcp_solver lcp_solver_jacobi = {
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
 };

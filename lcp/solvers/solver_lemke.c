@@ -41,14 +41,23 @@ typedef struct lemke_state {
   unsigned char *used, *ray_basis; /* n */
   unsigned char *answer;           /* n: basis of `best` */
   bool small;                      /* a cold path runs on the table */
+  bool rescaled;                   /* the system has its rows scaled since an attempt failed */
 } lemke_state;
 
-/* Tried in turn until a point passes the residual test: the usual tolerances, sharp ones for nearly
- * parallel contacts, blunt ones where round-off has piled up. */
-static const lemke_tolerance attempts[] = {
-    {1e-11, 1e-12, false}, {1e-14, 1e-15, false}, {1e-8, 1e-10, false}};
+/* Tried in turn until a point passes the residual test: the data's own rows, unless they are far apart; rows scaled like the
+ * columns; blunt tolerances for where round-off has piled up. */
+typedef struct lemke_attempt {
+  const char *word; /* in `variant`; NULL: the engine's */
+  bool scaled_rows;
+  lemke_tolerance tol;
+} lemke_attempt;
 
-static const lemke_tolerance polishing[] = {{1e-11, 1e-15, true}, {1e-11, 1e-15, false}};
+static const lemke_attempt attempts[] = {{NULL, false, {1e-11, 1e-12, false}},
+                                         {"scaled", true, {1e-11, 1e-12, false}},
+                                         {"blunter", true, {1e-8, 1e-10, false}}};
+
+/* From the basis that a path ended in; the second also takes the pivots of nearly parallel contacts. */
+static const lemke_tolerance polishing[] = {{1e-11, 1e-15, true}, {1e-14, 1e-15, false}};
 
 /* The residual of a right basis is round-off; more means a neighbouring basis, worth another try
  * even where the tolerance is met (two contacts parallel up to 2^-40). */
@@ -101,9 +110,10 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   (void)err;
   lemke_state *k = state;
   k->sift.f = NULL;
+  k->rescaled = false;
   k->small = p->M.storage != LCP_FACTORED && is_small(p);
   if (!k->small || !lemke_system_view(&k->system, &k->store, p)) {
-    lemke_system_build(&k->system, &k->store, p);
+    lemke_system_build(&k->system, &k->store, p, false);
     lemke_sift_prepare(&k->sift, &k->system, p);
   }
   return BASE_OK;
@@ -112,7 +122,7 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
 /* The system for a factored basis: built where a view was enough until now. */
 static const lemke_system *whole(lemke_state *k, const lcp_problem *p) {
   if (k->system.view) {
-    lemke_system_build(&k->system, &k->store, p);
+    lemke_system_build(&k->system, &k->store, p, false);
   }
   return &k->system;
 }
@@ -257,8 +267,9 @@ static int partner(lemke_state *k, int i) {
 /* After a ray that proves nothing: the same method on the principal transforms of the problem that
  * have the blocked pair and one partner basic (a bimatrix game ends every path from the origin on a
  * ray, but not from there). */
-static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result *res) {
-  const lemke_system *s = &k->system;
+static bool restart_after_ray(lemke_state *k, const lcp_problem *p, const lemke_options *o,
+                              lcp_result *res) {
+  const lemke_system *s = whole(k, p);
   const int pair = k->path.entering % s->rows;
   if (s->rows > s->n) {
     return false;
@@ -275,7 +286,7 @@ static bool restart_after_ray(lemke_state *k, const lemke_options *o, lcp_result
     k->path.in_z[pair] = 1;
     k->path.in_z[j] = 1;
     res->work.fallbacks++;
-    const lemke_end end = lemke_path_run(&k->path, &k->basis.engine, s, attempts[0]);
+    const lemke_end end = lemke_path_run(&k->path, &k->basis.engine, s, attempts[0].tol);
     const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
     res->outcome = last ? outcome_of(end) : res->outcome;
     if (accept(k, &k->basis.engine, &o->stop, "restarted", res) || last) {
@@ -324,12 +335,12 @@ static bool sift_attempt(lemke_state *k, const lcp_problem *p, const lemke_optio
                          const double *z, lcp_result *res) {
   (void)start_basis(k, z);
   const lemke_sift_end sifted =
-      lemke_sift_run(&k->sift, &k->path, &k->table, &k->basis, &k->system, attempts[0]);
+      lemke_sift_run(&k->sift, &k->path, &k->table, &k->basis, &k->system, attempts[0].tol);
   lemke_end end = LEMKE_SOLVED;
   bool right = sifted == LEMKE_SIFT_DONE && accept_sifted(k, &o->stop, res);
   res->work.fallbacks += k->sift.retreats;
   if (sifted == LEMKE_SIFT_WIDE) {
-    end = lemke_path_run(&k->path, &k->basis.engine, &k->system, attempts[0]);
+    end = lemke_path_run(&k->path, &k->basis.engine, &k->system, attempts[0].tol);
     right = accept(k, &k->basis.engine, &o->stop, "sifted_basis", res);
   }
   res->outcome = outcome_of(end);
@@ -344,13 +355,13 @@ static bool sift_attempt(lemke_state *k, const lcp_problem *p, const lemke_optio
 }
 
 /* The path from in_z, all w where it is cold: on the table, if it is small, and on the basis from the same start where
- * the table cannot end it. *e is the engine that ended it. */
+ * round-off stops the table. *e is the engine that ended it. */
 static lemke_end run(lemke_state *k, const lcp_problem *p, bool cold, lemke_tolerance tol,
                      lemke_engine **e, lcp_result *res) {
   if (cold && k->small) {
     *e = &k->table.engine;
     const lemke_end end = lemke_path_run(&k->path, *e, &k->system, tol);
-    if (end == LEMKE_SOLVED || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+    if (end != LEMKE_BROKEN && end != LEMKE_CYCLE) {
       return end;
     }
     res->work.fallbacks++;
@@ -360,7 +371,29 @@ static lemke_end run(lemke_state *k, const lcp_problem *p, bool cold, lemke_tole
   return lemke_path_run(&k->path, *e, whole(k, p), tol);
 }
 
-/* Cold after warm, then sharper and blunter tolerances, until a basis is right to round-off. */
+/* The attempt after a: one that scales rows is no other than the first where they were scaled from the start. */
+static int next_attempt(const lemke_state *k, int a) {
+  const bool same = a == 0 && k->system.scaled_rows;
+  return a + 1 + same;
+}
+
+/* The system as attempt a wants it. */
+static void scale_for(lemke_state *k, const lcp_problem *p, int a) {
+  if (attempts[a].scaled_rows && !k->system.scaled_rows) {
+    lemke_system_build(&k->system, &k->store, p, true);
+    k->rescaled = true;
+  }
+}
+
+/* After an attempt from e that ended so: is there nothing left to try? */
+static bool settled(lemke_state *k, const lcp_problem *p, const lemke_options *o, lemke_engine *e,
+                    lemke_end end, const char *word, lcp_result *res) {
+  return accept(k, e, &o->stop, (word == NULL) ? e->kind->word : word, res) || end == LEMKE_LIMIT ||
+         end == LEMKE_TIMEOUT || res->certificate.kind == LCP_CERT_FARKAS ||
+         (end == LEMKE_SOLVED && res->residual < HUGE_VAL && polish(k, p, o, res));
+}
+
+/* Cold after warm, then the other attempts, until a basis is right to round-off. */
 static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_options *o, double *z,
                          lcp_result *res) {
   bool warm = start_basis(k, z);
@@ -368,26 +401,23 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
   const char *word = NULL; /* of a first attempt, its engine's */
   for (int a = 0; a < BASE_COUNT(attempts);) {
     lemke_engine *e = NULL;
-    const lemke_end end = run(k, p, !warm, attempts[a], &e, res);
-    const bool last = end == LEMKE_LIMIT || end == LEMKE_TIMEOUT;
+    scale_for(k, p, a);
+    const lemke_end end = run(k, p, !warm, attempts[a].tol, &e, res);
     if (end == LEMKE_RAY) {
       certify_ray(k, p, !warm, res);
     }
-    if (last || a == 0) {
+    if (end == LEMKE_LIMIT || end == LEMKE_TIMEOUT || a == 0) {
       res->outcome = outcome_of(end);
     }
-    if (accept(k, e, &o->stop, (word == NULL) ? e->kind->word : word, res) || last ||
-        res->certificate.kind == LCP_CERT_FARKAS) {
+    if (settled(k, p, o, e, end, word, res)) {
       break;
     }
-    if (end == LEMKE_SOLVED && a == 0 && res->residual < HUGE_VAL && polish(k, p, o, res)) {
+    if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) &&
+        restart_after_ray(k, p, o, res)) {
       break;
     }
-    if (end == LEMKE_RAY && a == 0 && !warm && !ray_is_final(p) && restart_after_ray(k, o, res)) {
-      break;
-    }
-    a += !warm;
-    word = warm ? "cold" : (a == 1) ? "sharper" : "blunter";
+    a = warm ? a : next_attempt(k, a);
+    word = warm ? "cold" : (a < BASE_COUNT(attempts)) ? attempts[a].word : NULL;
     warm = false;
     memset(z, 0, sizeof(double) * (size_t)p->M.n);
     (void)start_basis(k, z);
@@ -422,6 +452,9 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   const lemke_options *o = opt;
   lemke_path *t = &k->path;
   *res = (lcp_result){.outcome = LCP_NUMERICAL, .residual = HUGE_VAL, .variant = ""};
+  if (k->rescaled) { /* by a solve before this one */
+    (void)prepare(state, p, opt, NULL);
+  }
   memset(k->best, 0, sizeof(double) * (size_t)p->M.n);
   t->pivots = 0;
   t->pivot_limit = o->stop.max_iter;

@@ -1,5 +1,5 @@
 /* solver_murty.c - least-index method of Murty (1974; Murty 1988, section 4.1): of the rows with the wrong
- * sign the first one changes sides, by a principal pivot on a dense tableau.
+ * sign the first one changes sides, by a principal pivot on the tableau.
  *
  * Ends on every P-matrix, after at most 2^n - 1 pivots, and reaches that bound on Murty's own
  * example: kept as the baseline that shows why others exist. Elsewhere a zero pivot or a
@@ -7,7 +7,9 @@
 #include "lcp/base/clock.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/linear/direct.h"
+#include "lcp/linear/tableau.h"
 #include "lcp/solvers/data_test.h"
+#include "lcp/solvers/sets.h"
 
 typedef struct options {
   lcp_stop stop;
@@ -16,11 +18,11 @@ typedef struct options {
 typedef struct murty {
   lcp_stop_state stop;
   lcp_direct direct;
-  double *T;         /* n*n, column-major: basic = T nonbasic + b */
-  double *b, *noise; /* n; n: size of the terms b is made of */
-  double *row, *w;   /* n */
-  double *scale;     /* power of two near 1/sqrt |M_ii|: conditions the last factorisation */
-  unsigned char *in; /* z_i basic */
+  lin_tableau tableau; /* row r is basic in w_r or z_r */
+  double *noise;       /* n: size of the terms the basic values are made of */
+  double *row, *w;     /* n */
+  double *scale;       /* power of two near 1/sqrt |M_ii|: conditions the last factorisation */
+  unsigned char *in;   /* z_i basic */
 } murty;
 
 static const double round_share = 1e-14; /* share of `noise` below which a sign means nothing */
@@ -30,8 +32,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   murty *s = state;
   lcp_stop_layout(&s->stop, cap, a);
   lcp_direct_layout(&s->direct, cap, a);
-  s->T = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)cap->n);
-  s->b = BASE_ARRAY(a, double, cap->n);
+  lin_tableau_layout(&s->tableau, cap->n, a);
   s->noise = BASE_ARRAY(a, double, cap->n);
   s->row = BASE_ARRAY(a, double, cap->n);
   s->w = BASE_ARRAY(a, double, cap->n);
@@ -44,51 +45,27 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   (void)err;
   murty *s = state;
   lcp_direct_begin(&s->direct);
-  lcp_matrix_diagonal(&p->M, s->scale);
-  for (int i = 0; i < p->M.n; i++) {
-    int e = 0;
-    (void)frexp(s->scale[i], &e);
-    s->scale[i] = (s->scale[i] != 0) ? ldexp(1, -e / 2) : 1;
-  }
+  lcp_set_binary_scaling(&p->M, s->scale);
   return BASE_OK;
 }
 
-/* Exchanges w_r and z_r. False: the pivot is zero up to the cancellation in its row and column. */
+/* Exchanges w_r and z_r. False: there is no pivot, or its row and column are beyond all numbers. */
 static bool exchange(murty *s, int n, int r) {
-  double *col = s->T + (ptrdiff_t)r * n;
-  const double d = col[r];
+  lin_tableau *t = &s->tableau;
+  const int entering = s->in[r] ? r : n + r;
+  const double *col = lin_tableau_column(t, entering);
   double product = 0;
   for (int j = 0; j < n; j++) {
-    s->row[j] = s->T[(ptrdiff_t)j * n + r];
-    product = (j != r) ? fmax(product, fabs(s->row[j] * col[j])) : product;
+    product = (j != r) ? fmax(product, fabs(lin_tableau_entries(t, j)[r] * col[j])) : product;
   }
-  if (!(fabs(d) > 0) || !isfinite(d) || !isfinite(product)) {
+  if (!(fabs(col[r]) > 0) || !isfinite(col[r]) || !isfinite(product)) {
     return false;
   }
-  const double step = -s->b[r] / d;
+  const double step = t->x[r] / col[r];
   for (int i = 0; i < n; i++) {
-    if (i != r) {
-      s->b[i] += col[i] * step;
-      s->noise[i] = fmax(s->noise[i], fabs(col[i] * step));
-    }
+    s->noise[i] = (i != r) ? fmax(s->noise[i], fabs(col[i] * step)) : s->noise[r] / fabs(col[r]);
   }
-  s->b[r] = step;
-  s->noise[r] /= fabs(d);
-  for (int j = 0; j < n; j++) {
-    double *cj = s->T + (ptrdiff_t)j * n;
-    const double f = s->row[j] / d;
-    if (j == r || f == 0) {
-      continue;
-    }
-    for (int i = 0; i < n; i++) {
-      cj[i] -= col[i] * f;
-    }
-    cj[r] = -f;
-  }
-  for (int i = 0; i < n; i++) {
-    col[i] /= d;
-  }
-  col[r] = 1 / d;
+  lin_tableau_replace(t, r, entering);
   s->in[r] = !s->in[r];
   return true;
 }
@@ -97,7 +74,7 @@ static lcp_outcome pivot(murty *s, const lcp_problem *p, const lcp_stop *stop, l
   const int n = p->M.n;
   for (;;) {
     int r = 0;
-    while (r < n && !(s->b[r] < -round_share * s->noise[r])) {
+    while (r < n && !(s->tableau.x[r] < -round_share * s->noise[r])) {
       r++;
     }
     if (r == n) {
@@ -152,9 +129,14 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   const lcp_stop *stop = &((const options *)opt)->stop;
   base_status status = BASE_OK;
   lcp_stop_begin(&s->stop, p);
-  lcp_matrix_to_dense(&p->M, s->T);
+  lin_tableau_start(&s->tableau, p->M.n);
+  for (int j = 0; j < p->M.n; j++) {
+    for (int i = 0; i < p->M.n; i++) {
+      lin_tableau_entries(&s->tableau, j)[i] = -p->M.val[(ptrdiff_t)j * p->M.n + i];
+    }
+  }
   for (int i = 0; i < p->M.n; i++) {
-    s->b[i] = p->q[i];
+    s->tableau.x[i] = p->q[i];
     s->noise[i] = fabs(p->q[i]);
     s->in[i] = 0;
     z[i] = 0;
@@ -165,7 +147,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
     ended = LCP_NUMERICAL;
   }
   for (int i = 0; ended != LCP_SOLVED && i < p->M.n; i++) { /* where it was given up, on K */
-    z[i] = s->in[i] ? fmax(s->b[i], 0.0) : 0;
+    z[i] = s->in[i] ? fmax(s->tableau.x[i], 0.0) : 0;
   }
   const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res) &&
                    lcp_data_met(p, stop->tol, &s->stop, z, s->row, s->noise, &res->work);
@@ -187,11 +169,6 @@ const lcp_solver lcp_solver_murty = {
     .sets = 1u << LCP_ORTHANT,
     .storages = 1u << LCP_DENSE,
     .exact = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(murty),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(murty),
 };

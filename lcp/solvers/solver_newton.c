@@ -224,12 +224,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   }
   lcp_loop_begin(&s->loop, p, false);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
-    if (fresh) {
-      memcpy(s->w, s->loop.stop.w, (size_t)n * sizeof *s->w);
-    } else {
-      lcp_matrix_apply(&p->M, z, p->q, s->w, s->loop.stop.scratch);
-      res->work.matvecs++;
-    }
+    lcp_loop_product(&s->loop, p, z, fresh, s->w, res);
     const double now = merit(s, n, z, s->w);
     least = fmin(least, now);
     past[res->work.iterations % MEMORY] = now;
@@ -273,12 +268,7 @@ const lcp_solver lcp_solver_newton = {
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
     .warm = true,
     .allocates = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
     .release = release,
 };

@@ -431,11 +431,6 @@ const lcp_solver lcp_solver_ppm = {
     .needs = LCP_SYMMETRIC,
     .exact = true,
     .warm = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(ppm),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(ppm),
 };

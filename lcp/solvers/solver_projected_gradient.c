@@ -160,12 +160,7 @@ static void extragradient(state *s, const options *o, const lcp_problem *p, lcp_
   bool fresh;
   lcp_loop_begin(&s->loop, p, false);
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
-    if (fresh) {
-      memcpy(s->w, s->loop.stop.w, (size_t)n * sizeof *s->w);
-    } else {
-      lcp_matrix_apply(&p->M, z, p->q, s->w, s->loop.stop.scratch);
-      res->work.matvecs++;
-    }
+    lcp_loop_product(&s->loop, p, z, fresh, s->w, res);
     double ratio = 0.0, along = 0.0, size = 0.0;
     b = trial(s, p, z, b, &ratio, res);
     for (int i = 0; i < n; i++) {
@@ -204,11 +199,6 @@ const lcp_solver lcp_solver_projected_gradient = {
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
     .warm = true,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(state),
-    .layout = layout,
     .prepare = prepare,
-    .solve = solve,
+    LCP_SOLVER_PARTS(state),
 };

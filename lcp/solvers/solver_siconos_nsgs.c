@@ -15,8 +15,6 @@ const lcp_solver lcp_solver_siconos_nsgs = {
     .cite = "acary2019, SICONOS_FRICTION_3D_NSGS",
     .words = "Siconos' sweeps, one friction cone at a time.",
     .when = "To hold this suite's own cone sweeps against another code.",
-    .sets = 1u << LCP_CONE,
-    .warm = true,
-    SICONOS_PEER,
+    SICONOS_CONE_PEER,
     .solve = solve,
 };

@@ -36,7 +36,8 @@ typedef struct lemke_engine_kind {
   /* The variable `entering`, of column d, takes position p. False: the new basis could not be held. */
   bool (*replace)(lemke_engine *e, int p, int entering, const double *d);
 
-  /* For a pivot that looks doubtful, or a ray. */
+  /* For a pivot that looks doubtful, or a ray. An engine that answers LEMKE_STALE goes no further with the one and keeps to
+   * the other. */
   lemke_renewal (*renew)(lemke_engine *e);
 
   /* Pair n joins, w_n basic: column[0..n], row[0..n] of M' and q'_n. NULL: an engine that cannot grow. */

@@ -10,24 +10,13 @@ static lemke_basis *basis_of(lemke_engine *e) {
   return (lemke_basis *)e;
 }
 
-/* x <- B^-1 r with one step of refinement. */
-static void solve_refined(lemke_basis *b, const double *r, double *x) {
-  const int n = b->sys.n;
-  memcpy(x, r, sizeof *x * (size_t)n);
-  lin_basis_solve(&b->basis, x);
-  lin_basis_defect(&b->basis, x, r, b->work);
-  lin_basis_solve(&b->basis, b->work);
-  for (int i = 0; i < n; ++i) {
-    x[i] += b->work[i];
-  }
-}
-
 static bool refactor(lemke_basis *b) {
   lemke_engine *e = &b->engine;
   if (!lin_basis_factor(&b->basis)) {
     return false;
   }
-  solve_refined(b, e->system->q, e->x);
+  memcpy(e->x, e->system->q, sizeof *e->x * (size_t)e->n);
+  lin_basis_solve(&b->basis, e->x);
   if (e->generic) {
     memcpy(e->delta, b->delta_rhs, sizeof *e->delta * (size_t)e->n);
     lin_basis_solve(&b->basis, e->delta);
@@ -37,7 +26,7 @@ static bool refactor(lemke_basis *b) {
 
 /* Row with the largest entry in column j that could join the basis to make column j independent. */
 static int helper_row(const lemke_basis *b, const unsigned char *in_z, int j) {
-  const lemke_column c = lemke_system_column(b->engine.system, j);
+  const lcp_column c = lemke_system_column(b->engine.system, j);
   int best = -1;
   double size = 0;
   for (int p = 0; p < c.count; ++p) {

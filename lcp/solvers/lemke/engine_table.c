@@ -7,7 +7,7 @@ static lemke_table *table_of(lemke_engine *e) {
 
 /* Column j of -M'. */
 static void write_column(const lemke_system *s, int j, double *restrict a) {
-  const lemke_column c = lemke_system_column(s, j);
+  const lcp_column c = lemke_system_column(s, j);
   const double unit = s->view ? -lemke_power(s->col_exp[j]) : -1;
   if (c.row == NULL) {
     const double *restrict val = c.val;

@@ -179,8 +179,8 @@ static int ratio_test(lemke_path *t) {
 
 /* ---- the path --------------------------------------------------------------------------------- */
 
-/* The column of the entering variable and the blocking position, -1 for a ray. A doubtful pivot, and a ray, are
- * believed only from values computed afresh; false where the engine cannot. */
+/* The column of the entering variable and the blocking position, -1 for a ray. A doubtful pivot is believed only from
+ * values computed afresh, false where the engine cannot; a ray, too, from an engine that can. */
 static bool choose(lemke_path *t, int *p) {
   lemke_engine *e = t->engine;
   lemke_renewal renewal = LEMKE_RENEWED;
@@ -192,7 +192,7 @@ static bool choose(lemke_path *t, int *p) {
     }
     renewal = e->kind->renew(e);
   }
-  return renewal == LEMKE_NEWEST;
+  return renewal == LEMKE_NEWEST || *p < 0;
 }
 
 /* Mixes a variable into the hash of the nonbasic set (splitmix64 finaliser). */

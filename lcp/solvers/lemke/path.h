@@ -17,7 +17,7 @@ typedef enum lemke_end {
   LEMKE_LIMIT,   /* pivots used up */
   LEMKE_TIMEOUT, /* time used up */
   LEMKE_CYCLE,   /* a basis came back: round-off */
-  LEMKE_BROKEN, /* the engine cannot go on: a doubtful pivot, or a ray, that it cannot compute afresh */
+  LEMKE_BROKEN,  /* the engine cannot go on: a doubtful pivot that it cannot compute afresh */
 } lemke_end;
 
 typedef struct lemke_path {

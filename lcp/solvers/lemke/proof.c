@@ -12,9 +12,10 @@ static bool hopeless_row(const lemke_system *s, const lcp_problem *p, double *y)
     s->row_top[i] = lemke_is_free(s, i) ? 0 : -1; /* sign of the largest entry */
   }
   for (int j = 0; j < p->M.n; ++j) {
-    for (int k = s->colptr[j]; k < s->colptr[j + 1]; ++k) {
-      if (s->val[k] > 0 || lemke_is_free(s, j)) {
-        s->row_top[s->rowind[k]] = 1;
+    const lcp_column c = lemke_system_column(s, j);
+    for (int k = 0; k < c.count; ++k) {
+      if (c.val[k] > 0 || (c.val[k] != 0 && lemke_is_free(s, j))) {
+        s->row_top[(c.row == NULL) ? k : c.row[k]] = 1;
       }
     }
   }
@@ -42,15 +43,16 @@ bool lemke_ray_proves(const lemke_path *t, const lemke_system *s, const lcp_prob
     return true;
   }
   read_ray(t, s, y);
-  if (lcp_farkas_prove(&p->M, p->q, s->is_free, s->force, y)) {
+  if (lcp_farkas_prove(&p->M, p->q, s->any_free ? s->is_free : NULL, s->force, y)) {
     return true;
   }
   read_ray(t, s, y); /* undo the rounding */
   return false;
 }
 
-/* A proof with a margin survives the rounding of y; one that needs its zeros exact may still be made of plain numbers. */
-static const double lifts[] = {0x1p-16, 0x1p-28, 0x1p-40, 0};
+/* First of the data as they are, whose proof may be made of plain numbers, then with a margin that survives the rounding of
+ * y. Where the first finds a feasible point, no y proves anything. */
+static const double lifts[] = {0, 0x1p-28};
 
 bool lemke_search_proof(lemke_path *t, lemke_table *table, const lemke_system *s,
                         const lcp_problem *p, double *y) {
@@ -62,7 +64,7 @@ bool lemke_search_proof(lemke_path *t, lemke_table *table, const lemke_system *s
     if (end == LEMKE_RAY && lcp_farkas_prove(&p->M, p->q, NULL, s->force, y)) {
       return true;
     }
-    if (end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
+    if (end == LEMKE_SOLVED || end == LEMKE_LIMIT || end == LEMKE_TIMEOUT) {
       return false;
     }
   }

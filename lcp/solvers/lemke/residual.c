@@ -1,9 +1,11 @@
-/* The scale-invariant residual rho (RESIDUALS 1) of a scaled point. lcp_stop_test is
+/* The scale-invariant residual rho (RESIDUALS 1) of a scaled point, of terms and references of lcp_rho.h. What is
+ * here is the product M z + q in extended precision, and the bounds of a factored M. lcp_stop_test is
  * not used: its bound on tau is zero on rows such as mu r_n - sum r_k = 0, where every term cancels.
  *
  * Of a factored M only S is known entry by entry; of P = J W J' the product g = P z and the diagonal
  * are. There tau uses |P_ii z_i| + |g_i - P_ii z_i| <= sum_j |P_ij||z_j|, so rho comes out larger,
  * never smaller, than with P formed. Rows that this makes look bad have their row of P formed. */
+#include "lcp/lcp_rho.h"
 #include "lcp/linear/extended.h"
 #include "lcp/solvers/lemke/system.h"
 
@@ -39,18 +41,17 @@ static void add_velocities(const lemke_system *s, const double *z) {
   }
 }
 
-/* sum_i += |M_ij t| over the rows of the problem, which come first. */
-static void add_sizes(const lemke_system *s, int j, double t, double *restrict sum) {
-  const lemke_column c = lemke_system_column(s, j);
-  const double *restrict val = c.val;
-  const int *restrict row = c.row;
-  const bool mixed = s->rows > s->n;
-  for (int p = 0; row != NULL && p < c.count && (!mixed || row[p] < s->n); ++p) {
-    sum[row[p]] += fabs(val[p] * t);
+/* Column j without its velocities: the rows of the problem come first. */
+static lcp_column own_rows(const lemke_system *s, int j) {
+  lcp_column c = lemke_system_column(s, j);
+  if (s->rows > s->n) {
+    int count = 0;
+    while (count < c.count && lcp_column_row(&c, count) < s->n) {
+      count++;
+    }
+    c.count = count;
   }
-  for (int i = 0; i < s->n && c.row == NULL; ++i) { /* a full column needs no index */
-    sum[i] += fabs(val[i] * t);
-  }
+  return c;
 }
 
 /* w = M z + q and tau0. */
@@ -62,9 +63,9 @@ static void products(const lemke_system *s, const double *z) {
   lin_extended w = {.n = s->rows, .sum = s->w};
   for (int j = 0; j < s->n; ++j) {
     if (z[j] != 0) {
-      const lemke_column c = lemke_system_column(s, j);
+      const lcp_column c = lemke_system_column(s, j);
       lin_extended_add(&w, (long double)z[j], c.val, c.row, c.count);
-      add_sizes(s, j, z[j], s->tau0);
+      lcp_column_add_size(own_rows(s, j), z[j], s->tau0);
     }
   }
   lin_extended_flush(&w);
@@ -74,36 +75,19 @@ static void products(const lemke_system *s, const double *z) {
   }
 }
 
-/* zref of an unknown without a diagonal; 1 where nothing depends on it. */
-static double reference(const lemke_system *s, int j) {
-  const lemke_column c = lemke_system_column(s, j);
-  double ref = 0;
-  bool any = false;
-  for (int p = 0; p < c.count; ++p) {
-    const int i = (c.row == NULL) ? p : c.row[p];
-    any = any || c.val[p] != 0;
-    ref = (i < s->n && c.val[p] != 0) ? lemke_larger(s->tau0[i] / fabs(c.val[p]), ref) : ref;
-  }
-  return any ? ref : 1;
-}
-
 /* zref and tau; tau0 is turned into tau. */
 static void scales(const lemke_system *s) {
   for (int j = 0; j < s->n; ++j) { /* P_jj zref_j is added below, while zref still holds P_jj */
     const double own = (s->rows > s->n) ? s->zref[j] : 0;
-    s->zref[j] = (s->diagonal[j] != 0) ? s->tau0[j] / fabs(s->diagonal[j]) : reference(s, j);
+    s->zref[j] = lcp_rho_reference(s->diagonal[j], s->tau0[j], own_rows(s, j), s->tau0);
     s->row_sum[j] = (long double)(own * s->zref[j]);
   }
   for (int i = 0; i < s->n; ++i) {
     s->tau0[i] = fabs(s->q[i]) + (double)s->row_sum[i];
   }
   for (int j = 0; j < s->n; ++j) {
-    add_sizes(s, j, s->zref[j], s->tau0);
+    lcp_column_add_size(own_rows(s, j), s->zref[j], s->tau0);
   }
-}
-
-static double over(double v, double scale) {
-  return (scale > 0) ? v / scale : (v == 0) ? 0 : copysign(HUGE_VAL, v);
 }
 
 /* Lists the nonzero z in row_top; returns how many. */
@@ -142,15 +126,9 @@ static double row_size(const lemke_system *s, int i, const double *z, int suppor
   return size;
 }
 
-/* |min(z / zref, w / tau)|; not a number where w is none. */
 static double row_residual(const lemke_system *s, int i, double z, double zref, double tau) {
-  const double w = (double)s->w[i];
-  const bool is_free = lemke_is_free(s, i);
-  if (z == 0 && w >= 0 && !is_free) {
-    return 0;
-  }
-  const double y = over(w, tau);
-  return fabs((is_free || !(y > 0)) ? y : lemke_smaller(over(z, zref), y));
+  const lcp_set set = lemke_is_free(s, i) ? LCP_FREE : LCP_ORTHANT;
+  return lcp_rho_row(set, z, (double)s->w[i], 0, HUGE_VAL, zref, tau);
 }
 
 double lemke_residual(const lemke_system *s, const double *z, double *defect) {

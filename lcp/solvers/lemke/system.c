@@ -1,6 +1,6 @@
-/* The scaled column form of a problem. Scaling by powers of two changes no digit. Columns are always
- * scaled to maximum 1..2; rows only when they differ by more than 2^20, because a row scaling is a
- * choice of covering vector and d = 1 is to mean what it says. */
+/* The scaled column form of a problem. Scaling by powers of two changes no digit. Columns are always scaled, rows only
+ * when they differ by more than 2^20, or when that is asked for, because a row scaling is a choice of covering vector and
+ * d = 1 is to mean what it says. */
 #include "lcp/solvers/lemke/system.h"
 
 #include "lcp/linear/extended.h"
@@ -11,10 +11,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SPREAD = 20 }; /* rows whose maxima are apart by more than 2^20 are scaled */
-static const double apart = 0x1p20;
-enum { REACH = 500 }; /* largest exponent in a view */
-enum { PASSES = 12 }; /* each halves the exponents (Ruiz 2001), enough for 2^1000 */
+static const double apart = 0x1p20; /* rows whose maxima differ by more are scaled */
+enum { REACH = 500 };               /* largest exponent in a view */
+enum { PASSES = 64 };
+static const double settled =
+    0.25; /* a sweep that moves no row by more of a power of two is the last */
 
 void lemke_system_layout(lemke_system *s, lemke_store *m, const lcp_capacity *cap, base_arena *a) {
   const size_t rows = (size_t)cap->n + (size_t)cap->n_dof;
@@ -29,7 +30,7 @@ void lemke_system_layout(lemke_system *s, lemke_store *m, const lcp_capacity *ca
   m->q = BASE_ARRAY(a, double, rows);
   m->row_exp = BASE_ARRAY(a, int, rows);
   m->col_exp = BASE_ARRAY(a, int, rows);
-  m->col_top = BASE_ARRAY(a, int, rows);
+  m->sum = BASE_ARRAY(a, double, rows);
   m->diagonal = BASE_ARRAY(a, double, cap->n);
   m->is_free = BASE_ARRAY(a, unsigned char, rows);
   m->row_top = BASE_ARRAY(a, int, rows);
@@ -212,46 +213,24 @@ static double scaled(double v, int e) {
   return v * power;
 }
 
-/* Largest binary exponents of rows and columns under the present scaling. */
-static void measure(lemke_store *m) {
-  for (int i = 0; i < m->rows; ++i) {
-    m->row_top[i] = INT_MIN;
-    m->col_top[i] = INT_MIN;
-  }
-  for (int j = 0; j < m->rows; ++j) {
-    for (int p = m->colptr[j]; p < m->colptr[j + 1]; ++p) {
-      const int i = m->rowind[p];
-      const int e = lemke_exponent(m->val[p]) + m->row_exp[i] + m->col_exp[j];
-      m->row_top[i] = (e > m->row_top[i]) ? e : m->row_top[i];
-      m->col_top[j] = (e > m->col_top[j]) ? e : m->col_top[j];
-    }
-  }
-}
-
-/* Distance between the largest and the smallest of the exponents; empty rows do not count. */
-static int spread(const int *top, int n) {
-  int low = INT_MAX;
-  int high = INT_MIN;
-  for (int i = 0; i < n; ++i) {
-    low = (top[i] != INT_MIN && top[i] < low) ? top[i] : low;
-    high = (top[i] > high) ? top[i] : high;
-  }
-  return (low > high) ? 0 : high - low;
-}
-
-static void shift_down(int *exponent, const int *top, int n, int divisor) {
-  for (int i = 0; i < n; ++i) {
-    exponent[i] -= (top[i] == INT_MIN) ? 0 : top[i] / divisor;
-  }
-}
-
-/* Columns to maximum 1..2, the first step of every scaling. */
+/* Columns to maximum 1..2, rows as they are. */
 static void scale_columns(lemke_store *m) {
   for (int j = 0; j < m->rows; ++j) {
     const double top = lemke_largest(m->val + m->colptr[j], m->colptr[j + 1] - m->colptr[j]);
     m->row_exp[j] = 0;
     m->col_exp[j] = (top > 0) ? -lemke_exponent(top) : 0;
   }
+}
+
+/* Are the largest entries of the rows, zero of an empty one, within 2^20 of each other? */
+static bool alike(const double *top, int n) {
+  double low = HUGE_VAL;
+  double high = 0;
+  for (int i = 0; i < n; ++i) {
+    low = (top[i] > 0 && top[i] < low) ? top[i] : low;
+    high = lemke_larger(top[i], high);
+  }
+  return high == 0 || low * apart >= high;
 }
 
 /* top_i <- max(top_i, |v_i| unit) for the entries of one column of n rows; a full one needs no index. */
@@ -265,58 +244,74 @@ static void raise_tops(const double *restrict v, const int *row, int count, int 
   }
 }
 
-/* Largest entries of the rows with columns scaled, -1 for an empty row: their exponents in row_top. False
- * where a row is so small that a product with its columns' scales may have lost digits. */
-static bool measure_rows(lemke_store *m) {
+/* Do rows, with the columns scaled, differ so much that they have to be scaled too? */
+static bool rows_differ(const lemke_store *m) {
   double *top = m->scratch;
-  for (int i = 0; i < m->rows; ++i) {
-    top[i] = -1;
-  }
+  memset(top, 0, sizeof *top * (size_t)m->rows);
   for (int j = 0; j < m->rows; ++j) {
     const double unit = scaled(1, m->col_exp[j]);
     const int first = m->colptr[j];
     raise_tops(m->val + first, m->rowind + first, m->colptr[j + 1] - first, m->rows, unit, top);
   }
-  bool sure = true;
-  for (int i = 0; i < m->rows; ++i) {
-    sure = sure && (top[i] < 0 || (top[i] >= DBL_MIN && top[i] < HUGE_VAL));
-    m->row_top[i] = (top[i] > 0) ? lemke_exponent(top[i]) : INT_MIN;
-  }
-  return sure;
+  return !alike(top, m->rows);
 }
 
-/* Do rows, too, have to be scaled? */
-static bool rows_differ(lemke_store *m) {
-  if (!measure_rows(m)) {
-    measure(m);
-  }
-  return spread(m->row_top, m->rows) > SPREAD;
-}
-
-static void scale_rows(lemke_store *m) {
-  const int n = m->rows;
-  measure(m);
-  for (int pass = 0; pass < PASSES; ++pass) {
-    shift_down(m->row_exp, m->row_top, n, 2);
-    shift_down(m->col_exp, m->col_top, n, 2);
-    measure(m);
+/* Exponents of the columns from those of the rows, and what the rows then add up to: one sweep. */
+static void sweep_means(lemke_store *m) {
+  memset(m->sum, 0, sizeof *m->sum * (size_t)m->rows);
+  for (int j = 0; j < m->rows; ++j) {
+    const int count = m->colptr[j + 1] - m->colptr[j];
+    double sum = 0;
+    for (int p = m->colptr[j]; p < m->colptr[j + 1]; ++p) {
+      sum += lemke_exponent(m->val[p]) + m->scratch[m->rowind[p]];
+    }
+    const double mean = (count > 0) ? sum / count : 0;
+    m->col_exp[j] = (int)lround(-mean);
+    for (int p = m->colptr[j]; p < m->colptr[j + 1]; ++p) {
+      m->sum[m->rowind[p]] += lemke_exponent(m->val[p]) - mean;
+    }
   }
 }
 
-static void equilibrate(lemke_store *m) {
+/* Rows and columns to geometric mean 1, which makes the squares of the exponents smallest in sum (Curtis & Reid 1972): of
+ * all scalings of one matrix it finds the same, up to rounding to powers of two. */
+static void scale_both(lemke_store *m) {
+  int *count = m->row_top;
+  double *mean = m->scratch; /* of the rows, negative */
+  memset(count, 0, sizeof *count * (size_t)m->rows);
+  for (int p = 0; p < m->colptr[m->rows]; ++p) {
+    count[m->rowind[p]]++;
+  }
+  memset(mean, 0, sizeof *mean * (size_t)m->rows);
+  double moved = 1;
+  for (int pass = 0; pass < PASSES && moved > settled; ++pass) {
+    sweep_means(m);
+    moved = 0;
+    for (int i = 0; i < m->rows; ++i) {
+      const double next = (count[i] > 0) ? -m->sum[i] / count[i] : 0;
+      moved = lemke_larger(fabs(next - mean[i]), moved);
+      mean[i] = next;
+      m->row_exp[i] = (int)lround(next);
+    }
+  }
+}
+
+/* True where rows were scaled too. */
+static bool scale(lemke_store *m, bool rows) {
   scale_columns(m);
-  const bool both = rows_differ(m);
-  if (both) {
-    scale_rows(m);
+  rows = rows || rows_differ(m);
+  if (rows) {
+    scale_both(m);
   }
   for (int j = 0; j < m->rows; ++j) {
     const int e = m->col_exp[j];
     const double unit = scaled(1, e);
-    const bool plain = !both && e >= -1022 && e <= 1023;
+    const bool plain = !rows && e >= -1022 && e <= 1023;
     for (int p = m->colptr[j]; p < m->colptr[j + 1]; ++p) {
       m->val[p] = plain ? m->val[p] * unit : scaled(m->val[p], m->row_exp[m->rowind[p]] + e);
     }
   }
+  return rows;
 }
 
 /* q' and its power. */
@@ -370,7 +365,7 @@ static bool mark_free(lemke_store *m, const lcp_problem *p) {
   return any;
 }
 
-void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p) {
+void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p, bool rows) {
   const lcp_matrix *M = &p->M;
   m->n = M->n;
   m->rows = M->n;
@@ -387,7 +382,7 @@ void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p) {
     memset(m->is_free + M->n, 1, (size_t)n_dof);
     s->any_free = true;
   }
-  equilibrate(m);
+  s->scaled_rows = scale(m, rows);
   if (M->storage == LCP_FACTORED) {
     list_jacobian(m);
   }
@@ -452,6 +447,7 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
   s->n = n;
   s->rows = n;
   s->view = true;
+  s->scaled_rows = false;
   s->edition++;
   s->any_free = false;
   s->colptr = dense ? NULL : M->csc.colptr;
@@ -465,7 +461,7 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
   memset(top, 0, sizeof *top * (size_t)n);
   int most = 0;
   for (int j = 0; j < n; ++j) {
-    const lemke_column c = lemke_system_column(s, j);
+    const lcp_column c = lemke_system_column(s, j);
     if (c.row == NULL) {
       view_full(m, c.val, n, j, top);
     } else {
@@ -473,16 +469,9 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
     }
     most = (abs(m->col_exp[j]) > most) ? abs(m->col_exp[j]) : most;
   }
-  double low = HUGE_VAL;
-  double high = 0;
-  double largest = 0;
-  for (int i = 0; i < n; ++i) {
-    low = (top[i] > 0 && top[i] < low) ? top[i] : low;
-    high = lemke_larger(top[i], high);
-    largest = lemke_larger(fabs(p->q[i]), largest);
-  }
+  const double largest = lemke_largest(p->q, n);
   s->q_exp = (largest > 0) ? lemke_exponent(largest) : 0;
-  return most <= REACH && abs(s->q_exp) <= REACH && (high == 0 || low * apart >= high);
+  return most <= REACH && abs(s->q_exp) <= REACH && alike(top, n);
 }
 
 bool lemke_system_over(lemke_system *s, int n, const double *M, const double *q, const int *row_exp,
@@ -515,7 +504,7 @@ void lemke_system_defect(const lemke_system *s, const int *head, const double *x
   for (int k = 0; k < n; ++k) {
     const int j = head[k] - n;
     if (j >= 0 && j < n && x[k] != 0) {
-      const lemke_column c = lemke_system_column(s, j);
+      const lcp_column c = lemke_system_column(s, j);
       const double unit = s->view ? lemke_power(s->col_exp[j]) : 1;
       lin_extended_add(&e, (long double)(unit * x[k]), c.val, c.row, c.count);
     }

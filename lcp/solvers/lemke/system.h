@@ -5,6 +5,7 @@
  * extra free rows. A view reads M and q where the problem has them and applies the powers on the way. */
 #pragma once
 
+#include "lcp/lcp_column.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_problem.h"
 
@@ -16,6 +17,7 @@ typedef struct lemke_system {
   int rows;                     /* with those of the velocities */
   int edition;                  /* changes with the content */
   bool view;                    /* val and q are the problem's own numbers */
+  bool scaled_rows;             /* R was lemke_system_build's choice */
   bool any_free;                /* else is_free is zero everywhere */
   const int *colptr, *rowind;   /* NULL where every column is full */
   const double *val;            /* of a factored M the entries of S come first in a column */
@@ -39,14 +41,17 @@ typedef struct lemke_system {
 typedef struct lemke_store {
   int n, rows;
   int *colptr, *rowind, *jptr, *jdof, *row_exp, *col_exp;
-  int *row_top, *col_top; /* rows: scratch, as the next */
-  double *scratch;
+  int *row_top; /* rows: scratch, as the next two */
+  double *scratch, *sum;
   double *val, *q, *jval, *diagonal;
   unsigned char *is_free;
 } lemke_store;
 
 void lemke_system_layout(lemke_system *s, lemke_store *m, const lcp_capacity *cap, base_arena *a);
-void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p);
+
+/* Columns scaled to maximum 1..2 and the rows as they are; or, where `rows` asks for it or the rows' maxima then differ by more
+ * than 2^20, both to geometric mean 1. */
+void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p, bool rows);
 
 /* A view of an orthant problem, dense or CSC, with the columns scaled to maximum 1..2 and the rows as they are. False
  * where rows or columns are too far apart for that: such a problem is to be built. */
@@ -57,20 +62,14 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p);
 bool lemke_system_over(lemke_system *s, int n, const double *M, const double *q, const int *row_exp,
                        const int *col_exp);
 
-/* One column: row is NULL where all rows are there, in order. */
-typedef struct lemke_column {
-  int count;
-  const int *row;
-  const double *val;
-} lemke_column;
-
-static inline lemke_column lemke_system_column(const lemke_system *s, int j) {
+/* Column j: of val, with the rows of the velocities. */
+static inline lcp_column lemke_system_column(const lemke_system *s, int j) {
   if (s->rowind == NULL) {
-    return (lemke_column){s->rows, NULL, s->val + (ptrdiff_t)j * s->rows};
+    return (lcp_column){s->rows, NULL, s->val + (ptrdiff_t)j * s->rows};
   }
   const int first = s->colptr[j];
   const int count = s->colptr[j + 1] - first;
-  return (lemke_column){count, (count == s->rows) ? NULL : s->rowind + first, s->val + first};
+  return (lcp_column){count, s->rowind + first, s->val + first};
 }
 
 static inline bool lemke_is_free(const lemke_system *s, int i) {
