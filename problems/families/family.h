@@ -16,6 +16,10 @@ typedef struct lcp_family {
   base_status (*build)(const void *param, known_lcp *out, base_error *err);
 } lcp_family;
 
+/* The members of a descriptor that every file of a family calls the same; its parameters are the struct param_. */
+#define FAMILY_PARTS(param_)                                                                       \
+  .fields = fields, .n_fields = BASE_COUNT(fields), .param_size = sizeof(param_), .build = build
+
 const lcp_family *const *lcp_families(int *count);
 const lcp_family *lcp_family_find(const char *name);
 

@@ -156,8 +156,5 @@ const lcp_family family_box_stack = {
         "split among corners is free and the sum at interface i is the weight above it. "
         "Block-tridiagonal, of any size; kept as J W J' or formed. Packaged solvers fail on it "
         "from some hundred boxes on.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(box_stack),
-    .build = build,
+    FAMILY_PARTS(box_stack),
 };

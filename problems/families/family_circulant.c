@@ -24,8 +24,5 @@ const lcp_family family_circulant = {
     .about = "Unit diagonal with cyclic subdiagonals a and b; q = -1 and z = 1/(1+a+b) in every "
              "entry. For a > 1 and odd n a P-matrix on which Newton-min cycles and Gauss-Seidel "
              "sweeps diverge.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(circulant),
-    .build = build,
+    FAMILY_PARTS(circulant),
 };

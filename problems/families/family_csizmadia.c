@@ -21,8 +21,5 @@ const lcp_family family_csizmadia = {
     .about = "Unit lower triangular with -1 below the diagonal. A P-matrix whose handicap grows "
              "exponentially with n, which bounds the complexity estimates of interior-point "
              "methods; z alternates 1, 0, 1, ...",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(csizmadia),
-    .build = build,
+    FAMILY_PARTS(csizmadia),
 };

@@ -21,8 +21,5 @@ const lcp_family family_fathi = {
     .about =
         "M = L L' with L the lower Murty matrix: symmetric positive definite, and still "
         "lexicographic Lemke with d = 1 takes 2^n pivots. The solution is the first unit vector.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(fathi),
-    .build = build,
+    FAMILY_PARTS(fathi),
 };

@@ -60,8 +60,5 @@ const lcp_family family_kostreva = {
         "Degenerate problems of size 3 to 5 with q = -1 on which Lemke's method with a simple tie "
         "rule (lowest row, highest row, lowest or highest index, largest pivot) cycles for ever; "
         "variant 5 defeats six of them at once. Lexicographic ties solve all (MATHEMATICS F5).",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(kostreva),
-    .build = build,
+    FAMILY_PARTS(kostreva),
 };

@@ -25,8 +25,5 @@ const lcp_family family_lcg = {
         "M = A'A + I, or A'A + I + K with K skew, and q, all small integers from a congruential "
         "generator anyone can repeat (MATHEMATICS F6). Positive definite, hence uniquely "
         "solvable; the solution is not planted.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(lcg),
-    .build = build,
+    FAMILY_PARTS(lcg),
 };

@@ -24,8 +24,5 @@ const lcp_family family_murty = {
              "solution is the first unit vector. Lexicographic Lemke with d = 1 takes exactly 2^n "
              "pivots, least-index pivoting 2^n - 1 on the transpose; nearly every other method "
              "finds the answer at once.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(murty),
-    .build = build,
+    FAMILY_PARTS(murty),
 };

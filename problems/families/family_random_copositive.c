@@ -40,8 +40,5 @@ const lcp_family family_random_copositive = {
         "Nonnegative entries with a positive diagonal, indefinite as a rule: strictly copositive, "
         "so solvable for every q and processed by Lemke's method (Cottle, Pang & Stone 1992, "
         "theorem 4.4.12), but with many solutions and out of reach of descent methods.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(random_copositive),
-    .build = build,
+    FAMILY_PARTS(random_copositive),
 };

@@ -49,8 +49,5 @@ const lcp_family family_random_p = {
         "Positive diagonal plus a skew part (positive definite, yet sweeps may cycle), or unit "
         "triangular with large entries (a P-matrix that is not definite). P-matrices have exactly "
         "one solution for every q, so the planted one is it.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(random_p),
-    .build = build,
+    FAMILY_PARTS(random_p),
 };

@@ -49,8 +49,5 @@ const lcp_family family_random_psd = {
     .about =
         "M = B'B with fewer rows than columns, the algebra of redundant contacts: solvable, with "
         "many solutions that share w = M z + q. Compare w, never z.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(random_psd),
-    .build = build,
+    FAMILY_PARTS(random_psd),
 };

@@ -62,8 +62,5 @@ const lcp_family family_random_spd = {
     .about = "A random graph of couplings c (e_i +- e_j)(e_i +- e_j)' plus shift I, so the least "
              "eigenvalue is at least shift; z and w are drawn complementary and q = w - M z. The "
              "solution is unique and known; shift sets the condition number.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(random_spd),
-    .build = build,
+    FAMILY_PARTS(random_spd),
 };

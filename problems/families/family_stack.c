@@ -37,8 +37,5 @@ const lcp_family family_stack = {
         "Masses on top of each other, one contact each: a symmetric positive definite tridiagonal "
         "matrix; contact i carries everything above it. Gauss-Seidel sweeps contract like "
         "cos^2(pi/2n) for equal masses and R/(1+R) for two of ratio R (MATHEMATICS F8).",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(stack),
-    .build = build,
+    FAMILY_PARTS(stack),
 };

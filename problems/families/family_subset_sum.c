@@ -35,8 +35,5 @@ const lcp_family family_subset_sum = {
         "numbers sums to b, so the general problem is NP-complete. With solvable=0 the linear "
         "program is feasible and yet there is no complementary solution: 'infeasible' would be a "
         "false claim, an honest solver says it does not know (MATHEMATICS F14).",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(subset_sum),
-    .build = build,
+    FAMILY_PARTS(subset_sum),
 };

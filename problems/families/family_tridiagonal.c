@@ -25,8 +25,5 @@ const lcp_family family_tridiagonal = {
     .about =
         "The obstacle problem on a line: symmetric positive definite tridiagonal matrix, z_i = 1 + "
         "(i mod 5) except every period-th, which is zero. Sparse, exactly known, any size.",
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .param_size = sizeof(tridiagonal),
-    .build = build,
+    FAMILY_PARTS(tridiagonal),
 };

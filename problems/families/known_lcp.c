@@ -1,15 +1,10 @@
 #include "problems/families/known_lcp.h"
 
+#include "lcp/lcp_column.h"
+
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
-
-#define NAME_(id, text) text,
-static const char *const names[] = {KNOWN_LIST(NAME_)};
-
-const char *known_answer_name(known_answer a) {
-  return ((int)a >= 0 && a < KNOWN_COUNT) ? names[a] : "unknown";
-}
 
 void known_lcp_free(known_lcp *k) {
   for (int i = 0; i < k->n_owned; i++) {
@@ -56,15 +51,7 @@ base_status known_sparse(known_lcp *k, int n, int nnz, int **colptr, int **rowin
 
 static void product(const lcp_matrix *M, const double *x, double *y) {
   for (int j = 0; j < M->n; j++) {
-    if (M->storage == LCP_DENSE) {
-      for (int i = 0; i < M->n; i++) {
-        y[i] += M->val[(size_t)j * (size_t)M->n + (size_t)i] * x[j];
-      }
-      continue;
-    }
-    for (int at = M->csc.colptr[j]; at < M->csc.colptr[j + 1]; at++) {
-      y[M->csc.rowind[at]] += M->csc.val[at] * x[j];
-    }
+    lcp_column_add(lcp_column_of(M, j), x[j], y);
   }
 }
 

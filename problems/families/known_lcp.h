@@ -4,15 +4,13 @@
 
 #include "lcp/lcp_problem.h"
 
-#define KNOWN_LIST(X)                                                                              \
-  X(KNOWN_UNSTATED, "unstated")     /* judge by the residual alone */                              \
-  X(KNOWN_UNIQUE, "unique")         /* z is the only solution */                                   \
-  X(KNOWN_SOLVABLE, "solvable")     /* z, if given, is one of several */                           \
-  X(KNOWN_INFEASIBLE, "infeasible") /* farkas: y >= 0, M'y <= 0, q.y < 0 */                        \
-  X(KNOWN_UNSOLVABLE, "unsolvable") /* no solution, by exhaustion */
-#define KNOWN_ENUM_(id, text) id,
-typedef enum known_answer { KNOWN_LIST(KNOWN_ENUM_) KNOWN_COUNT } known_answer;
-const char *known_answer_name(known_answer a);
+typedef enum known_answer {
+  KNOWN_UNSTATED,   /* judge by the residual alone */
+  KNOWN_UNIQUE,     /* z is the only solution */
+  KNOWN_SOLVABLE,   /* z, if given, is one of several */
+  KNOWN_INFEASIBLE, /* farkas: y >= 0, M'y <= 0, q.y < 0 */
+  KNOWN_UNSOLVABLE, /* no solution, by exhaustion */
+} known_answer;
 
 enum { KNOWN_OWNED = 48 };
 

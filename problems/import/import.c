@@ -115,15 +115,6 @@ void import_posed_free(import_posed *p) {
   memset(p, 0, sizeof *p);
 }
 
-base_status import_problem(const char *path, int facets, known_lcp *out, base_error *err) {
-  import_posed both;
-  memset(out, 0, sizeof *out);
-  BASE_TRY(import_pose(path, facets, &both, err));
-  *out = both.posed;
-  known_lcp_free(&both.cone);
-  return BASE_OK;
-}
-
 base_status import_judge_cone(const import_posed *p, const double *z, lcp_verdict *out,
                               base_error *err) {
   const int n = p->cone.p.M.n;

@@ -20,10 +20,8 @@ base_status import_detect(const char *path, import_kind *kind, base_error *err);
 base_status import_mlcp(const char *path, known_lcp *out, base_error *err);
 
 /* Any of them as a problem to solve: friction on the exact cone (facets = 0) or posed with that
- * many facets; global ones are condensed. *out is freed with known_lcp_free. */
-base_status import_problem(const char *path, int facets, known_lcp *out, base_error *err);
-
-/* The same, and beside a problem with facets the exact cone that its answer is judged on. */
+ * many facets; global ones are condensed. Beside a problem with facets stands the exact cone that its answer is
+ * judged on. */
 typedef struct import_posed {
   known_lcp posed;
   known_lcp cone;   /* empty (no unknowns) unless facets were asked of a friction problem */

@@ -92,5 +92,12 @@ void kit_integrate(double (*f)(double y, double rate, const void *ctx), const vo
                               .build = build,                                                      \
                               __VA_ARGS__}
 
+/* The members of a planar mech_model that the files of both mechanisms call the same: `dofs` and `parts` name its
+ * coordinates and its drawn bodies. */
+#define KIT_PLANAR_MODEL                                                                           \
+  .dim = 2, .n_dof = BASE_COUNT(dofs), .dof_name = dofs, .start = start, .mass = mass,             \
+  .force = force, .potential = potential, .contact = contact, .gap = gap,                          \
+  .n_body = BASE_COUNT(parts), .body_name = parts, .half = half, .pose = pose, .place = place
+
 /* "PREFIXk" */
 void kit_name(char name[SPEC_NAME], const char *prefix, int k);

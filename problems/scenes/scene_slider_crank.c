@@ -116,22 +116,7 @@ static void place(const void *param, const double *q, int i, double point[3], do
 }
 
 static const char *const dofs[] = {"theta1", "theta2", "theta3"};
-static const mech_model model = {.name = "slider_crank",
-                                 .dim = 2,
-                                 .n_dof = 3,
-                                 .n_contact = 4,
-                                 .dof_name = dofs,
-                                 .start = start,
-                                 .mass = mass,
-                                 .force = force,
-                                 .potential = potential,
-                                 .contact = contact,
-                                 .gap = gap,
-                                 .n_body = BASE_COUNT(parts),
-                                 .body_name = parts,
-                                 .half = half,
-                                 .pose = pose,
-                                 .place = place};
+static const mech_model model = {.name = "slider_crank", .n_contact = 4, KIT_PLANAR_MODEL};
 
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const slider_crank *p = param;

@@ -109,22 +109,7 @@ static void place(const void *param, const double *q, int i, double point[3], do
 }
 
 static const char *const dofs[] = {"y", "phi_M", "phi_S"};
-static const mech_model model = {.name = "woodpecker",
-                                 .dim = 2,
-                                 .n_dof = 3,
-                                 .n_contact = 3,
-                                 .dof_name = dofs,
-                                 .start = start,
-                                 .mass = mass,
-                                 .force = force,
-                                 .potential = potential,
-                                 .contact = contact,
-                                 .gap = gap,
-                                 .n_body = BASE_COUNT(parts),
-                                 .body_name = parts,
-                                 .half = half,
-                                 .pose = pose,
-                                 .place = place};
+static const mech_model model = {.name = "woodpecker", .n_contact = 3, KIT_PLANAR_MODEL};
 
 static base_status build(const void *param, scene_spec *s, base_error *err) {
   const woodpecker *p = param;

@@ -289,10 +289,6 @@ base_status spec_settle_effects(scene_spec *s, base_error *err);
 base_status spec_solid_inertia(const spec_shape *p, int dim, double mass, double inertia[3],
                                base_error *err);
 
-/* Is `quantity` one that "body.quantity" may observe (x, y, z, vx, vy, vz, pos, vel, angle, omega,
- * omega.x, ...) in this dimension? */
-bool spec_quantity_known(const char *quantity, int dim);
-
 /* Does the check list this word among its `forms`? */
 bool spec_check_names(const spec_check *c, const char *word);
 

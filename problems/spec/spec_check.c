@@ -128,7 +128,9 @@ static base_status check_joint(const scene_spec *s, int i, base_error *err) {
 
 /* ---- checks --------------------------------------------------------------------------------- */
 
-bool spec_quantity_known(const char *quantity, int dim) {
+/* Is `quantity` one that "body.quantity" may observe (x, y, z, vx, vy, vz, pos, vel, angle, omega,
+ * omega.x, ...) in this dimension? */
+static bool quantity_known(const char *quantity, int dim) {
   static const char *const both[] = {"x", "y", "vx", "vy", "pos", "vel", "angle", "omega"};
   static const char *const spatial[] = {"z", "vz", "omega.x", "omega.y", "omega.z"};
   for (int i = 0; i < BASE_COUNT(both); i++) {
@@ -157,7 +159,7 @@ static base_status check_var(const scene_spec *s, const name_index *k, const cha
   if (dot == NULL || name_index_find(k, body) < 0) {
     return BAD("scene '%s': '%s' names no body; need body.quantity", s->id, var);
   }
-  if (!spec_quantity_known(dot + 1, s->dim)) {
+  if (!quantity_known(dot + 1, s->dim)) {
     return BAD("scene '%s': '%s': unknown quantity '%s' in dim %d", s->id, var, dot + 1, s->dim);
   }
   return BASE_OK;

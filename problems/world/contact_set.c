@@ -91,6 +91,23 @@ base_status contact_set_check(const contact_set *c, base_error *err) {
   return BASE_OK;
 }
 
+bool contact_set_is_ordered(const contact_set *c) {
+  bool good = c->n_contact <= c->n_group && c->row_start[0] == 0 && c->jac_start[0] == 0 &&
+              c->row_start[c->n_group] == c->n_row;
+  for (int g = 0; g < c->n_group && good; g++) {
+    const int *b = c->body + (ptrdiff_t)(2 * g);
+    const int rows = c->row_start[g + 1] - c->row_start[g];
+    good = rows > 0 && b[0] >= -1 && b[0] < c->n_body && b[1] >= -1 && b[1] < c->n_body &&
+           c->jac_start[g + 1] - c->jac_start[g] ==
+               rows * (contact_dofs(c, b[0]) + contact_dofs(c, b[1]));
+    if (good && g < c->n_contact) {
+      const contact_rows r = c->rows[g];
+      good = rows == 1 + r.tangent + r.torsion + r.rolling && (g == 0 || c->id[g - 1] < c->id[g]);
+    }
+  }
+  return good;
+}
+
 /* u += A v for the rows x n row-major matrix A; returns the end of A. */
 static const double *add_product(const double *A, int rows, int n, const double *v, double *u) {
   for (int r = 0; r < rows; r++, A += n) {
@@ -117,45 +134,6 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
         const int d = c->dof_start[b];
         jac = add_product(jac, rows, c->dof_start[b + 1] - d, v + d, u + first);
       }
-    }
-  }
-}
-
-/* p += J' impulse of group g. */
-static void add_impulse(const contact_set *c, int g, const double *impulse, double *p) {
-  const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
-  const double *jac = c->jac + c->jac_start[g];
-  for (int s = 0; s < 2; s++) {
-    const int b = c->body[2 * g + s];
-    if (b < 0) {
-      continue;
-    }
-    const int n = c->dof_start[b + 1] - c->dof_start[b];
-    double *pb = p + c->dof_start[b];
-    for (int r = 0; r < rows; r++) {
-      for (int k = 0; k < n; k++) {
-        pb[k] += jac[k] * impulse[first + r];
-      }
-      jac += n;
-    }
-  }
-}
-
-void contact_velocity(const contact_set *c, const double *impulse, double *v_next,
-                      double *scratch) {
-  memset(scratch, 0, (size_t)c->n_dof * sizeof *scratch);
-  for (int g = 0; g < c->n_group; g++) {
-    add_impulse(c, g, impulse, scratch);
-  }
-  for (int b = 0; b < c->n_body; b++) {
-    const int d = c->dof_start[b], n = c->dof_start[b + 1] - d;
-    const double *W = c->inv_mass + c->mass_start[b];
-    for (int i = 0; i < n; i++) {
-      double sum = 0.0;
-      for (int j = 0; j < n; j++) {
-        sum += W[j * n + i] * scratch[d + j];
-      }
-      v_next[d + i] = c->v_free[d + i] + sum;
     }
   }
 }

@@ -46,7 +46,7 @@ typedef struct contact_set {
                              dofs, at the end of the step */
   const double *u_before; /* n_row: J v plus drift at the start of the step */
   const double
-      *u_curve; /* n_row: h (dJ/dt) v, what the turning of the contact frames adds to u over
+      *u_curve; /* n_row: h (dJ/dt) v, what the turning of contact frames and joints adds to u over
                              the step; NULL unless it came from world_contacts_curved */
 
   /* Per contact (n_contact). */
@@ -73,9 +73,10 @@ static inline int contact_dofs(const contact_set *c, int b) {
 /* Shapes, index ranges, finiteness, gap ordering by id. For readers, tests and the harness. */
 base_status contact_set_check(const contact_set *c, base_error *err);
 
+/* Invariant for assert, which looks at no number with a unit: ids increase, so each is there once; the groups and their
+ * Jacobians follow each other without a gap; a contact's rows are its normal and then what `rows` counts. */
+bool contact_set_is_ordered(const contact_set *c);
+
 /* u = J v + u_drift (u_drift NULL: J v alone), n_row. */
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u);
-
-/* v_next = v_free + W J' impulse; scratch n_dof. */
-void contact_velocity(const contact_set *c, const double *impulse, double *v_next, double *scratch);

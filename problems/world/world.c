@@ -4,6 +4,7 @@
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 static const int bodies_max = (1 << ID_SIDE_BITS) - 1;
@@ -63,8 +64,8 @@ static base_status open_pieces(world *w, base_error *err) {
     w->n_piece += shape_pieces(&w->spec.body[i].shape);
     n_vertex += shape_vertices(&w->spec.body[i].shape, w->dim);
   }
-  BASE_TRY(store_grow((void **)&w->piece, (size_t)w->n_piece + 1, sizeof *w->piece, err));
-  BASE_TRY(store_grow((void **)&w->vertex, 3 * (size_t)n_vertex + 1, sizeof(double), err));
+  BASE_TRY(world_reserve(w, PER_PIECE, (size_t)w->n_piece, err));
+  BASE_TRY(world_reserve(w, PER_VERTEX, (size_t)n_vertex, err));
   double *vertex = w->vertex;
   int first = 0;
   for (int i = 0; i < w->n_body; i++) {
@@ -117,14 +118,10 @@ static size_t number_dofs(world *w) {
 /* Sizes the arrays that depend on the dofs and fills the offsets. */
 static base_status open_dofs(world *w, base_error *err) {
   set_store *s = &w->store;
-  const size_t n_mass = number_dofs(w), n = (size_t)w->n_dof, blocks = (size_t)w->n_free + 1;
-  BASE_TRY(store_grow((void **)&w->free_body, blocks, sizeof *w->free_body, err));
-  BASE_TRY(store_grow((void **)&s->dof_start, blocks, sizeof *s->dof_start, err));
-  BASE_TRY(store_grow((void **)&s->mass_start, blocks, sizeof *s->mass_start, err));
-  BASE_TRY(store_grow((void **)&s->mass, n_mass + 1, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->inv_mass, n_mass + 1, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->v, n + 1, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->v_free, n + 6 * (size_t)w->n_body + 1, sizeof(double), err));
+  const size_t n_mass = number_dofs(w);
+  BASE_TRY(world_reserve(w, PER_MOVING, (size_t)w->n_free, err));
+  BASE_TRY(world_reserve(w, PER_MASS, n_mass, err));
+  BASE_TRY(world_reserve(w, PER_DOF, (size_t)w->n_dof, err));
   s->dof_start[0] = 0;
   s->mass_start[0] = 0;
   for (int i = 0, k = 0; i < w->n_body; i++) {
@@ -139,15 +136,30 @@ static base_status open_dofs(world *w, base_error *err) {
   return BASE_OK;
 }
 
+/* The state at t = 0. */
+static base_status start(world *w, base_error *err) {
+  if (w->model != NULL) {
+    model_start(w);
+    return BASE_OK;
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    body_start(&w->body[i], &w->spec.body[i], w->dim, w->effects);
+  }
+  w->size = size_of(w);
+  BASE_TRY(open_dofs(w, err));
+  assert(world_finite(w)); /* of a spec that was checked */
+  return joints_start(w, err);
+}
+
 static base_status open_parts(world *w, base_error *err) {
   BASE_TRY(check_spec(&w->spec, err));
-  BASE_TRY(store_grow((void **)&w->body, (size_t)w->n_body + 1, sizeof *w->body, err));
+  BASE_TRY(world_reserve(w, PER_BODY, (size_t)w->n_body, err));
   memset(w->body, 0, (size_t)w->n_body * sizeof *w->body);
-  BASE_TRY(store_grow((void **)&w->joint, (size_t)w->spec.n_joint + 1, sizeof *w->joint, err));
+  BASE_TRY(world_reserve(w, PER_JOINT, (size_t)w->spec.n_joint, err));
   BASE_TRY(open_tables(w, err));
   BASE_TRY(open_pieces(w, err));
   BASE_TRY(loads_check(w, err));
-  return world_reset(w, err);
+  return start(w, err);
 }
 
 base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err) {
@@ -172,59 +184,19 @@ base_status world_open(world **out, const scene_spec *spec, unsigned effects, ba
   return BASE_OK;
 }
 
-static void close_store(set_store *s) {
-  void *const owned[] = {s->item,       s->key,        s->swap,        s->row_start, s->group_body,
-                         s->jac_start,  s->jac,        s->u_drift,     s->u_before,  s->joint_error,
-                         s->id,         s->rows,       s->gap,         s->mu_static, s->mu_kinetic,
-                         s->mu_torsion, s->mu_rolling, s->restitution, s->frame,     s->spin,
-                         s->point,      s->dof_start,  s->mass_start,  s->mass,      s->inv_mass,
-                         s->v,          s->v_free,     s->impulse};
-  for (int i = 0; i < BASE_COUNT(owned); i++) {
-    free(owned[i]);
-  }
-}
-
 void world_close(world *w) {
   if (w == NULL) {
     return;
   }
-  close_store(&w->store);
+  world_release(w);
   broad_close(&w->broad);
   pair_table *const tables[] = {&w->mu,      &w->mu_kinetic, &w->restitution,
                                 &w->rolling, &w->torsion,    &w->apart};
   for (int i = 0; i < BASE_COUNT(tables); i++) {
     pair_table_close(tables[i]);
   }
-  free(w->body);
-  free(w->free_body);
-  free(w->piece);
-  free(w->vertex);
-  free(w->joint);
-  curve_store *const curves[] = {&w->ahead, &w->behind};
-  for (int i = 0; i < BASE_COUNT(curves); i++) {
-    free(curves[i]->id);
-    free(curves[i]->row_start);
-    free(curves[i]->u);
-  }
-  free(w->curve);
-  free(w->displaced);
   spec_free(&w->spec);
   free(w);
-}
-
-base_status world_reset(world *w, base_error *err) {
-  w->t = 0.0;
-  w->set = (contact_set){0};
-  if (w->model != NULL) {
-    model_start(w);
-    return BASE_OK;
-  }
-  for (int i = 0; i < w->n_body; i++) {
-    body_start(&w->body[i], &w->spec.body[i], w->dim, w->effects);
-  }
-  w->size = size_of(w);
-  BASE_TRY(open_dofs(w, err));
-  return joints_start(w, err);
 }
 
 /* ---- one step ------------------------------------------------------------------------------ */
@@ -244,7 +216,7 @@ static void view_set(world *w, double h, contact_set *c) {
   c->mass = s->mass;
   c->inv_mass = s->inv_mass;
   c->v = s->v;
-  c->v_free = s->v_free + 6 * (ptrdiff_t)w->n_body;
+  c->v_free = s->v_free;
   c->row_start = s->row_start;
   c->body = s->group_body;
   c->jac_start = s->jac_start;
@@ -277,6 +249,7 @@ base_status world_contacts(world *w, double h, double margin, contact_set *out, 
     BASE_TRY(world_assemble(w, h, err));
   }
   view_set(w, h, &w->set);
+  assert(contact_set_is_ordered(&w->set));
   *out = w->set;
   return BASE_OK;
 }
@@ -311,6 +284,14 @@ double world_time(const world *w) {
 
 unsigned world_effects(const world *w) {
   return w->effects;
+}
+
+unsigned world_occurring(const world *w) {
+  return w->effects & (w->model != NULL ? w->spec.effects : w->spec.present);
+}
+
+bool world_has_coordinates(const world *w) {
+  return w->model != NULL;
 }
 
 int world_n_dof(const world *w) {

@@ -18,15 +18,14 @@ typedef struct world world; /* opaque: owns every array */
  * gets no dof, row or force). The spec is copied. */
 base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err);
 void world_close(world *w);
-base_status world_reset(world *w, base_error *err); /* back to t = 0 */
 
 /* Detects contacts with gap below margin at the current configuration and fills *out with views
  * valid until the next call. margin < 0: chosen from h and the speeds. Grows its arrays when the
  * number of contacts does (outside the hot loop after the first steps). */
 base_status world_contacts(world *w, double h, double margin, contact_set *out, base_error *err);
 
-/* The same with u_curve, for formulations at acceleration level: central differences of u over two
- * displaced configurations, so three detections instead of one. A contact that is not found at
+/* The same with u_curve, for formulations at acceleration level: at contacts central differences of u over two
+ * displaced configurations, so three detections instead of one; at joints in closed form. A contact that is not found at
  * both displacements has u_curve from the one side that has it, zero if neither. */
 base_status world_contacts_curved(world *w, double h, double margin, contact_set *out,
                                   base_error *err);
@@ -37,6 +36,8 @@ base_status world_advance(world *w, const double *v_next, const double *impulse,
 
 double world_time(const world *w);
 unsigned world_effects(const world *w);
+unsigned world_occurring(const world *w);   /* those of them that occur in the scene's data */
+bool world_has_coordinates(const world *w); /* generalised coordinates instead of bodies */
 int world_n_dof(const world *w);
 
 /* Configuration access for formulations that integrate themselves (penalty, event): the free
@@ -59,6 +60,13 @@ void world_momentum(const world *w, double p[3]);
 void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
+double
+world_surface_speed(const world *w); /* bound of the speed of every point of every body [m/s] */
+/* Largest ratio, over the pairs that may collide, of the speed at which two sides come nearer at most to the
+ * distance between their bounding balls, or `margin` [m] where that is more [1/s]. A pair that slides along a
+ * half-space comes no nearer. */
+double world_closing_rate(const world *w, double margin);
+double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
 bool world_finite(const world *w);
 
 /* Names of the two sides of contact id (for pairs in checks); static storage of the world. */

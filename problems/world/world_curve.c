@@ -1,5 +1,6 @@
-/* world_curve.c - h (dJ/dt) v of every contact row, by displacing the configuration along the motion
- * by +-d and -d seconds at fixed velocities: (u(+d) - u(-d)) / (2 d). */
+/* world_curve.c - h (dJ/dt) v of every row. Of contacts by displacing the configuration along the motion
+ * by +d and -d seconds at fixed velocities: (u(+d) - u(-d)) / (2 d); of joints in closed form
+ * (world_joints.c). */
 #include "problems/world/world_data.h"
 
 #include <stdlib.h>
@@ -8,26 +9,13 @@
 /* Displacement in steps. The truncation is of second order in it, the rounding 1e-16 over it. */
 static const double reach_in_steps = 1e-3;
 
-static base_status grow(curve_store *k, const contact_set *c, base_error *err) {
-  const size_t contacts = (size_t)c->n_contact, rows = (size_t)c->n_row;
-  if (contacts + 1 > k->cap_contact) {
-    BASE_TRY(store_grow((void **)&k->id, contacts + 1, sizeof *k->id, err));
-    BASE_TRY(store_grow((void **)&k->row_start, contacts + 1, sizeof *k->row_start, err));
-    k->cap_contact = contacts + 1;
-  }
-  if (rows + 1 > k->cap_row) {
-    BASE_TRY(store_grow((void **)&k->u, rows + 1, sizeof *k->u, err));
-    k->cap_row = rows + 1;
-  }
-  return BASE_OK;
-}
-
 static base_status look(world *w, double h, double margin, const double *config, const double *v,
                         curve_store *k, base_error *err) {
   contact_set c;
   world_set_state(w, w->t, config, v);
   BASE_TRY(world_contacts(w, h, margin, &c, err));
-  BASE_TRY(grow(k, &c, err));
+  BASE_TRY(world_reserve(w, PER_SEEN, (size_t)c.n_contact, err));
+  BASE_TRY(world_reserve(w, PER_SEEN_ROW, (size_t)c.n_row, err));
   k->n_contact = c.n_contact;
   if (c.n_contact == 0) {
     return BASE_OK;
@@ -65,6 +53,10 @@ static void difference(world *w, double d, contact_set *c) {
       w->curve[first + r] = c->h * (to - from) / over;
     }
   }
+  const int joints = c->row_start[c->n_contact];
+  for (int r = joints; r < c->n_row; r++) {
+    w->curve[r] = c->h * w->store.joint_curve[r - joints];
+  }
   c->u_curve = w->curve;
 }
 
@@ -72,7 +64,7 @@ base_status world_contacts_curved(world *w, double h, double margin, contact_set
                                   base_error *err) {
   const size_t nc = (size_t)world_n_config(w), nv = (size_t)world_n_dof(w);
   const double d = reach_in_steps * h;
-  BASE_TRY(store_grow((void **)&w->displaced, 3 * nc + nv + 1, sizeof *w->displaced, err));
+  BASE_TRY(world_reserve(w, PER_DISPLACED, 3 * nc + nv, err));
   double *config = w->displaced, *rate = config + nc, *moved = rate + nc, *v = moved + nc;
   world_get_state(w, config, v);
   world_config_rate(w, config, v, rate);
@@ -88,10 +80,7 @@ base_status world_contacts_curved(world *w, double h, double margin, contact_set
   }
   world_set_state(w, w->t, config, v);
   BASE_TRY(world_contacts(w, h, margin, out, err));
-  if ((size_t)out->n_row + 1 > w->cap_curve) {
-    BASE_TRY(store_grow((void **)&w->curve, (size_t)out->n_row + 1, sizeof *w->curve, err));
-    w->cap_curve = (size_t)out->n_row + 1;
-  }
+  BASE_TRY(world_reserve(w, PER_CURVE, (size_t)out->n_row, err));
   difference(w, d, out);
   return BASE_OK;
 }

@@ -43,6 +43,8 @@ typedef struct joint_row {
   double p_a[3], p_b[3]; /* where the two sides are felt, world */
   bool angular;
   double error; /* [m] or [rad] */
+  double
+      curve; /* rate of the row's velocity while the bodies keep theirs: what turning adds [m/s^2] or [rad/s^2] */
 } joint_row;
 
 /* Place of a point in the order of ids. */
@@ -51,31 +53,86 @@ typedef struct item_key {
   int item;
 } item_key;
 
-/* Arrays behind the contact_set views; they only ever grow. */
-typedef struct set_store {
-  size_t cap_item, cap_group, cap_row, cap_jac;
-  contact_item *item;   /* n_item detected points, as found */
-  item_key *key, *swap; /* n_item, by id; and room to sort them */
-  int n_item;
-  int *row_start, *group_body, *jac_start;
-  double *jac, *u_drift, *u_before, *joint_error;
-  uint64_t *id;
-  contact_rows *rows;
-  double *gap, *mu_static, *mu_kinetic, *mu_torsion, *mu_rolling, *restitution, *frame, *spin;
-  double *point;
-  double *impulse; /* of the last advance; zeros without one */
-  /* per body with dofs */
-  int *dof_start, *mass_start;
-  double *mass, *inv_mass, *v, *v_free;
-} set_store;
+/* What the arrays of a world are counted in. Those of one unit grow together (world_reserve). */
+typedef enum world_unit {
+  PER_BODY,
+  PER_JOINT,
+  PER_PIECE,
+  PER_VERTEX,
+  PER_MOVING, /* body with dofs */
+  PER_DOF,
+  PER_MASS,  /* entry of the mass blocks */
+  PER_POINT, /* detected point */
+  PER_GROUP, /* contact or joint */
+  PER_ROW,
+  PER_JACOBIAN, /* entry of the Jacobians */
+  PER_SEEN,     /* contact at a displaced configuration */
+  PER_SEEN_ROW,
+  PER_CURVE,     /* row of a set with u_curve */
+  PER_DISPLACED, /* scratch of world_contacts_curved */
+  PER_COUNT
+} world_unit;
+
+/* Every array of a world has one line here, X(element, name, unit, elements for one unit). The line declares the
+ * array, and world_memory.c grows and frees it. */
+#define WORLD_ARRAYS(X)                                                                            \
+  X(body, body, PER_BODY, 1)                                                                       \
+  X(joint_data, joint, PER_JOINT, 1)                                                               \
+  X(piece, piece, PER_PIECE, 1)                                                                    \
+  X(double, vertex, PER_VERTEX, 3)                                                                 \
+  X(int, free_body, PER_MOVING, 1) /* bodies with dofs */                                          \
+  X(double, curve, PER_CURVE, 1)   /* u_curve of the last set */                                   \
+  X(double, displaced, PER_DISPLACED, 1)
+
+/* Behind the contact_set views. */
+#define SET_ARRAYS(X)                                                                              \
+  X(contact_item, item, PER_POINT, 1) /* as found */                                               \
+  X(item_key, key, PER_POINT, 1)      /* by id */                                                  \
+  X(item_key, swap, PER_POINT, 1)     /* room to sort them */                                      \
+  X(int, row_start, PER_GROUP, 1)                                                                  \
+  X(int, jac_start, PER_GROUP, 1)                                                                  \
+  X(int, group_body, PER_GROUP, 2)                                                                 \
+  X(uint64_t, id, PER_GROUP, 1)                                                                    \
+  X(contact_rows, rows, PER_GROUP, 1)                                                              \
+  X(double, gap, PER_GROUP, 1)                                                                     \
+  X(double, mu_static, PER_GROUP, 1)                                                               \
+  X(double, mu_kinetic, PER_GROUP, 1)                                                              \
+  X(double, mu_torsion, PER_GROUP, 1)                                                              \
+  X(double, mu_rolling, PER_GROUP, 1)                                                              \
+  X(double, restitution, PER_GROUP, 1)                                                             \
+  X(double, frame, PER_GROUP, 9)                                                                   \
+  X(double, spin, PER_GROUP, 3)                                                                    \
+  X(double, point, PER_GROUP, 3)                                                                   \
+  X(double, u_drift, PER_ROW, 1)                                                                   \
+  X(double, u_before, PER_ROW, 1)                                                                  \
+  X(double, joint_error, PER_ROW, 1)                                                               \
+  X(double, joint_curve, PER_ROW, 1)                                                               \
+  X(double, impulse, PER_ROW, 1) /* of the last advance; zeros without one */                      \
+  X(double, jac, PER_JACOBIAN, 1)                                                                  \
+  X(int, dof_start, PER_MOVING, 1)                                                                 \
+  X(int, mass_start, PER_MOVING, 1)                                                                \
+  X(double, mass, PER_MASS, 1)                                                                     \
+  X(double, inv_mass, PER_MASS, 1)                                                                 \
+  X(double, v, PER_DOF, 1)                                                                         \
+  X(double, v_free, PER_DOF, 1)                                                                    \
+  X(double, wrench, PER_BODY, 6) /* force and torque of the loads */
 
 /* Velocities of the contacts at a displaced configuration (world_curve.c). */
+#define CURVE_ARRAYS(X)                                                                            \
+  X(uint64_t, id, PER_SEEN, 1) /* ascending */                                                     \
+  X(int, row_start, PER_SEEN, 1)                                                                   \
+  X(double, u, PER_SEEN_ROW, 1)
+
+#define DECLARE_ARRAY_(type, name, unit, each) type *name;
+
+typedef struct set_store {
+  int n_item; /* detected points */
+  SET_ARRAYS(DECLARE_ARRAY_)
+} set_store;
+
 typedef struct curve_store {
-  size_t cap_contact, cap_row;
   int n_contact;
-  uint64_t *id;   /* n_contact, ascending */
-  int *row_start; /* n_contact+1 */
-  double *u;      /* rows */
+  CURVE_ARRAYS(DECLARE_ARRAY_)
 } curve_store;
 
 struct world {
@@ -83,22 +140,15 @@ struct world {
   unsigned effects;
   int dim;
   double t, h; /* [s]; h of the last set */
-  int n_body, n_free, n_dof;
-  body *body;
-  int *free_body; /* n_free indices of bodies with dofs */
-  int n_piece;
-  piece *piece;
-  double *vertex;
+  int n_body, n_free, n_dof, n_piece, n_joint;
+  WORLD_ARRAYS(DECLARE_ARRAY_)
+  size_t cap[PER_COUNT]; /* units that the arrays have room for; 0: not allocated */
   pair_table mu, mu_kinetic, restitution, rolling, torsion, apart; /* apart: no collision */
-  int n_joint;
-  joint_data *joint;
   double size; /* smallest body or scene length: scale of tolerances [m] */
   broad_phase broad;
   set_store store;
   contact_set set; /* the last one */
   curve_store ahead, behind;
-  double *curve, *displaced; /* u_curve of the last set; scratch of world_contacts_curved */
-  size_t cap_curve;
   /* generalised coordinates */
   const mech_model *model;
   double q[MODEL_DOF_MAX], qv[MODEL_DOF_MAX];
@@ -108,9 +158,11 @@ static inline bool world_has(const world *w, unsigned bit) {
   return (w->effects & bit) != 0;
 }
 
-/* Makes *p hold at least `need` items; *cap is shared by arrays grown together, so it is the
- * caller who updates it. */
-base_status store_grow(void **p, size_t need, size_t size, base_error *err);
+/* world_memory.c: makes every array of `unit` hold n units and one more, which is the end of a list of offsets. What
+ * they hold is kept, nothing else is initialised, and no array shrinks. BASE_ENOMEM leaves the capacity as it was. */
+base_status world_reserve(world *w, world_unit unit, size_t n, base_error *err);
+/* Frees all arrays; the world is left without any. */
+void world_release(world *w);
 
 /* world_detect.c: fills store.item with points below margin, and store.key. margin < 0: per pair,
  * from h and the speeds. */
@@ -118,14 +170,14 @@ base_status world_detect(world *w, double h, double margin, base_error *err);
 /* Least gap over all pairs, HUGE_VAL if there is none. */
 base_status detect_min_gap(world *w, double *gap, base_error *err);
 
-/* world_rows.c: capacity of the store, and groups, rows and Jacobians of the detected points and the joints. */
+/* world_rows.c: groups, rows and Jacobians of the detected points and the joints. */
 base_status world_assemble(world *w, double h, base_error *err);
-base_status store_reserve(set_store *s, size_t n_group, size_t n_row, size_t n_jac,
-                          base_error *err);
+/* Room for a set of this size. */
+base_status world_reserve_set(world *w, size_t n_group, size_t n_row, size_t n_jac,
+                              base_error *err);
 
 /* world_forces.c */
 base_status world_free_motion(world *w, double h, base_error *err); /* mass blocks, v, v_free */
-void world_wrench(const world *w, double *f /* 6 n_body */);
 double world_load_energy(const world *w);
 base_status loads_check(const world *w, base_error *err);
 

@@ -2,13 +2,14 @@
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
+#include <assert.h>
 #include <stdlib.h>
 
 /* Distance a body can cover in one step, from its speeds at the start and after the free motion,
  * half as much again for what contacts add. */
 static double reach_of(const world *w, const body *b, double h) {
   double lin = v3_norm(b->v), ang = v3_norm(b->v + 3);
-  const double *v_free = w->store.v_free + 6 * (ptrdiff_t)w->n_body + b->dof;
+  const double *v_free = w->store.v_free + b->dof;
   double lin2 = 0.0, ang2 = 0.0;
   for (int k = 0; k < b->n_dof; k++) {
     *((b->axis[k] < 3) ? &lin2 : &ang2) += v_free[k] * v_free[k];
@@ -20,14 +21,7 @@ static double reach_of(const world *w, const body *b, double h) {
 
 static base_status push_item(world *w, const contact_item *item, base_error *err) {
   set_store *s = &w->store;
-  const size_t need = (size_t)s->n_item + 1;
-  if (need > s->cap_item) {
-    const size_t cap = (s->cap_item > 0) ? 2 * s->cap_item : 32;
-    BASE_TRY(store_grow((void **)&s->item, cap, sizeof *s->item, err));
-    BASE_TRY(store_grow((void **)&s->key, cap, sizeof *s->key, err));
-    BASE_TRY(store_grow((void **)&s->swap, cap, sizeof *s->swap, err));
-    s->cap_item = cap;
-  }
+  BASE_TRY(world_reserve(w, PER_POINT, (size_t)s->n_item + 1, err));
   s->item[s->n_item++] = *item;
   return BASE_OK;
 }
@@ -35,7 +29,9 @@ static base_status push_item(world *w, const contact_item *item, base_error *err
 static base_status push_points(world *w, int a, int b, int pieces, const gap_point *g, int n,
                                base_error *err) {
   const int copies = w->spec.contact_multiplicity;
+  assert(pieces >= 0 && pieces < 1 << (2 * ID_PIECE_BITS));
   for (int i = 0; i < n; i++) {
+    assert((int)g[i].feature >= 0 && (int)g[i].feature < 1 << ID_FEATURE_BITS);
     contact_item item = {.a = a, .b = b, .gap = g[i].gap};
     v3_copy(g[i].x, item.x);
     v3_copy(g[i].n, item.n);
@@ -189,6 +185,38 @@ base_status world_detect(world *w, double h, double margin, base_error *err) {
   }
   sort_keys(&w->store);
   return BASE_OK;
+}
+
+/* The larger of `so_far` and the rate of a pair that comes nearer at up to `speed`. */
+static double faster(const world *w, int a, int b, double speed, double distance, double so_far) {
+  const double rate = speed / distance;
+  return (rate > so_far && may_collide(w, a, b)) ? rate : so_far;
+}
+
+/* Speed of the points of b about its centre of mass, at most. */
+static double spin_of(const body *b) {
+  return v3_norm(b->v + 3) * b->bound;
+}
+
+double world_closing_rate(const world *w, double margin) {
+  double best = 0.0;
+  for (int i = 0; i < w->n_body; i++) {
+    const body *a = &w->body[i];
+    for (int k = 0; k < w->spec.n_static; k++) {
+      const spec_static *plane = &w->spec.fixed[k];
+      const double speed = fmax(-v3_dot(plane->normal, a->v), 0.0) + spin_of(a);
+      best = faster(w, i, w->n_body + k, speed, fmax(margin, plane_distance(a, plane)), best);
+    }
+    for (int j = i + 1; j < w->n_body; j++) {
+      const body *b = &w->body[j];
+      double v[3], x[3];
+      v3_sub(a->v, b->v, v);
+      v3_sub(a->at.x, b->at.x, x);
+      const double speed = v3_norm(v) + spin_of(a) + spin_of(b);
+      best = faster(w, i, j, speed, fmax(margin, v3_norm(x) - a->bound - b->bound), best);
+    }
+  }
+  return best;
 }
 
 static double least(const gap_point *g, int n, double so_far) {

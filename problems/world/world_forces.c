@@ -110,7 +110,8 @@ static void load_wrench(const world *w, const spec_load *l, double *f) {
   }
 }
 
-void world_wrench(const world *w, double *f) {
+/* Force and torque of gravity and loads on every body: f[6 n_body]. */
+static void sum_wrenches(const world *w, double *f) {
   const double g = world_has(w, EFFECT_GRAVITY) ? 1.0 : 0.0;
   for (int b = 0; b < w->n_body; b++) {
     double *own = f + 6 * (ptrdiff_t)b;
@@ -190,18 +191,17 @@ static base_status check_stiffness(const world *w, double h, base_error *err) {
 
 base_status world_free_motion(world *w, double h, base_error *err) {
   set_store *s = &w->store;
-  double *f = s->v_free; /* 6 n_body + n_dof doubles; velocities last, so that f can go first */
-  double *v_free = s->v_free + 6 * (ptrdiff_t)w->n_body;
+  double *f = s->wrench;
   if (world_has(w, EFFECT_LOADS)) {
     BASE_TRY(check_stiffness(w, h, err));
   }
-  world_wrench(w, f);
+  sum_wrenches(w, f);
   for (int i = 0; i < w->n_free; i++) {
     const body *b = &w->body[w->free_body[i]];
     double *inverse = s->inv_mass + s->mass_start[i];
     BASE_TRY(body_mass_block(b, w->dim, s->mass + s->mass_start[i], inverse, err));
     BASE_TRY(body_free_velocity(b, w->dim, world_has(w, EFFECT_GYROSCOPIC), h, inverse,
-                                f + 6 * (ptrdiff_t)w->free_body[i], v_free + b->dof, err));
+                                f + 6 * (ptrdiff_t)w->free_body[i], s->v_free + b->dof, err));
     for (int k = 0; k < b->n_dof; k++) {
       s->v[b->dof + k] = b->v[b->axis[k]];
     }
@@ -226,8 +226,8 @@ base_status world_acceleration(world *w, double *a, base_error *err) {
   if (w->model != NULL) {
     return model_acceleration(w, a, err);
   }
-  double *f = s->v_free;
-  world_wrench(w, f);
+  double *f = s->wrench;
+  sum_wrenches(w, f);
   for (int i = 0; i < w->n_free; i++) {
     const body *b = &w->body[w->free_body[i]];
     double *wrench = f + 6 * (ptrdiff_t)w->free_body[i];

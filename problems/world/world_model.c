@@ -21,12 +21,9 @@ base_status model_open(world *w, base_error *err) {
   w->n_free = 1;
   w->n_dof = m->n_dof;
   w->size = 1.0; /* gaps in [m] of an unknown mechanism: 1e-9 m counts as closed */
-  BASE_TRY(store_grow((void **)&s->dof_start, 2, sizeof *s->dof_start, err));
-  BASE_TRY(store_grow((void **)&s->mass_start, 2, sizeof *s->mass_start, err));
-  BASE_TRY(store_grow((void **)&s->mass, n * n, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->inv_mass, n * n, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->v, n, sizeof(double), err));
-  BASE_TRY(store_grow((void **)&s->v_free, n, sizeof(double), err));
+  BASE_TRY(world_reserve(w, PER_MOVING, 1, err));
+  BASE_TRY(world_reserve(w, PER_MASS, n * n, err));
+  BASE_TRY(world_reserve(w, PER_DOF, n, err));
   s->dof_start[0] = s->mass_start[0] = 0;
   s->dof_start[1] = m->n_dof;
   s->mass_start[1] = m->n_dof * m->n_dof;
@@ -172,7 +169,7 @@ base_status model_contacts(world *w, double h, double margin, base_error *err) {
   const size_t most = (size_t)m->n_contact, rows = most * (size_t)w->dim;
   double jac[3 * MODEL_DOF_MAX] = {0};
   BASE_TRY(free_motion(w, h, err));
-  BASE_TRY(store_reserve(&w->store, most, rows, rows * (size_t)m->n_dof, err));
+  BASE_TRY(world_reserve_set(w, most, rows, rows * (size_t)m->n_dof, err));
   w->set.n_contact = 0;
   w->store.row_start[0] = 0;
   w->store.jac_start[0] = 0;

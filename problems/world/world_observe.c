@@ -198,6 +198,19 @@ double world_max_speed(const world *w) {
   return best;
 }
 
+double world_surface_speed(const world *w) {
+  double best = 0.0;
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    best = fmax(best, v3_norm(b->v) + v3_norm(b->v + 3) * b->bound);
+  }
+  return best;
+}
+
+double world_size(const world *w) {
+  return w->size;
+}
+
 bool world_finite(const world *w) {
   double sum = 0.0; /* NaN and infinities survive a sum of zeros */
   for (int i = 0; i < w->n_body; i++) {

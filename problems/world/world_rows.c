@@ -4,70 +4,20 @@
 
 #include <stdlib.h>
 
-base_status store_grow(void **p, size_t need, size_t size, base_error *err) {
-  void *q = realloc(*p, need * size);
-  if (q == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "contact set: no memory for %zu items of %zu bytes", need,
-                     size);
-  }
-  *p = q;
-  return BASE_OK;
-}
-
-static size_t at_least(size_t need, size_t have) {
-  return (need <= have) ? have : need + need / 2 + 16;
-}
-
-static base_status grow_groups(set_store *s, size_t n_group, base_error *err) {
-  if (n_group <= s->cap_group && s->row_start != NULL) { /* no group still has offsets */
-    return BASE_OK;
-  }
-  const size_t n = at_least(n_group, s->cap_group), real = sizeof(double);
-  const struct {
-    void **array;
-    size_t count, size;
-  } all[] = {{(void **)&s->row_start, n + 1, sizeof *s->row_start},
-             {(void **)&s->jac_start, n + 1, sizeof *s->jac_start},
-             {(void **)&s->group_body, 2 * n, sizeof *s->group_body},
-             {(void **)&s->id, n, sizeof *s->id},
-             {(void **)&s->rows, n, sizeof *s->rows},
-             {(void **)&s->gap, n, real},
-             {(void **)&s->mu_static, n, real},
-             {(void **)&s->mu_kinetic, n, real},
-             {(void **)&s->mu_torsion, n, real},
-             {(void **)&s->mu_rolling, n, real},
-             {(void **)&s->restitution, n, real},
-             {(void **)&s->frame, 9 * n, real},
-             {(void **)&s->spin, 3 * n, real},
-             {(void **)&s->point, 3 * n, real}};
-  for (int i = 0; i < BASE_COUNT(all); i++) {
-    BASE_TRY(store_grow(all[i].array, all[i].count, all[i].size, err));
-  }
-  s->cap_group = n;
-  return BASE_OK;
-}
-
-base_status store_reserve(set_store *s, size_t n_group, size_t n_row, size_t n_jac,
-                          base_error *err) {
-  BASE_TRY(grow_groups(s, n_group, err));
-  if (n_row > s->cap_row) {
-    const size_t n = at_least(n_row, s->cap_row);
-    BASE_TRY(store_grow((void **)&s->u_drift, n, sizeof(double), err));
-    BASE_TRY(store_grow((void **)&s->u_before, n, sizeof(double), err));
-    BASE_TRY(store_grow((void **)&s->joint_error, n, sizeof(double), err));
-    BASE_TRY(store_grow((void **)&s->impulse, n, sizeof(double), err));
-    s->cap_row = n;
-  }
-  if (n_jac > s->cap_jac) {
-    const size_t n = at_least(n_jac, s->cap_jac);
-    BASE_TRY(store_grow((void **)&s->jac, n, sizeof(double), err));
-    s->cap_jac = n;
-  }
-  return BASE_OK;
+base_status world_reserve_set(world *w, size_t n_group, size_t n_row, size_t n_jac,
+                              base_error *err) {
+  BASE_TRY(world_reserve(w, PER_GROUP, n_group, err));
+  BASE_TRY(world_reserve(w, PER_ROW, n_row, err));
+  return world_reserve(w, PER_JACOBIAN, n_jac, err);
 }
 
 static const body *side_body(const world *w, int side) {
   return (side >= 0 && side < w->n_body) ? &w->body[side] : NULL;
+}
+
+static double side_spin(const world *w, int side, int k) {
+  const body *b = side_body(w, side);
+  return (b != NULL) ? b->v[3 + k] : 0.0;
 }
 
 static int side_dofs(const world *w, int side) {
@@ -211,10 +161,8 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
   s->mu_rolling[i] = (r.rolling > 0) ? pair_value(&w->rolling, c->a, c->b) : 0.0;
   s->restitution[i] = pair_value(&w->restitution, c->a, c->b);
   double *spin = s->spin + 3 * (ptrdiff_t)i;
-  const body *other = side_body(w, c->b);
   for (int k = 0; k < 3; k++) {
-    const double wb = (other != NULL) ? other->v[3 + k] : 0.0;
-    spin[k] = 0.5 * (w->body[c->a].v[3 + k] + wb);
+    spin[k] = 0.5 * (side_spin(w, c->a, k) + side_spin(w, c->b, k));
   }
   const int first = s->row_start[i];
   row_at at = rows_of_group(w, i, side, h);
@@ -279,7 +227,9 @@ static void fill_joint(world *w, const joint_data *j, int group, double h) {
   const int n = moving_rows(w, j, row), side[2] = {j->a, j->b};
   row_at at = rows_of_group(w, group, side, h);
   for (int k = 0; k < n; k++) {
-    s->joint_error[at.row - s->row_start[w->set.n_contact]] = row[k].error;
+    const int own = at.row - s->row_start[w->set.n_contact];
+    s->joint_error[own] = row[k].error;
+    s->joint_curve[own] = row[k].curve;
     felt_at(&at, row[k].p_a, row[k].p_b);
     write_row(w, &at, row[k].d, row[k].angular);
   }
@@ -299,7 +249,7 @@ static void add_group(world *w, int *group, int a, int b, int rows) {
 static base_status index_groups(world *w, int *n_group, base_error *err) {
   set_store *s = &w->store;
   joint_row row[JOINT_ROWS_MAX];
-  BASE_TRY(store_reserve(s, (size_t)(s->n_item + w->n_joint), 0, 0, err));
+  BASE_TRY(world_reserve(w, PER_GROUP, (size_t)(s->n_item + w->n_joint), err));
   s->row_start[0] = 0;
   s->jac_start[0] = 0;
   int g = 0;
@@ -320,7 +270,7 @@ static base_status index_groups(world *w, int *n_group, base_error *err) {
     }
   }
   *n_group = g;
-  return store_reserve(s, (size_t)g, (size_t)s->row_start[g], (size_t)s->jac_start[g], err);
+  return world_reserve_set(w, (size_t)g, (size_t)s->row_start[g], (size_t)s->jac_start[g], err);
 }
 
 base_status world_assemble(world *w, double h, base_error *err) {
