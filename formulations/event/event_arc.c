@@ -1,5 +1,6 @@
 #include "formulations/event/event_arc.h"
 
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
@@ -7,8 +8,17 @@
 
 /* Step handed to the detection: gaps, u and the curvature term are used of that set, and the
  * curvature is differenced over 1e-3 of it. */
-static const double probe = 1e-3;     /* [s] */
+static const double probe = 1e-3; /* [s] */
+/* Of the largest force at hand: less is rounding of the problem that chose the contacts. */
+static const double force_tol = 1e-8;
 static const double rank_tol = 1e-11; /* singular directions of redundant contacts */
+/* delta over the largest diagonal entry, and that of friction over it: what redundancy leaves open is 1e-10 noise, and
+ * each iteration takes four digits of delta away. */
+static const double spring = 1e-6, friction_share = 1e-2;
+enum { CORRECTIONS = 100 };
+static const double corrected = 1e-12; /* what delta may still hold, of the right side */
+/* Where speeds of rounding are taken out, a direction that is nearly redundant would magnify them. */
+static const double settle_rank_tol = 1e-8;
 
 void arc_close(arc *a) {
   free(a->contact);
@@ -28,16 +38,17 @@ base_status arc_reserve(arc *a, int n_contact, base_error *err) {
   return BASE_OK;
 }
 
-/* Work arrays of one evaluation: m unknowns over n dofs. */
+/* Work arrays of one evaluation: m unknowns over n rows. */
 typedef struct work {
-  double *A, *b, *free_acc, *push; /* m*m, m, n, n*m: W J' of each unknown */
-  int *row;                        /* m: row in the set; */
-  int *of;                         /* m: contact in the list */
-  lapack_int *pivot;               /* m */
+  double *A, *b, *C, *lambda; /* m*m, m, n*n, n */
+  double *x, *delta;          /* m */
+  int *row;                   /* m: row of its contact; */
+  int *of;                    /* m: contact in the list */
+  lapack_int *pivot;          /* m */
 } work;
 
 static base_status reserve_work(arc *a, size_t m, size_t n, work *w, base_error *err) {
-  const size_t doubles = m * m + m + n + n * m, ints = 3 * m;
+  const size_t doubles = m * m + 3 * m + n * n + n, ints = 3 * m;
   const size_t need = doubles + (ints * sizeof(lapack_int)) / sizeof(double) + 4;
   if (need > a->cap_mem) {
     free(a->mem);
@@ -48,43 +59,18 @@ static base_status reserve_work(arc *a, size_t m, size_t n, work *w, base_error 
     }
   }
   double *d = a->mem;
-  *w = (work){.A = d, .b = d + m * m, .free_acc = d + m * m + m, .push = d + m * m + m + n};
   lapack_int *i = (lapack_int *)(void *)(d + doubles);
-  *w = (work){w->A, w->b, w->free_acc, w->push, i, i + m, i + 2 * m};
+  double *x = d + m * m + m + n * n + n;
+  *w = (work){.A = d,
+              .b = d + m * m,
+              .C = d + m * m + m,
+              .lambda = d + m * m + m + n * n,
+              .x = x,
+              .delta = x + m,
+              .row = i,
+              .of = i + m,
+              .pivot = i + 2 * m};
   return BASE_OK;
-}
-
-/* J_r . x over both sides of contact g, for its row r (of `rows`). */
-static double row_dot(const contact_set *c, int g, int r, const double *x) {
-  const int rows = c->row_start[g + 1] - c->row_start[g];
-  const double *jac = c->jac + c->jac_start[g];
-  double sum = 0.0;
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
-    for (int k = 0; k < n; k++) {
-      sum += jac[r * n + k] * x[c->dof_start[b] + k];
-    }
-    jac += rows * n;
-  }
-  return sum;
-}
-
-/* out += W J_r' f. */
-static void push_row(const contact_set *c, int g, int r, double f, double *out) {
-  const int rows = c->row_start[g + 1] - c->row_start[g];
-  const double *jac = c->jac + c->jac_start[g];
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * g + side];
-    const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
-    const double *W = (b < 0) ? NULL : c->inv_mass + c->mass_start[b];
-    for (int i = 0; i < n; i++) {
-      for (int k = 0; k < n; k++) {
-        out[c->dof_start[b] + i] += W[k * n + i] * jac[r * n + k] * f;
-      }
-    }
-    jac += rows * n;
-  }
 }
 
 static int find(const arc *a, uint64_t id) {
@@ -96,42 +82,44 @@ static int find(const arc *a, uint64_t id) {
   return -1;
 }
 
-/* Gaps and velocities of the listed contacts; the nearest closing one of the others. */
-static void read_set(arc *a, int *group) {
+/* Gaps and velocities of the listed contacts, which alone take part. */
+static void read_set(arc *a) {
   const contact_set *c = &a->set;
-  a->open_gap = HUGE_VAL;
+  int taking_part = 0;
   for (int i = 0; i < a->n; i++) {
     a->contact[i].present = false;
   }
   for (int g = 0; g < c->n_contact; g++) {
     const int i = find(a, c->id[g]);
     const double *u = c->u_before + c->row_start[g];
+    a->space->gap[g] = (i < 0) ? 1.0 : 0.0;
     if (i < 0) {
-      a->open_gap = (u[0] < 0.0) ? fmin(a->open_gap, c->gap[g]) : a->open_gap;
       continue;
     }
     arc_contact *k = &a->contact[i];
-    group[i] = g;
     k->present = true;
+    k->at = taking_part++;
     k->gap = c->gap[g];
     k->mu = (c->rows[g].tangent > 0) ? (k->stick ? c->mu_static[g] : c->mu_kinetic[g]) : 0.0;
     for (int r = 0; r < 3; r++) {
       k->u[r] = (r <= c->rows[g].tangent) ? u[r] : 0.0;
     }
     const double slip = hypot(k->u[1], k->u[2]);
-    if (!k->stick && slip > 1e-9) {
+    if (!k->stick && slip > a->slow) {
       k->direction[0] = k->u[1] / slip;
       k->direction[1] = k->u[2] / slip;
     }
   }
 }
 
-/* Unknowns: the normal of every contact, the tangents of sticking ones. */
-static size_t number(const arc *a, const int *group, work *w) {
+/* Unknowns: the normal of every contact, the tangents of sticking ones; settling, of all that start at
+ * rest. */
+static size_t number(const arc *a, bool settling, work *w) {
   size_t m = 0;
   for (int i = 0; i < a->n; i++) {
     const arc_contact *k = &a->contact[i];
-    const int rows = !k->present ? 0 : (k->stick ? 1 + a->set.rows[group[i]].tangent : 1);
+    const bool rests = k->stick || (settling && k->starts);
+    const int rows = !k->present ? 0 : (rests ? form_rows_of(&a->space->a, k->at) : 1);
     for (int r = 0; r < rows; r++, m++) {
       if (w != NULL) {
         w->row[m] = r;
@@ -142,74 +130,187 @@ static size_t number(const arc *a, const int *group, work *w) {
   return m;
 }
 
-/* The equations for what is added to the forces at the start of the arc. */
-static void fill(arc *a, const int *group, size_t m, const work *w) {
-  const contact_set *c = &a->set;
-  const size_t n = (size_t)c->n_dof;
-  memset(w->push, 0, n * m * sizeof *w->push);
-  for (size_t j = 0; j < m; j++) {
-    const arc_contact *k = &a->contact[w->of[j]];
-    const int g = group[w->of[j]];
-    push_row(c, g, w->row[j], 1.0, w->push + j * n);
-    for (int t = 0; !k->stick && t < c->rows[g].tangent; t++) {
-      push_row(c, g, 1 + t, -k->mu * k->direction[t], w->push + j * n);
-    }
+/* Adds the forces of contact k that unknown `row` at value f stands for to lambda. */
+static void spread(const arc *a, const arc_contact *k, int row, double f, double *lambda) {
+  const form_assembly *s = &a->space->a;
+  double *own = lambda + s->row[k->at];
+  own[row] += f;
+  for (int t = 0; !k->stick && t < form_rows_of(s, k->at) - 1; t++) {
+    own[1 + t] -= k->mu * k->direction[t] * f;
   }
+}
+
+/* Baumgarte's terms of row r of contact k. */
+static double stabilised(const arc *a, const arc_contact *k, int r) {
+  const double s = a->rate;
+  return (r == 0) ? 2.0 * s * k->u[0] + s * s * k->gap : s * k->u[r];
+}
+
+/* The equations for what is added to the forces at the start of the arc. */
+static void fill(arc *a, size_t m, const work *w) {
+  const form_assembly *s = &a->space->a;
+  const size_t n = (size_t)s->n_row;
+  form_assembly_dense(s, w->C);
   for (size_t i = 0; i < m; i++) {
     const arc_contact *k = &a->contact[w->of[i]];
-    const int g = group[w->of[i]], r = w->row[i];
-    const double target =
-        (r == 0) ? 2.0 * a->rate * k->u[0] + a->rate * a->rate * k->gap : a->rate * k->u[r];
-    const double curve = c->u_curve[c->row_start[g] + r] / c->h;
-    const double drift = (c->u_drift[c->row_start[g] + r] + row_dot(c, g, r, c->v) -
-                          c->u_before[c->row_start[g] + r]) /
-                         c->h;
-    w->b[i] = -(row_dot(c, g, r, w->free_acc) + curve + drift + target);
-    for (size_t j = 0; j < m; j++) {
-      w->A[j * m + i] = row_dot(c, g, r, w->push + j * n);
-      w->b[i] -= w->A[j * m + i] * a->contact[w->of[j]].start[w->row[j]];
+    w->b[i] = -(s->r[s->row[k->at] + w->row[i]] + stabilised(a, k, w->row[i]));
+  }
+  for (size_t j = 0; j < m; j++) {
+    const arc_contact *own = &a->contact[w->of[j]];
+    memset(w->lambda, 0, n * sizeof *w->lambda);
+    spread(a, own, w->row[j], 1.0, w->lambda);
+    for (size_t i = 0; i < m; i++) {
+      const size_t row = (size_t)s->row[a->contact[w->of[i]].at] + (size_t)w->row[i];
+      double sum = 0.0;
+      for (int r = s->row[own->at]; r < s->row[own->at + 1]; r++) {
+        sum += w->C[(size_t)r * n + row] * w->lambda[r];
+      }
+      w->A[j * m + i] = sum;
+      w->b[i] -= sum * own->start[w->row[j]];
     }
   }
 }
 
-base_status arc_forces(arc *a, double *acc, base_error *err) {
-  const size_t n = (size_t)world_n_dof(a->w);
-  int group[64];
-  if (a->n > 64) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "event: %d touching contacts, at most 64", a->n);
+static base_status not_solved(base_error *err) {
+  return BASE_FAIL(err, BASE_EEXTERNAL, "event: contact equations could not be solved");
+}
+
+/* The least-norm solution of A x = b, in b. */
+static base_status solve(size_t m, double tol, const work *w, base_error *err) {
+  const lapack_int n = (lapack_int)m;
+  lapack_int rank = 0;
+  memset(w->pivot, 0, m * sizeof *w->pivot);
+  if (m > 0 &&
+      LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, n, 1, w->A, n, w->b, n, w->pivot, tol, &rank) != 0) {
+    return not_solved(err);
   }
-  BASE_TRY(world_contacts_curved(a->w, probe, -1.0, &a->set, err));
-  BASE_TRY(world_acceleration(a->w, acc, err));
-  read_set(a, group);
-  a->evaluations++;
-  work w = {0};
-  const size_t m = number(a, group, NULL);
-  BASE_TRY(reserve_work(a, m, n, &w, err));
-  (void)number(a, group, &w);
-  memcpy(w.free_acc, acc, n * sizeof *acc);
-  fill(a, group, m, &w);
-  if (m > 0) {
-    lapack_int rank = 0;
-    memset(w.pivot, 0, m * sizeof *w.pivot);
-    const lapack_int im = (lapack_int)m;
-    if (LAPACKE_dgelsy(LAPACK_COL_MAJOR, im, im, 1, w.A, im, w.b, im, w.pivot, rank_tol, &rank) !=
-        0) {
-      return BASE_FAIL(err, BASE_EEXTERNAL, "event: contact equations could not be solved");
+  return BASE_OK;
+}
+
+/* The forces that equal springs share (MATHEMATICS 2.8): with delta on the diagonal, normal forces from zero, those
+ * of sticking friction from the start of the arc, and the proximal iteration until delta has gone. b, in the
+ * place of what is wanted of the correction, becomes the correction. Where a stiffness is so small beside the others
+ * that the iteration does not end, the forces are those nearest to the start of the arc, and that counts. */
+static base_status share(arc *a, size_t m, const work *w, base_error *err) {
+  const lapack_int n = (lapack_int)m;
+  double most = 0.0, enough = 0.0, carried = 0.0;
+  memcpy(w->C, w->A, m * m * sizeof *w->C); /* which has been read */
+  for (size_t j = 0; j < m; j++) {
+    most = fmax(most, w->A[j * m + j]);
+    enough = fmax(enough, corrected * fabs(w->b[j]));
+    carried = fmax(carried, fabs(w->A[j * m + j] * a->contact[w->of[j]].start[w->row[j]]));
+    w->x[j] = 0.0;
+    w->delta[j] = (w->row[j] == 0) ? spring : friction_share * spring;
+  }
+  enough = fmax(enough, (double)m * DBL_EPSILON *
+                            carried); /* b is what the forces of the start leave: known to that */
+  for (size_t j = 0; j < m; j++) {
+    w->delta[j] *= most;
+    w->A[j * m + j] += w->delta[j];
+    if (w->row[j] == 0) { /* the correction of a normal force is anchored at no force at all */
+      w->x[j] = -a->contact[w->of[j]].start[0];
     }
+  }
+  if (m > 0 && LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, w->A, n, w->pivot) != 0) {
+    return not_solved(err);
+  }
+  double *old = w->lambda, left = HUGE_VAL;
+  for (int k = 0; k < CORRECTIONS && left > enough && m > 0; k++) {
+    left = 0.0;
+    memcpy(old, w->x, m * sizeof *old);
+    for (size_t j = 0; j < m; j++) {
+      w->x[j] = w->b[j] + w->delta[j] * w->x[j];
+    }
+    (void)LAPACKE_dgetrs_work(LAPACK_COL_MAJOR, 'N', n, 1, w->A, n, w->pivot, w->x, n);
+    for (size_t j = 0; j < m; j++) {
+      left = fmax(left, w->delta[j] * fabs(w->x[j] - old[j]));
+    }
+  }
+  if (left > enough && m > 0) {
+    a->unshared++;
+    memcpy(w->A, w->C, m * m * sizeof *w->A);
+    return solve(m, rank_tol, w, err);
+  }
+  memcpy(w->b, w->x, m * sizeof *w->b);
+  return BASE_OK;
+}
+
+base_status arc_forces(arc *a, double *acc, base_error *err) {
+  form_assembly *s = &a->space->a;
+  BASE_TRY(world_contacts_curved(a->w, probe, a->margin, &a->set, err));
+  BASE_TRY(world_acceleration(a->w, acc, err));
+  BASE_TRY(space_reserve(a->space, &a->set, err));
+  read_set(a);
+  a->evaluations++;
+  BASE_TRY(space_forces(a->space, &a->set, acc, err));
+  work w = {0};
+  const size_t m = number(a, false, NULL);
+  BASE_TRY(reserve_work(a, m, (size_t)s->n_row, &w, err));
+  (void)number(a, false, &w);
+  fill(a, m, &w);
+  BASE_TRY(a->shares ? share(a, m, &w, err) : solve(m, rank_tol, &w, err));
+  memset(w.lambda, 0, (size_t)s->n_row * sizeof *w.lambda);
+  for (size_t j = 0; j < m; j++) {
+    const arc_contact *k = &a->contact[w.of[j]];
+    spread(a, k, w.row[j], k->start[w.row[j]] + w.b[j], w.lambda);
+  }
+  double *rate = w.C; /* C has been read */
+  form_assembly_velocity(s, w.lambda, rate);
+  for (int i = 0; i < a->n; i++) {
+    arc_contact *k = &a->contact[i];
+    memset(k->force, 0, sizeof k->force);
+    memset(k->rate, 0, sizeof k->rate);
+    if (k->present) {
+      memcpy(k->force, w.lambda + s->row[k->at], (size_t)form_rows_of(s, k->at) * sizeof *k->force);
+      memcpy(k->rate, rate + s->row[k->at] + 1,
+             (size_t)(form_rows_of(s, k->at) - 1) * sizeof *k->rate);
+    }
+  }
+  form_assembly_answer(s, w.lambda);
+  memcpy(acc, s->v_next, (size_t)a->set.n_dof * sizeof *acc);
+  return BASE_OK;
+}
+
+bool arc_carries(const arc *a) {
+  double largest = 0.0;
+  for (int i = 0; i < a->n; i++) {
+    largest = fmax(largest, fmax(fabs(a->contact[i].force[0]), a->contact[i].start[0]));
   }
   for (int i = 0; i < a->n; i++) {
-    memset(a->contact[i].force, 0, sizeof a->contact[i].force);
-  }
-  for (size_t j = 0; j < m; j++) {
-    arc_contact *k = &a->contact[w.of[j]];
-    const double f = k->start[w.row[j]] + w.b[j];
-    k->force[w.row[j]] = f;
-    for (int t = 0; !k->stick && t < 2; t++) {
-      k->force[1 + t] = -k->mu * k->direction[t] * f;
-    }
-    for (size_t d = 0; d < n; d++) {
-      acc[d] += w.push[j * n + d] * f;
+    const arc_contact *k = &a->contact[i];
+    const double beyond = hypot(k->force[1], k->force[2]) - k->mu * k->force[0];
+    if (!k->present || k->force[0] < -force_tol * largest ||
+        (k->stick && beyond > force_tol * largest)) {
+      return false;
     }
   }
+  return true;
+}
+
+base_status arc_settle(arc *a, double *v, base_error *err) {
+  form_assembly *s = &a->space->a;
+  BASE_TRY(world_contacts(a->w, probe, a->margin, &a->set, err));
+  BASE_TRY(space_reserve(a->space, &a->set, err));
+  read_set(a);
+  BASE_TRY(space_impact(a->space, &a->set, err));
+  work w = {0};
+  const size_t m = number(a, true, NULL), n = (size_t)s->n_row;
+  BASE_TRY(reserve_work(a, m, n, &w, err));
+  (void)number(a, true, &w);
+  form_assembly_dense(s, w.C);
+  for (size_t i = 0; i < m; i++) {
+    const size_t row = (size_t)s->row[a->contact[w.of[i]].at] + (size_t)w.row[i];
+    w.b[i] = -s->r[row];
+    for (size_t j = 0; j < m; j++) {
+      w.A[j * m + i] = w.C[(size_t)(s->row[a->contact[w.of[j]].at] + w.row[j]) * n + row];
+    }
+  }
+  BASE_TRY(solve(m, settle_rank_tol, &w, err));
+  memset(w.lambda, 0, n * sizeof *w.lambda);
+  for (size_t i = 0; i < m; i++) {
+    w.lambda[s->row[a->contact[w.of[i]].at] + w.row[i]] = w.b[i];
+  }
+  form_assembly_answer(s, w.lambda);
+  memcpy(v, s->v_next, (size_t)a->set.n_dof * sizeof *v);
   return BASE_OK;
 }

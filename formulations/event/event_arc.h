@@ -1,39 +1,48 @@
 /* formulations/event/event_arc.h - smooth motion between events: contacts that persist, each sticking or
  * sliding, as equations of an ODE of index one.
  *
- *   v' = a_free + W sum_i (J_n' + J_t' (slip: -mu d; stick: free)) f_i
+ *   v' = a_free + W sum_i (J_n' + J_t' (slip: -mu d; stick: free)) f_i + W J_b' f_b
  *   a_n + 2 s u_n + s^2 gap = 0           every touching contact
  *   a_t + s u_t = 0                       every sticking one          (s: Baumgarte's rate)
+ *   a_b = 0                               every joint; eliminated first (event_space.h)
  *
- * Redundant contacts leave the forces undetermined: of all that satisfy the equations those nearest
- * to the forces at the start of the arc are taken (least-norm correction, LAPACK dgelsy), which lie
- * in their cones and which the motion changes continuously. d = u_t/|u_t| while sliding, the
- * direction of departure at the start of it.
+ * Redundant contacts leave the forces undetermined. Of all that satisfy the equations those are taken that equal springs
+ * share (`shares`; MATHEMATICS 2.8), or those nearest to the forces at the start of the arc (least-norm correction, LAPACK
+ * dgelsy). The latter lie in their cones at the start, the former only where arc_carries says so; both change
+ * continuously with the motion. d = u_t/|u_t| while
+ * sliding, the direction of departure at the start of it.
  */
 #pragma once
 
+#include "formulations/event/event_space.h"
 #include "formulations/impulse_log.h"
 #include "problems/world/world.h"
 
 typedef struct arc_contact {
   uint64_t id;
   bool stick;
+  bool starts;         /* slides from rest: its tangential speed at the start of the arc is none */
   double direction[2]; /* of sliding: at the start of the arc, then of the last accepted state */
   double start[3];     /* force at the start of the arc, contact frame [N] */
   /* written by arc_forces */
   bool present;
+  int at; /* in the assembly; only where present */
   double mu, gap, u[3], force[3];
+  double rate[2]; /* of the tangential velocity [m/s^2] */
 } arc_contact;
 
 typedef struct arc {
-  world *w;    /* borrowed */
-  double rate; /* s [1/s] */
+  world *w;           /* borrowed */
+  event_space *space; /* borrowed: after arc_forces it holds the forces of the joints */
+  double rate;        /* s [1/s] */
+  bool shares;        /* redundant contacts share as equal springs; false: nearest to the start */
+  double margin;      /* contacts with a larger gap are not looked for [m] */
+  double slow;        /* sliding slower than this keeps its direction [m/s] */
   arc_contact *contact;
   int n, cap;
-  contact_set set; /* of the last evaluation */
-  double open_gap; /* least gap of a contact outside the list that is closing, HUGE_VAL if none */
-  long evaluations;
-  double *mem; /* work arrays, owned */
+  contact_set set;            /* of the last evaluation */
+  long evaluations, unshared; /* answers where redundant contacts could not share as springs do */
+  double *mem;                /* work arrays, owned */
   size_t cap_mem;
 } arc;
 
@@ -43,3 +52,8 @@ void arc_close(arc *a);
 /* Accelerations (n_dof) at the world's present state, with forces, gaps and velocities of the listed
  * contacts. BASE_EEXTERNAL if the equations cannot be solved. */
 base_status arc_forces(arc *a, double *acc, base_error *err);
+/* Can the contacts carry the forces last evaluated: all touching, none pulls, sticking ones inside their cones? */
+bool arc_carries(const arc *a);
+/* Takes out of v (n_dof, the world's present velocities) what is left of the normal velocities of the listed
+ * contacts and of the tangential ones of those at rest: an impulse without restitution, least in norm. */
+base_status arc_settle(arc *a, double *v, base_error *err);

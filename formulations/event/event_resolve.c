@@ -10,17 +10,16 @@ static const double circle_tol = 1e-9;
 static const int max_turns = 100;
 
 static base_status grow_scratch(event_run *s, const contact_set *c, base_error *err) {
+  BASE_TRY(space_reserve(&s->space, c, err));
   if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
     s->cap_row = 2 * c->n_row + 8;
     s->cap_contact = 2 * c->n_contact + 8;
     const size_t unknowns = (size_t)s->cap_contact * (size_t)(s->opt->facets + 2);
     free(s->row);
-    free(s->gap);
     free(s->z);
-    s->row = calloc((size_t)s->cap_row * 3, sizeof *s->row);
-    s->gap = calloc((size_t)s->cap_contact, sizeof *s->gap);
+    s->row = calloc((size_t)s->cap_row * 2, sizeof *s->row);
     s->z = calloc(unknowns, sizeof *s->z);
-    if (s->row == NULL || s->gap == NULL || s->z == NULL) {
+    if (s->row == NULL || s->z == NULL) {
       s->cap_row = s->cap_contact = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "event: no memory for %d contacts", c->n_contact);
     }
@@ -28,25 +27,12 @@ static base_status grow_scratch(event_run *s, const contact_set *c, base_error *
   return BASE_OK;
 }
 
-/* Touching: within a hundred closed-gap tolerances, more than the drift of an arc. */
-static bool touches(const contact_set *c, int g) {
-  return c->gap[g] <= 100.0 * c->tol;
+base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err) {
+  return joint_log_add(&s->joints, &s->space.view, s->space.a.impulse, dt, jump, err);
 }
 
-/* The contact space of the set with v_free and u_drift replaced and only the contacts marked by
- * gap 0 closed. */
-static base_status assemble(event_run *s, const contact_set *c, const double *v_free,
-                            const double *drift, base_error *err) {
-  static const form_rule rule = {.level = FORM_LEVEL_VELOCITY, .activation = FORM_CLOSED};
-  s->view = *c;
-  s->view.gap = s->gap;
-  s->view.v_free = v_free;
-  s->view.u_drift = drift;
-  BASE_TRY(contact_memory_begin(&s->memory, 1, &s->view, err));
-  BASE_TRY(form_assembly_begin(&s->a, &s->view, FORM_ROWS_TANGENT, &rule, &s->memory, err));
-  BASE_TRY(form_assembly_eliminate(&s->a, err));
-  contact_memory_forget(&s->memory);
-  return slip_begin(&s->p, &s->a, s->opt->facets, err);
+static bool touches(const contact_set *c, int g) {
+  return c->gap[g] <= event_touching * c->tol;
 }
 
 /* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
@@ -65,7 +51,7 @@ static void drop_noise(int n, double *u) {
 static base_status solve(event_run *s, const double *u0, double *lambda, base_error *err) {
   lcp_problem p;
   lcp_outcome claimed = LCP_NUMERICAL;
-  slip_pose(&s->p, &s->a, u0, &p);
+  slip_pose(&s->p, &s->space.a, u0, &p);
   memset(s->z, 0, (size_t)p.M.n * sizeof *s->z);
   BASE_TRY(s->solver->solve(s->solver->ctx, &p, s->z, &claimed, err));
   s->answer.work.solves++;
@@ -73,7 +59,25 @@ static base_status solve(event_run *s, const double *u0, double *lambda, base_er
   s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
   s->solved = claimed == LCP_SOLVED;
   s->answer.residual = s->solved ? 0.0 : 1.0; /* without a solution nothing of the model is met */
-  slip_impulses(&s->p, &s->a, s->z, lambda);
+  slip_impulses(&s->p, &s->space.a, s->z, lambda);
+  return BASE_OK;
+}
+
+/* Solves the problem posed by s->p with its facets turned until friction is that of the circle; where
+ * it never is, the answer is unsolved and carries how far it is off. */
+static base_status solve_turning(event_run *s, const double *u0, double *lambda, base_error *err) {
+  BASE_TRY(turns_begin(&s->turns, s->space.a.n_contact, err));
+  BASE_TRY(solve(s, u0, lambda, err));
+  double off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;
+  while (s->solved && off > circle_tol && s->turns.turns < max_turns) {
+    BASE_TRY(turns_next(&s->turns, &s->p, &s->space.a, u0, lambda, err));
+    BASE_TRY(solve(s, u0, lambda, err));
+    off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;
+  }
+  if (off > circle_tol) {
+    s->solved = false;
+    s->answer.residual = off;
+  }
   return BASE_OK;
 }
 
@@ -81,49 +85,48 @@ static base_status solve(event_run *s, const double *u0, double *lambda, base_er
 static bool mark_closing(event_run *s, const contact_set *c) {
   bool closing = false;
   for (int g = 0; g < c->n_contact; g++) {
-    s->gap[g] = touches(c, g) ? 0.0 : 1.0;
-    closing = closing || (touches(c, g) && c->u_before[c->row_start[g]] < -s->opt->touch_speed);
+    s->space.gap[g] = touches(c, g) ? 0.0 : 1.0;
+    closing = closing || (touches(c, g) && c->u_before[c->row_start[g]] < -0.1 * s->slow);
   }
   return closing;
 }
 
 static base_status impact(event_run *s, const contact_set *c, base_error *err) {
-  double *drift = s->row, *u0 = s->row + s->cap_row;
-  contact_relative_velocity(c, c->v, NULL, drift);
-  for (int r = 0; r < c->n_row; r++) {
-    drift[r] = c->u_before[r] - drift[r];
-  }
-  BASE_TRY(assemble(s, c, c->v, drift, err));
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i], first = s->a.row[i];
+  double *u0 = s->row, *lambda = s->row + s->cap_row;
+  BASE_TRY(space_impact(&s->space, c, err));
+  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, form_soft(s->opt->distribution), err));
+  for (int i = 0; i < s->space.a.n_contact; i++) {
+    const int g = s->space.a.group[i], first = s->space.a.row[i];
     const double u = c->u_before[c->row_start[g]];
-    memcpy(u0 + first, s->a.r + first, (size_t)form_rows_of(&s->a, i) * sizeof *u0);
-    if (c->restitution != NULL && u < -s->opt->rest_speed) {
-      u0[first] += c->restitution[g] * u;
+    memcpy(u0 + first, s->space.a.r + first, (size_t)form_rows_of(&s->space.a, i) * sizeof *u0);
+    const double e = (c->restitution != NULL) ? c->restitution[g] : 0.0;
+    if (u < -s->opt->rest_speed) {
+      u0[first] += e * u;
+    } else if (e > 0.0 && u < -0.1 * s->slow) {
+      s->answer.work.fallbacks++;
     }
   }
-  drop_noise(s->a.n_row, u0);
-  double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
-  BASE_TRY(solve(s, u0, lambda, err));
-  for (int i = 0; s->solved && i < s->a.n_contact; i++) {
+  drop_noise(s->space.a.n_row, u0);
+  BASE_TRY(solve_turning(s, u0, lambda, err));
+  for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
     impulse_entry *e;
-    BASE_TRY(impulse_log_at(&s->log, c->id[s->a.group[i]], 0.0, &e, err));
-    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
-      e->impulse[r] += lambda[s->a.row[i] + r];
+    BASE_TRY(impulse_log_at(&s->log, c->id[s->space.a.group[i]], 0.0, &e, err));
+    for (int r = 0; r < form_rows_of(&s->space.a, i); r++) {
+      e->impulse[r] += lambda[s->space.a.row[i] + r];
     }
   }
-  form_assembly_answer(&s->a, lambda);
-  memcpy(s->y + s->n_config, s->a.v_next, (size_t)s->n_dof * sizeof *s->y);
-  return BASE_OK;
+  form_assembly_answer(&s->space.a, lambda);
+  memcpy(s->y + s->n_config, s->space.a.v_next, (size_t)s->n_dof * sizeof *s->y);
+  return event_log_joints(s, 0.0, true, err);
 }
 
 /* Sliding contacts keep their direction; the others get the cone. */
 static void set_directions(event_run *s, const contact_set *c) {
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i], nt = c->rows[g].tangent;
+  for (int i = 0; i < s->space.a.n_contact; i++) {
+    const int g = s->space.a.group[i], nt = c->rows[g].tangent;
     const double *u = c->u_before + c->row_start[g] + 1;
     const double slip = (nt == 2) ? hypot(u[0], u[1]) : (nt == 1 ? fabs(u[0]) : 0.0);
-    for (int t = 0; t < nt && slip > s->opt->stick_speed; t++) {
+    for (int t = 0; t < nt && slip > s->slow; t++) {
       s->p.direction[2 * i + t] = u[t] / slip;
       s->p.mu[i] = c->mu_kinetic[g];
     }
@@ -139,7 +142,7 @@ static bool saturated(const event_run *s, int i, const double *f) {
 /* Largest free acceleration: what is smaller than 1e-9 of it is none. */
 static double scale_of(const event_run *s, const double *u0) {
   double scale = 0.0;
-  for (int r = 0; r < s->a.n_row; r++) {
+  for (int r = 0; r < s->space.a.n_row; r++) {
     scale = fmax(scale, fabs(u0[r]));
   }
   return scale;
@@ -153,13 +156,13 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
                                 const double *lambda, base_error *err) {
   const double *d = s->p.direction + 2 * i;
   double f[3] = {0.0}, along[2];
-  memcpy(f, lambda + s->a.row[i], (size_t)form_rows_of(&s->a, i) * sizeof *f);
+  memcpy(f, lambda + s->space.a.row[i], (size_t)form_rows_of(&s->space.a, i) * sizeof *f);
   BASE_TRY(arc_reserve(&s->arc, s->arc.n + 1, err));
   arc_contact *k = &s->arc.contact[s->arc.n++];
   *k = (arc_contact){
-      .id = c->id[s->a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
-  k->stick = slip_at_rest(&s->p, &s->a, i);
-  slip_departure(&s->p, &s->a, i, u0, lambda, along);
+      .id = c->id[s->space.a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
+  k->stick = k->starts = slip_at_rest(&s->p, &s->space.a, i);
+  slip_departure(&s->p, &s->space.a, i, u0, lambda, along);
   const double size = hypot(along[0], along[1]), friction = hypot(f[1], f[2]);
   if (k->stick && saturated(s, i, f)) {
     k->stick = false;
@@ -177,70 +180,92 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
  * here. */
 static void stabilise(const event_run *s, const contact_set *c, double *u0) {
   const double rate = s->opt->rate;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i];
+  for (int i = 0; i < s->space.a.n_contact; i++) {
+    const int g = s->space.a.group[i];
     const double *u = c->u_before + c->row_start[g];
-    double *row = u0 + s->a.row[i];
+    double *row = u0 + s->space.a.row[i];
+    if (!(form_own_block(&s->space.a, i)[0] > 0.0)) {
+      continue; /* joints or locks hold it */
+    }
     row[0] += 2.0 * rate * u[0] + rate * rate * c->gap[g];
-    for (int t = 1; t < form_rows_of(&s->a, i) && slip_at_rest(&s->p, &s->a, i); t++) {
+    for (int t = 1; t < form_rows_of(&s->space.a, i) && slip_at_rest(&s->p, &s->space.a, i); t++) {
       row[t] += rate * u[t];
     }
   }
 }
 
-/* Solves the problem posed by s->p with its facets turned until friction is that of the circle; where
- * it never is, the answer is unsolved and carries how far it is off. */
-static base_status solve_turning(event_run *s, const double *u0, double *lambda, base_error *err) {
-  BASE_TRY(turns_begin(&s->turns, s->a.n_contact, err));
-  BASE_TRY(solve(s, u0, lambda, err));
-  double off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
-  while (s->solved && off > circle_tol && s->turns.turns < max_turns) {
-    BASE_TRY(turns_next(&s->turns, &s->p, &s->a, u0, lambda, err));
-    BASE_TRY(solve(s, u0, lambda, err));
-    off = s->solved ? turns_residual(&s->p, &s->a, u0, lambda) : 0.0;
+/* What the integrator cannot tell from rest: so many of its errors, at the largest speed so far. */
+static void set_slow(event_run *s) {
+  s->speed = fmax(s->speed, world_surface_speed(s->w));
+  s->slow = s->arc.slow = s->opt->resolve * (s->atol + s->opt->rtol * s->speed);
+}
+
+/* Marks the touching contacts that do not part. One that opens at u against the acceleration a would
+ * rise by u^2/(2 a); below tol, the distance that tells closed from open, that is no flight. a is the largest
+ * free acceleration of a contact at the event before. */
+static void mark_resting(event_run *s, const contact_set *c) {
+  const double hop = sqrt(2.0 * s->pull * c->tol), most = fmax(s->slow, hop);
+  for (int g = 0; g < c->n_contact; g++) {
+    const double u = c->u_before[c->row_start[g]];
+    s->space.gap[g] = (touches(c, g) && u <= most) ? 0.0 : 1.0;
+    s->answer.work.fallbacks += touches(c, g) && u > s->slow && u <= hop;
   }
-  if (off > circle_tol) {
-    s->solved = false;
-    s->answer.residual = off;
-  }
-  return BASE_OK;
 }
 
 /* Which touching contacts persist, and how: the acceleration-level problem. */
 static base_status choose_modes(event_run *s, const contact_set *c, base_error *err) {
-  double *drift = s->row, *u0 = s->row + s->cap_row;
+  double *u0 = s->row, *lambda = s->row + s->cap_row;
   BASE_TRY(world_acceleration(s->w, s->acc, err));
-  contact_relative_velocity(c, c->v, NULL, drift);
-  for (int r = 0; r < c->n_row; r++) {
-    drift[r] = (c->u_curve[r] + c->u_drift[r] + drift[r] - c->u_before[r]) / c->h;
-  }
-  for (int g = 0; g < c->n_contact; g++) {
-    const bool parts = c->u_before[c->row_start[g]] > s->opt->touch_speed;
-    s->gap[g] = (touches(c, g) && !parts) ? 0.0 : 1.0;
-  }
-  BASE_TRY(assemble(s, c, s->acc, drift, err));
+  mark_resting(s, c);
+  BASE_TRY(space_forces(&s->space, c, s->acc, err));
+  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, form_soft(s->opt->distribution), err));
   set_directions(s, c);
-  memcpy(u0, s->a.r, (size_t)s->a.n_row * sizeof *u0);
+  memcpy(u0, s->space.a.r, (size_t)s->space.a.n_row * sizeof *u0);
+  s->pull = scale_of(s, u0);
   stabilise(s, c, u0);
-  drop_noise(s->a.n_row, u0);
-  double *lambda = s->row + 2 * (ptrdiff_t)s->cap_row;
+  drop_noise(s->space.a.n_row, u0);
   BASE_TRY(solve_turning(s, u0, lambda, err));
   double largest = 0.0;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    largest = fmax(largest, lambda[s->a.row[i]]);
+  for (int i = 0; i < s->space.a.n_contact; i++) {
+    largest = fmax(largest, lambda[s->space.a.row[i]]);
   }
   s->arc.n = 0;
-  for (int i = 0; s->solved && i < s->a.n_contact; i++) {
-    if (lambda[s->a.row[i]] > 1e-9 * largest) {
+  for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
+    if (lambda[s->space.a.row[i]] > 1e-9 * largest) {
       BASE_TRY(keep_contact(s, c, i, u0, lambda, err));
     }
   }
   return BASE_OK;
 }
 
-/* Forces after a jump start the next trapezoid. */
+/* A contact on the edge of its cone that starts to slide and is accelerated against that direction at once
+ * does not slide: redundant neighbours hold it. It sticks, with the force that it has. */
+static base_status hold_what_turns_back(event_run *s, base_error *err) {
+  bool turned = true;
+  for (int round = 0; turned && round <= s->arc.n; round++) {
+    turned = false;
+    BASE_TRY(arc_forces(&s->arc, s->acc, err));
+    for (int i = 0; i < s->arc.n; i++) {
+      arc_contact *k = &s->arc.contact[i];
+      const double along = k->rate[0] * k->direction[0] + k->rate[1] * k->direction[1];
+      if (k->starts && !k->stick && k->mu > 0.0 && along < -1e-9 * s->pull) {
+        k->stick = turned = true;
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+/* Forces after a jump start the next trapezoid. Where the contacts cannot carry what springs would share, because friction
+ * holds from before, the forces of the arc are those nearest to its start, which they can; that counts. */
 static base_status restart_forces(event_run *s, base_error *err) {
-  BASE_TRY(arc_forces(&s->arc, s->acc, err));
+  s->arc.shares = s->opt->distribution == FORM_LEAST_NORM;
+  BASE_TRY(hold_what_turns_back(s, err));
+  if (s->arc.shares && !arc_carries(&s->arc)) {
+    s->arc.shares = false;
+    s->arc.unshared++;
+    BASE_TRY(hold_what_turns_back(s, err));
+  }
   impulse_log_begin(&s->log);
   for (int i = 0; i < s->arc.n; i++) {
     impulse_entry *e;
@@ -253,34 +278,41 @@ static base_status restart_forces(event_run *s, base_error *err) {
       memset(s->log.entry[i].force, 0, sizeof s->log.entry[i].force);
     }
   }
-  return BASE_OK;
+  return event_log_joints(s, 0.0, false, err);
 }
 
-/* Everything that happens at one instant. */
+static base_status look(event_run *s, double t, contact_set *c, base_error *err) {
+  world_set_state(s->w, t, s->y, s->y + s->n_config);
+  BASE_TRY(world_contacts_curved(s->w, 1e-3, s->arc.margin, c, err));
+  return grow_scratch(s, c, err);
+}
+
 base_status event_resolve(event_run *s, double t, base_error *err) {
   contact_set c;
-  world_set_state(s->w, t, s->y, s->y + s->n_config);
-  BASE_TRY(world_contacts_curved(s->w, 1e-3, -1.0, &c, err));
-  BASE_TRY(grow_scratch(s, &c, err));
+  BASE_TRY(look(s, t, &c, err));
+  set_slow(s);
   if (mark_closing(s, &c)) {
     BASE_TRY(impact(s, &c, err));
-    world_set_state(s->w, t, s->y, s->y + s->n_config);
     if (!s->solved) {
       return BASE_OK;
     }
-    BASE_TRY(world_contacts_curved(s->w, 1e-3, -1.0, &c, err));
-    BASE_TRY(grow_scratch(s, &c, err));
+    BASE_TRY(look(s, t, &c, err));
   }
   BASE_TRY(choose_modes(s, &c, err));
-  return s->solved ? restart_forces(s, err) : BASE_OK;
+  if (!s->solved) {
+    return BASE_OK;
+  }
+  BASE_TRY(arc_settle(&s->arc, s->y + s->n_config, err));
+  world_set_state(s->w, t, s->y, s->y + s->n_config);
+  BASE_TRY(restart_forces(s, err));
+  return watch_take(&s->watch, &s->arc, true, event_touching * s->arc.set.tol, err);
 }
 
 void event_resolve_close(event_run *s) {
-  form_assembly_close(&s->a);
+  space_close(&s->space);
   turns_close(&s->turns);
-  contact_memory_close(&s->memory);
   slip_close(&s->p);
   free(s->row);
-  free(s->gap);
   free(s->z);
+  joint_log_close(&s->joints);
 }

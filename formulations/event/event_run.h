@@ -1,15 +1,17 @@
-/* formulations/event/event_run.h - what the two halves of `event` share; private to them: form_event.c
- * advances smooth arcs and locates events, event_resolve.c says what happens at one. */
+/* formulations/event/event_run.h - what the parts of `event` share; private to them: form_event.c takes
+ * steps, event_advance.c integrates a substep and locates the event that ends it, event_resolve.c says what
+ * happens there. */
 #pragma once
 
 #include "formulations/event/event_arc.h"
 #include "formulations/event/event_turns.h"
+#include "formulations/event/event_watch.h"
 
 #include <gsl/gsl_odeiv2.h>
 
 typedef struct event_options {
-  int facets, max_events;
-  double rest_speed, touch_speed, stick_speed, rate, rtol, atol;
+  int facets, max_events, distribution;
+  double rest_speed, resolve, rate, rtol, atol;
 } event_options;
 
 typedef struct event_run {
@@ -19,9 +21,8 @@ typedef struct event_run {
   world *w;
   arc arc;
   impulse_log log;
-  contact_set view; /* what the assembly works on */
-  form_assembly a;
-  contact_memory memory;
+  event_space space;
+  event_watch watch;
   slip_problem p;
   facet_turns turns;
   bool started, solved;
@@ -30,17 +31,36 @@ typedef struct event_run {
   gsl_odeiv2_driver *driver;
   gsl_odeiv2_step *trial;       /* single steps of the bisection */
   double *y, *from, *acc, *dev; /* n_config + n_dof each */
+  double *old; /* 2 per contact of the arc: directions at the start of the substep */
+  int cap_old;
   double substep;
-  double *row, *gap, *z; /* scratch of a problem: rows, contacts, unknowns */
+  double atol;        /* of this step [m], [m/s] */
+  double pull;        /* largest free acceleration of a contact at the last event [m/s^2] */
+  double speed, slow; /* largest speed so far; what the integrator cannot tell from rest [m/s] */
+  double *row, *z;    /* scratch of a problem: rows, unknowns */
   int cap_row, cap_contact;
+  joint_log joints;
   double *impulse, *bias; /* of the answer */
   int cap_out;
   contact_set out;
   formulation_answer answer;
 } event_run;
 
+/* Touching: a gap within this many tolerances of the set, more than the drift of an arc. */
+static const double event_touching = 100.0;
+
+/* Rates of y = (configuration, velocities) on the arc, for GSL; params is the event_run. */
+int event_rates(double t, const double y[], double dy[], void *params);
+/* One accepted substep, cut at the first event; *event says whether it was. */
+base_status event_substep(event_run *s, double *t, double end, bool *event, base_error *err);
+/* Joints hold to rounding after every substep, so that their drift does not grow. What the integrator
+ * knows of the rates at the end of the substep is then no longer true. */
+base_status event_onto_joints(event_run *s, double t, base_error *err);
 /* Everything that happens at one instant: impact, then the contacts that persist and their modes,
  * from the state in s->y and into it. s->solved is false where a problem was not solved. */
 base_status event_resolve(event_run *s, double t, base_error *err);
+/* Joint rows of s->space into s->joints: impulses of a jump, or forces over a substep of dt > 0 and, with
+ * dt = 0, forces that the next substep starts from. */
+base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err);
 /* Frees what event_resolve allocated. */
 void event_resolve_close(event_run *s);
