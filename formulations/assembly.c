@@ -2,6 +2,7 @@
 
 #include "formulations/dof_kernel.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,6 +27,13 @@ static void layout_rows(void *state, base_arena *m) {
   a->body_start = BASE_ARRAY(m, int, s->body + 2);
   a->body_group = BASE_ARRAY(m, int, 2 * (size_t)s->group);
   a->jw = BASE_ARRAY(m, double, s->jw);
+  a->rows = BASE_ARRAY(m, contact_rows, s->contact);
+  a->turned = BASE_ARRAY(m, bool, s->contact);
+  a->direction = BASE_ARRAY(m, form_direction, s->row);
+  a->known = BASE_ARRAY(m, form_blocked, s->row);
+  a->full_of = BASE_ARRAY(m, int, s->contact);
+  a->home_group = BASE_ARRAY(m, int, s->group);
+  a->home_row = BASE_ARRAY(m, int, s->group + 1);
 }
 
 static void layout_near(void *state, base_arena *m) {
@@ -290,16 +298,36 @@ static void fill_blocks(form_assembly *a, const contact_set *c) {
   }
 }
 
+/* At position level the gap closes in one step and the approach is gone in the next: Newton's law, which goes by it, would
+ * take some bounces and leave out others (MATHEMATICS 2.2). */
+static base_status check_rule(const contact_set *c, const form_rule *rule, base_error *err) {
+  const bool asks = rule->newton && rule->level == FORM_LEVEL_POSITION && c->restitution != NULL;
+  for (int i = 0; asks && i < c->n_contact; i++) {
+    if (c->restitution[i] > 0) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                       "restitution %g at position level: need restitution=none, or velocity level",
+                       c->restitution[i]);
+    }
+  }
+  return BASE_OK;
+}
+
 static base_status begin(form_assembly *a, const contact_set *c, form_rows rows,
                          const form_rule *rule, contact_memory *memory, base_error *err) {
   a->set = c;
+  BASE_TRY(check_rule(c, rule, err));
   BASE_TRY(grow(a, c, err));
   form_assembly_choose(a, c, rows, rule, memory);
   if (!a->own_only) {
     sort_by_body(a, c);
   }
   BASE_TRY(link_groups(a, c, err));
+  assert(form_assembly_is_linked(a));
   fill_blocks(a, c);
+  if (a->n_group == a->n_contact && !a->own_only) { /* with joints: where they are eliminated */
+    form_assembly_know_locks(a);
+    form_assembly_unblock(a);
+  }
   memset(a->impulse, 0, (size_t)c->n_row * sizeof *a->impulse);
   return BASE_OK;
 }

@@ -23,15 +23,48 @@ typedef enum form_rows { FORM_ROWS_NORMAL, FORM_ROWS_TANGENT, FORM_ROWS_ALL } fo
  * ones at position level b = gap/h. */
 typedef enum form_level { FORM_LEVEL_VELOCITY, FORM_LEVEL_POSITION } form_level;
 typedef enum form_activation { FORM_CLOSED, FORM_MOREAU } form_activation;
-typedef struct form_rule {
-  int level;         /* form_level */
-  int activation;    /* form_activation: closed gap <= tol, or gap + h u-/2 <= tol */
-  bool newton;       /* e enters the bias */
+/* The numbers of that bias, which are options of every formulation with normal rows. */
+typedef struct form_repair {
   double push;       /* gamma [1] */
   double push_speed; /* v_max [m/s] */
-  double rest;       /* [1] */
+  double rest;       /* steps of load below which an approach does not bounce [1] */
   double joint_push; /* share of the joint error removed in one step [1] */
+} form_repair;
+typedef struct form_rule {
+  int level;      /* form_level */
+  int activation; /* form_activation: closed gap <= tol, or gap + h u-/2 <= tol */
+  bool newton;    /* e enters the bias */
+  bool all_rows;  /* blocked directions stay, as exact zero rows */
+  form_repair repair;
 } form_rule;
+
+/* Their fields and those that formulations share, for a table of options of the struct T, which has the member
+ * `form_repair repair` or one named as the field. push_ is the default of `push`. */
+#define FORM_PUSH_FIELDS(T, push_)                                                                 \
+  BASE_FIELD_NAMED(T, repair.push, "push", BASE_REAL, "1", push_, 0, 1,                            \
+                   "share of an overlap removed a step"),                                          \
+      BASE_FIELD_NAMED(T, repair.push_speed, "push_speed", BASE_REAL, "m/s", 1e9, 0, 1e9,          \
+                       "limit of that speed"),                                                     \
+      BASE_FIELD_NAMED(T, repair.rest, "rest", BASE_REAL, "1", 2, 0, 1e6,                          \
+                       "approach in steps of load: no bounce")
+#define FORM_JOINT_PUSH_FIELD(T)                                                                   \
+  BASE_FIELD_NAMED(T, repair.joint_push, "joint_push", BASE_REAL, "1", 0.2, 0, 1,                  \
+                   "share of a joint error removed")
+/* What is asked where redundant contacts leave the normal impulses undetermined (lcp/lcp_share.h, MATHEMATICS 2.8). */
+typedef enum form_distribution { FORM_LEAST_NORM, FORM_EXTREME } form_distribution;
+#define FORM_DISTRIBUTION_FIELD(T)                                                                 \
+  BASE_FIELD_CHOICE(T, distribution, "least_norm|extreme", FORM_LEAST_NORM,                        \
+                    "of redundant contacts: equal springs, or the solver's")
+/* Relative compliance of a contact's block (lcp_block). */
+static inline double form_soft(int distribution) {
+  return (distribution == FORM_LEAST_NORM) ? 1.0 : 0.0;
+}
+#define FORM_ACTIVATION_FIELD(T)                                                                   \
+  BASE_FIELD_CHOICE(T, activation, "closed|moreau", 0, "gap, or gap half a step ahead")
+#define FORM_STORAGE_FIELD(T)                                                                      \
+  BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0, "matrix handed to the solver")
+#define FORM_JOINTS_FIELD(T)                                                                       \
+  BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows (always when factored)")
 
 /* One connected set of joints. */
 typedef struct form_component {
@@ -43,6 +76,19 @@ typedef struct form_component {
   size_t at;          /* S, then Y = L^-1 P' R, in dense */
 } form_component;
 
+/* What is known of a row before it is judged: the diagonal of C up to which it cannot move [1/kg]; the velocity that it
+ * has if it cannot, and the rounding error of that [m/s]. */
+typedef struct form_blocked {
+  double noise, u, u_noise;
+} form_blocked;
+
+/* One row in use of a contact that lost some: sum of c_k times the rows row .. row+n-1 of the set's contact. */
+typedef struct form_direction {
+  int row, n;
+  double c[2];
+  bool still; /* cannot move and has a velocity: a zero row of C */
+} form_direction;
+
 /* assembly_joint.c: the joints that were eliminated, and C' in their place. */
 typedef struct form_joints {
   int n_part;
@@ -50,6 +96,8 @@ typedef struct form_joints {
   int *component, *member, *mark, *offset; /* n_group */
   int *touch, *column;                     /* 2 n_group */
   int *pivot;                              /* joint rows, 1-based inside a component */
+  double *unit;                            /* joint rows: power of two that brings S_kk near 1 */
+  double *before;                          /* contact rows: diagonal of C before the elimination */
   double *y, *work, *dense;
   int *near_start, *near;
   size_t *block_at;
@@ -70,6 +118,22 @@ typedef struct form_assembly {
   int *row;       /* n_group+1 */
   double *r;      /* n_row [m/s] */
   double *lambda; /* n_row, scratch for the answer [N s] */
+
+  /* Directions that joints or locks block are no rows (assembly_blocked.c): what is left of the rows
+   * wanted from contact i, and whether it is less than all of them. */
+  contact_rows *rows;        /* n_contact */
+  bool *turned;              /* n_contact */
+  form_direction *direction; /* n_row; set for turned contacts only */
+  form_blocked *known;       /* n_row of `full`; of contacts */
+  bool all_rows;             /* of the rule */
+  bool reduced;              /* a row was taken out: group and row differ from those of `full` */
+  struct {                   /* all rows wanted of the active contacts, then the joints */
+    int n_contact;
+    int *group, *row;
+  } full;
+  int *full_of;    /* n_contact: the contact among those of `full` */
+  int *home_group; /* where `full` stands once it differs */
+  int *home_row;
 
   /* C: group i meets near[near_start[i] ..], ascending and itself included; its block is
    * rows_i x rows_j, row-major, at block + block_at[]. */
@@ -135,6 +199,20 @@ void form_assembly_velocity(const form_assembly *a, const double *lambda, double
  * lambda on the way. */
 void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u);
 
+/* Invariant for assert: every group has an ascending list of groups in range, with itself where `self` says. */
+static inline bool form_assembly_is_linked(const form_assembly *a) {
+  bool good = a->near_start[0] == 0;
+  for (int i = 0; i < a->n_group && good; i++) {
+    const int first = a->near_start[i], end = a->near_start[i + 1];
+    good = a->self[i] >= first && a->self[i] < end && a->near[a->self[i]] == i;
+    for (int k = first; k < end && good; k++) {
+      const int least = (k > first) ? a->near[k - 1] + 1 : 0;
+      good = a->near[k] >= least && a->near[k] < a->n_group;
+    }
+  }
+  return good;
+}
+
 /* C as a dense n_row x n_row matrix, column-major. */
 void form_assembly_dense(const form_assembly *a, double *out);
 
@@ -153,5 +231,15 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err);
 void form_assembly_joint_impulses(form_assembly *a, double *lambda);
 void form_joints_close(form_joints *j);
 
+/* assembly_blocked.c: takes directions that cannot move out of rows, r and C, and contacts whose normal cannot move out of the
+ * active ones (MATHEMATICS 2.1); with all_rows it leaves exact zeros. Called once a step, with `known` filled for the rows of
+ * all contacts. */
+void form_assembly_unblock(form_assembly *a);
+/* `known` of what locks, or sides that are not free, leave without motion. */
+void form_assembly_know_locks(form_assembly *a);
+
+/* x over the rows of the set's contact into the rows in use of active contact i, and back (adds to x). */
+void form_to_rows(const form_assembly *a, int i, const double *x, double *out);
+void form_to_set(const form_assembly *a, int i, const double *in, double *x);
 /* Writes lambda (n_row) and the impulses of eliminated joints into impulse (set rows) and v_next = v_free + W J' lambda. */
 void form_assembly_answer(form_assembly *a, const double *lambda);

@@ -110,37 +110,41 @@ static double normal_bias(const contact_set *c, int i, const form_rule *rule, do
   }
   double b = 0;
   if (gap < 0 || rule->level == FORM_LEVEL_POSITION) {
-    b = ((gap < 0) ? rule->push : 1.0) * gap / c->h;
-    b = fmax(b, -rule->push_speed);
+    b = ((gap < 0) ? rule->repair.push : 1.0) * gap / c->h;
+    b = fmax(b, -rule->repair.push_speed);
   }
   const double gain = fmax(0.0, u - u_free); /* approach speed won in this step */
-  if (closed && rule->newton && c->restitution != NULL && -u > rule->rest * gain) {
+  if (closed && rule->newton && c->restitution != NULL && -u > rule->repair.rest * gain) {
     b = fmin(b, c->restitution[i] * fmin(u, 0.0));
   }
   return b;
 }
 
-static int rows_wanted(const contact_set *c, int i, form_rows rows) {
+static contact_rows rows_wanted(const contact_set *c, int i, form_rows rows) {
   switch (rows) {
   case FORM_ROWS_NORMAL:
-    return 1;
+    return (contact_rows){0};
   case FORM_ROWS_TANGENT:
-    return 1 + c->rows[i].tangent;
+    return (contact_rows){.tangent = c->rows[i].tangent};
   case FORM_ROWS_ALL:
     break;
   }
-  return c->row_start[i + 1] - c->row_start[i];
+  return c->rows[i];
 }
 
 /* Contact i becomes the next active one; u, size: the sum of its normal row. */
 static void activate(form_assembly *a, const contact_set *c, int i, form_rows rows,
                      const group_rows *r, double u, double size) {
   const int k = a->n_contact++;
-  const int n = rows_wanted(c, i, rows);
+  const contact_rows wanted = rows_wanted(c, i, rows);
+  const int n = 1 + wanted.tangent + wanted.torsion + wanted.rolling;
   const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
   double sizes[MOST_ROWS] = {size};
   double *to = a->r + a->row[k];
   a->group[k] = i;
+  a->rows[k] = wanted;
+  a->turned[k] = false;
+  a->full_of[k] = k;
   a->row[k + 1] = a->row[k] + n;
   to[0] = u;
   group_velocity(c, r, i, 1, n, metres, sizes, to);
@@ -157,7 +161,7 @@ static void append_joint(form_assembly *a, const contact_set *c, int g, const fo
   group_velocity(c, &r, g, 0, n, 0, sizes, to);
   for (int i = 0; i < n; i++) {
     const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
-    to[i] += rule->joint_push / c->h * c->joint_error[at];
+    to[i] += rule->repair.joint_push / c->h * c->joint_error[at];
   }
 }
 
@@ -184,4 +188,9 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     append_joint(a, c, g, rule);
   }
   a->n_row = a->row[a->n_group];
+  a->all_rows = rule->all_rows;
+  a->reduced = false;
+  a->full.n_contact = a->n_contact;
+  a->full.group = a->group;
+  a->full.row = a->row;
 }

@@ -6,14 +6,27 @@
  *   C' = C_cc - R' S^-1 R,   r' = r_c - R' S^-1 r_b
  *
  * which is the projected inverse mass of MATHEMATICS 2.1. Joints fall into connected components; each has
- * its own S, and only contacts that touch the same component become coupled. S is factored with
- * pivoting (LAPACK dpstrf): redundant joint rows carry no impulse, nothing is added to S. */
+ * its own S, and only contacts that touch the same component become coupled. S, scaled to a diagonal between 1 and 4, is
+ * factored with pivoting (LAPACK dpstrf): redundant joint rows carry no impulse, nothing is added to S.
+ *
+ * Whether the joints block a direction of a contact is judged here, where the numbers that it is lost in are known. With
+ * w = S^-1 R of its row a blocked direction has J_c = w' J_b: its diagonal of C' is zero, computed with an error of
+ * some roundings of (|J_c| + sum |w_k| |J_b,k|)^2, and its velocity is drift_c - w' drift_b, whatever r' says: that
+ * holds the correction of joint errors besides, which is no motion of the contact. */
 #include "formulations/assembly.h"
 
+#include <assert.h>
 #include <cblas.h>
+#include <float.h>
 #include <lapacke.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Pivot of the scaled S at which a joint row says what others have said: a sine of 3e-7 between the two. */
+static const double same_row = 1e-13;
+/* Share of its diagonal that a direction must have lost before it is asked whether it is blocked. */
+static const double much_lost = 1e-6;
 
 static void layout_lists(void *state, base_arena *m) {
   form_joints *j = &((form_assembly *)state)->joints;
@@ -26,6 +39,8 @@ static void layout_lists(void *state, base_arena *m) {
   j->offset = BASE_ARRAY(m, int, j->cap_group);
   j->near_start = BASE_ARRAY(m, int, j->cap_group + 1);
   j->pivot = BASE_ARRAY(m, int, j->cap_row);
+  j->unit = BASE_ARRAY(m, double, j->cap_row);
+  j->before = BASE_ARRAY(m, double, j->cap_row);
   j->y = BASE_ARRAY(m, double, j->cap_row);
   j->work = BASE_ARRAY(m, double, 2 * (size_t)j->cap_row);
 }
@@ -55,6 +70,28 @@ static int spread(form_assembly *a, int g, int listed) {
   return listed;
 }
 
+#ifndef NDEBUG
+/* Every one of n joints is a member of one component, the one that it is labelled with. */
+static bool partitioned(const form_assembly *a, int n) {
+  const form_joints *j = &a->joints;
+  const int begin = a->full.n_contact;
+  int next = 0;
+  bool good = true;
+  for (int c = 0; c < j->n_part && good; c++) {
+    good = j->part[c].first == next;
+    for (int k = 0; k < j->part[c].count && good && next < n; k++) {
+      const int g = j->member[next++];
+      good = g >= begin && g < begin + n && j->component[g] == c;
+      j->mark[g] = good ? -1 - next : 0; /* a second place overwrites the first */
+    }
+  }
+  for (int k = 0; k < next && good; k++) {
+    good = j->mark[j->member[k]] == -2 - k;
+  }
+  return good && next == n;
+}
+#endif
+
 /* Labels joints that are coupled with the same number; lists them component by component. */
 static void find_components(form_assembly *a) {
   form_joints *j = &a->joints;
@@ -81,6 +118,7 @@ static void find_components(form_assembly *a) {
     c->count = listed - c->first;
     j->n_part++;
   }
+  assert(partitioned(a, a->n_group - p));
 }
 
 static int ascending(const void *x, const void *y) {
@@ -302,6 +340,27 @@ static void subtract(form_assembly *a, const form_component *part, const double 
   }
 }
 
+/* S, R and y in units in which the diagonal of S lies between 1 and 4; powers of two, which round nothing. */
+static void equilibrate(const form_component *part, double *S, double *R, double *y, double *unit) {
+  const int n = part->rows;
+  for (int k = 0; k < n; k++) {
+    int exponent;
+    (void)frexp(S[(ptrdiff_t)k * n + k], &exponent);
+    unit[k] = (S[(ptrdiff_t)k * n + k] > 0) ? ldexp(1, -((exponent - 1) >> 1)) : 1;
+    y[k] *= unit[k];
+  }
+  for (int c = 0; c < n; c++) {
+    for (int k = 0; k < n; k++) {
+      S[(ptrdiff_t)c * n + k] *= unit[c] * unit[k];
+    }
+  }
+  for (int c = 0; c < part->columns; c++) {
+    for (int k = 0; k < n; k++) {
+      R[(ptrdiff_t)c * n + k] *= unit[k];
+    }
+  }
+}
+
 static void eliminate_one(form_assembly *a, form_component *part, int first_row) {
   form_joints *j = &a->joints;
   const int n = part->rows;
@@ -311,8 +370,9 @@ static void eliminate_one(form_assembly *a, form_component *part, int first_row)
   int *pivot = j->pivot + first_row;
   part->row = first_row;
   gather(a, part, S, Y, y);
+  equilibrate(part, S, Y, y, j->unit + first_row);
   /* a positive return only says that the rank is less than n */
-  (void)LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', n, S, n, pivot, &part->rank, -1.0, j->work);
+  (void)LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', n, S, n, pivot, &part->rank, same_row, j->work);
   permute(Y, n, part->columns, pivot, j->work);
   permute(y, n, 1, pivot, j->work);
   if (part->rank > 0) {
@@ -321,6 +381,84 @@ static void eliminate_one(form_assembly *a, form_component *part, int first_row)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, part->rank, S, n, y, 1);
   }
   subtract(a, part, Y, y);
+}
+
+/* The drift of the joint rows of one component. */
+static void joint_drift(const form_assembly *a, const form_component *part, double *drift) {
+  const form_joints *j = &a->joints;
+  for (int m = part->first; m < part->first + part->count; m++) {
+    const int g = j->member[m];
+    memcpy(drift + j->offset[g], a->set->u_drift + a->set->row_start[a->group[g]],
+           (size_t)form_rows_of(a, g) * sizeof *drift);
+  }
+}
+
+/* Adds to what is known of contact row `row` what the joints of one component do to it; column: its part of Y. */
+static void know_row(form_assembly *a, const form_component *part, const double *S,
+                     const double *column, const double *drift, int row) {
+  form_joints *j = &a->joints;
+  form_blocked *known = &a->known[row];
+  double *w = j->work;
+  double size = sqrt(j->before[row]);
+  memcpy(w, column, (size_t)part->rank * sizeof *w);
+  if (part->rank > 0) {
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, part->rank, S, part->rows, w,
+                1);
+  }
+  for (int k = 0; k < part->rank; k++) {
+    const int at = j->pivot[part->row + k] - 1;
+    const double moved = w[k] * j->unit[part->row + at] * drift[at];
+    size += 2 * fabs(w[k]);
+    known->u -= moved;
+    known->u_noise += 1e-9 * fabs(moved);
+  }
+  known->noise += 4 * DBL_EPSILON * (part->rank + 8) * size * size;
+}
+
+/* Of the n rows of contact i from `first` on, some direction may have lost all of its diagonal. */
+static bool may_be_blocked(const form_assembly *a, int i, int first, int n) {
+  const form_joints *j = &a->joints;
+  const int rows = form_rows_of(a, i);
+  const double *own = j->block + j->block_at[a->self[i]] + (ptrdiff_t)first * rows + first;
+  const double *before = j->before + a->row[i] + first;
+  if (n == 1) {
+    return own[0] <= much_lost * before[0];
+  }
+  const double sum = own[0] + own[rows + 1];
+  const double det = own[0] * own[rows + 1] - own[1] * own[1];
+  const double lost = much_lost * (before[0] + before[1]);
+  return sum <= lost || det <= lost * sum;
+}
+
+static void know_part(form_assembly *a, const form_component *part, int t, int first, int n,
+                      const double *drift) {
+  const form_joints *j = &a->joints;
+  const int i = j->touch[t];
+  if (n == 0 || !may_be_blocked(a, i, first, n)) {
+    return;
+  }
+  const double *S = j->dense + part->at;
+  const double *Y = S + (ptrdiff_t)part->rows * part->rows;
+  for (int p = first; p < first + n; p++) {
+    know_row(a, part, S, Y + (ptrdiff_t)(j->column[t] + p) * part->rows, drift, a->row[i] + p);
+  }
+}
+
+/* What the joints block. */
+static void know_joints(form_assembly *a) {
+  form_joints *j = &a->joints;
+  for (int c = 0; c < j->n_part; c++) {
+    const form_component *part = &j->part[c];
+    double *drift = j->work + j->cap_row;
+    joint_drift(a, part, drift);
+    for (int t = part->touch; t < part->touch + part->n_touch; t++) {
+      const contact_rows rows = a->rows[j->touch[t]];
+      know_part(a, part, t, 0, 1, drift);
+      know_part(a, part, t, 1, rows.tangent, drift);
+      know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift);
+      know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift);
+    }
+  }
 }
 
 base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
@@ -333,8 +471,15 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
     j->cap_row = a->n_row + a->n_row / 2;
     BASE_TRY(form_memory(&j->mem, layout_lists, a, err));
   }
+  assert(form_assembly_is_linked(a));
   find_components(a);
   find_touching(a);
+  form_assembly_know_locks(a);
+  for (int i = 0; i < a->n_contact; i++) {
+    for (int p = 0; p < form_rows_of(a, i); p++) {
+      j->before[a->row[i] + p] = form_own_block(a, i)[(ptrdiff_t)p * (form_rows_of(a, i) + 1)];
+    }
+  }
   BASE_TRY(reserve(a, err));
   BASE_TRY(widen(a, err));
   int first_row = 0;
@@ -342,6 +487,7 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
     eliminate_one(a, &j->part[c], first_row);
     first_row += j->part[c].rows;
   }
+  know_joints(a);
   a->n_joint_group = a->n_group - a->n_contact;
   a->n_group = a->n_contact;
   a->n_row = a->row[a->n_contact];
@@ -349,12 +495,15 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
   a->near = j->near;
   a->block_at = j->block_at;
   a->block = j->block;
+  form_assembly_unblock(a);
   return BASE_OK;
 }
 
-/* lambda_b = -S^-1 (r_b + R lambda_c) into lambda, which holds all rows. */
+/* lambda_b = -S^-1 (r_b + R lambda_c) into lambda, which holds all rows of `full`. */
 void form_assembly_joint_impulses(form_assembly *a, double *lambda) {
   form_joints *j = &a->joints;
+  const int *row = a->full.row;
+  assert(a->n_joint_group == 0 || partitioned(a, a->n_joint_group));
   for (int c = 0; a->n_joint_group > 0 && c < j->n_part; c++) {
     const form_component *part = &j->part[c];
     const int n = part->rows;
@@ -366,20 +515,20 @@ void form_assembly_joint_impulses(form_assembly *a, double *lambda) {
     memcpy(x, j->y + part->row, (size_t)n * sizeof *x);
     for (int t = part->touch; t < part->touch + part->n_touch; t++) {
       const int i = j->touch[t];
-      for (int p = 0; p < form_rows_of(a, i); p++) {
-        cblas_daxpy(part->rank, lambda[a->row[i] + p], Y + (ptrdiff_t)(j->column[t] + p) * n, 1, x,
-                    1);
+      for (int p = 0; p < row[i + 1] - row[i]; p++) {
+        cblas_daxpy(part->rank, lambda[row[i] + p], Y + (ptrdiff_t)(j->column[t] + p) * n, 1, x, 1);
       }
     }
     if (part->rank > 0) {
       cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, part->rank, S, n, x, 1);
     }
     for (int k = 0; k < part->rank; k++) {
-      all[j->pivot[part->row + k] - 1] = -x[k];
+      const int at = j->pivot[part->row + k] - 1;
+      all[at] = -x[k] * j->unit[part->row + at];
     }
     for (int m = part->first; m < part->first + part->count; m++) {
       const int g = j->member[m];
-      memcpy(lambda + a->row[g], all + j->offset[g], (size_t)form_rows_of(a, g) * sizeof *all);
+      memcpy(lambda + row[g], all + j->offset[g], (size_t)(row[g + 1] - row[g]) * sizeof *all);
     }
   }
 }

@@ -59,16 +59,26 @@ static void push(form_assembly *a, int g, int rows, const double *l) {
 
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
-  if (a->n_joint_group > 0) {
+  if (a->reduced) {
+    memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
+    for (int i = 0; i < a->n_contact; i++) {
+      form_to_set(a, i, lambda + a->row[i], a->lambda + a->full.row[a->full_of[i]]);
+    }
+  } else if (a->n_joint_group > 0) {
     memcpy(a->lambda, lambda, (size_t)a->n_row * sizeof *lambda);
+  }
+  if (a->n_joint_group > 0) {
     form_assembly_joint_impulses(a, a->lambda);
+  }
+  if (a->reduced || a->n_joint_group > 0) {
     lambda = a->lambda;
   }
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
-  for (int i = 0; i < a->n_group + a->n_joint_group; i++) {
-    const int g = a->group[i];
-    const int rows = form_rows_of(a, i);
-    const double *l = lambda + a->row[i];
+  const int n_group = (a->reduced ? a->full.n_contact : a->n_group) + a->n_joint_group;
+  for (int i = 0; i < n_group; i++) {
+    const int g = a->full.group[i];
+    const int rows = a->full.row[i + 1] - a->full.row[i];
+    const double *l = lambda + a->full.row[i];
     memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
     push(a, g, rows, l);
   }

@@ -19,8 +19,9 @@
 #include <string.h>
 
 typedef struct options {
-  int facets;
-  double stick, push, push_speed, rest, joint_push;
+  int facets, distribution;
+  double stick;
+  form_repair repair;
 } options;
 
 static const base_field fields[] = {
@@ -28,10 +29,9 @@ static const base_field fields[] = {
                "directions of friction where a contact sticks"),
     BASE_FIELD(options, stick, BASE_REAL, "1", 1e-9, 0, 1,
                "slower than this share of the step's speeds is rest, not sliding"),
-    BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
-    BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
-    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
-    BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
+    FORM_DISTRIBUTION_FIELD(options),
+    FORM_PUSH_FIELDS(options, 0),
+    FORM_JOINT_PUSH_FIELD(options),
 };
 
 typedef struct state {
@@ -66,8 +66,10 @@ static void choose_modes(state *s, const contact_set *c, double stick) {
     scale = fmax(scale, fabs(s->a.r[r]));
   }
   for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i], nt = c->rows[g].tangent;
-    const double *u = c->u_before + c->row_start[g] + 1;
+    const int g = s->a.group[i], nt = s->a.rows[i].tangent;
+    double before[3];
+    form_to_rows(&s->a, i, c->u_before + c->row_start[g], before);
+    const double *u = before + 1;
     const double slip = speed(u, nt);
     if (slip <= stick * scale) {
       continue;
@@ -107,31 +109,22 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   (void)start; /* no unknown of the last step is a guess for the next one */
   state *s = st;
   const options *o = opt;
-  const form_rule rule = {.level = FORM_LEVEL_VELOCITY,
-                          .activation = FORM_CLOSED,
-                          .newton = true,
-                          .push = o->push,
-                          .push_speed = o->push_speed,
-                          .rest = o->rest,
-                          .joint_push = o->joint_push};
+  const form_rule rule = {
+      .level = FORM_LEVEL_VELOCITY, .activation = FORM_CLOSED, .newton = true, .repair = o->repair};
   if (c->n_contact > 0 && c->u_curve == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "acceleration: needs u_curve of the contacts");
-  }
-  for (int i = 0; i < c->n_contact; i++) {
-    const unsigned moments = (c->rows[i].torsion > 0 ? EFFECT_TORSION : 0u) |
-                             (c->rows[i].rolling > 0 ? EFFECT_ROLLING : 0u);
-    BASE_TRY(formulation_lacks("acceleration", moments, EFFECT_ROLLING | EFFECT_TORSION, err));
   }
   BASE_TRY(contact_memory_begin(&s->memory, 1, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   BASE_TRY(form_assembly_eliminate(&s->a, err));
-  BASE_TRY(slip_begin(&s->p, &s->a, o->facets, err));
+  BASE_TRY(slip_begin(&s->p, &s->a, o->facets, form_soft(o->distribution), err));
   BASE_TRY(grow(s, err));
   choose_modes(s, c, o->stick);
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i], first = s->a.row[i];
+    form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
     for (int r = 0; r < form_rows_of(&s->a, i); r++) {
-      s->u0[first + r] = s->a.r[first + r] + c->u_curve[c->row_start[g] + r];
+      s->u0[first + r] += s->a.r[first + r];
     }
     s->u0[first] += s->a.bias[g];
   }
@@ -223,6 +216,7 @@ const formulation form_acceleration = {
     .model =
         FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_POLYHEDRAL | FORM_ACCELERATION | FORM_CURVED,
     .sets = 1u << LCP_ORTHANT,
+    .lacks = EFFECT_ROLLING | EFFECT_TORSION | FORM_COORDINATES,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

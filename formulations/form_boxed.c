@@ -50,7 +50,8 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     }
     s->lo[row] = 0;
     s->hi[row] = HUGE_VAL;
-    s->block[s->n_block++] = (lcp_block){.start = row, .size = 1, .set = LCP_ORTHANT};
+    s->block[s->n_block++] = (lcp_block){
+        .start = row, .size = 1, .set = LCP_ORTHANT, .soft = form_soft(s->opt.distribution)};
     if (rows > 1) {
       s->block[s->n_block++] = (lcp_block){.start = row + 1, .size = rows - 1, .set = LCP_BOX};
     }
@@ -85,13 +86,15 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
 }
 
 /* How far the friction impulses of z are from those that the bounds now in place ask for, by the
- * natural map of each row; over the largest normal impulse. */
+ * natural map of each row, which takes a row that cannot move to the bound that its velocity asks for; over the largest
+ * normal impulse. */
 static double residual(row_form *s, const double *z, double largest) {
   double most = 0;
   lcp_matrix_apply(&s->matrix.M, z, s->q, s->w, s->scratch);
   for (int i = 0; i < s->a.n_contact; i++) {
     for (int row = s->a.row[i] + 1; row < s->a.row[i + 1]; row++) {
-      const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : 0;
+      const double end = (s->w[row] > 0) ? HUGE_VAL : ((s->w[row] < 0) ? -HUGE_VAL : 0);
+      const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : end;
       const double wanted = fmin(fmax(z[row] - step, s->lo[row]), s->hi[row]);
       most = fmax(most, fabs(z[row] - wanted));
     }
@@ -128,14 +131,5 @@ const formulation form_boxed = {
     .model = FORM_UNILATERAL | FORM_FRICTION | FORM_BOUNDS_LAGGED,
     .stands_for = NULL,
     .sets = 1u << LCP_ORTHANT | 1u << LCP_BOX,
-    .fields = fields,
-    .n_fields = BASE_COUNT(fields),
-    .options_size = sizeof(options),
-    .state_size = sizeof(row_form),
-    .dimension = dimension,
-    .close = row_form_close,
-    .begin = begin,
-    .assemble = assemble,
-    .recover = recover,
-    .answer = row_form_answer,
+    ROW_FORM_PARTS,
 };

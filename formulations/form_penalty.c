@@ -1,7 +1,10 @@
 /* form_penalty.c - compliant contact integrated as an ordinary differential equation: the
  * alternative that hard-contact formulations avoid, and therefore their yardstick of cost.
  *
- *   q' = N v,   v' = W (f + J_n' F(d, d') + J_t' F_t(F, u_t))
+ *   q' = N v,   v' = P (f + J_n' F(d, d') + J_t' F_t(F, u_t)) + joints
+ *
+ * where P projects onto what joints leave: they are rigid, J_b v' + (dJ_b/dt) v + 2 s C' + s^2 C = 0 (Baumgarte,
+ * s: `joint_rate`), eliminated as everywhere (event_space.h), and start closed.
  *
  * with the force laws of penalty_law.h, advanced by GSL's explicit or stiff methods under error
  * control. No complementarity problem is posed; the cost is counted in evaluations of the right-
@@ -11,7 +14,7 @@
  * seen penetrating at an accepted state, and not below `impact_floor`: at rest both laws would
  * otherwise divide by zero.
  */
-#include "formulations/formulation.h"
+#include "formulations/event/event_space.h"
 #include "formulations/impulse_log.h"
 #include "formulations/penalty_law.h"
 
@@ -23,19 +26,21 @@
 
 typedef struct options {
   int law, integrator, max_evaluations;
-  double stiffness, damping, slip_speed, impact_floor, rtol, atol;
+  double stiffness, damping, slip_speed, impact_floor, joint_rate, rtol, atol;
 } options;
 
 static const base_field fields[] = {
-    BASE_FIELD_CHOICE(options, law, PENALTY_MODELS, PENALTY_HUNT_CROSSLEY, "normal force law"),
+    BASE_FIELD_CHOICE(options, law, PENALTY_MODELS, PENALTY_GONTHIER, "normal force law"),
     BASE_FIELD_CHOICE(options, integrator, "rkf45|rk8pd|msbdf|bsimp", 2, "GSL stepping method"),
-    BASE_FIELD(options, stiffness, BASE_REAL, "N/m^1.5", 1e7, 1e-3, 1e17,
-               "K of the force law (N/m for kelvin_voigt)"),
+    BASE_FIELD(options, stiffness, BASE_REAL, "N/m^1.5", 0, 0, 1e24,
+               "K of the force law (N/m for kelvin_voigt); 0: from the loads of the scene"),
     BASE_FIELD(options, damping, BASE_REAL, "N s/m", 1e3, 0, 1e12, "c of kelvin_voigt"),
     BASE_FIELD(options, slip_speed, BASE_REAL, "m/s", 1e-3, 1e-9, 1e3,
                "regularisation velocity of friction"),
     BASE_FIELD(options, impact_floor, BASE_REAL, "m/s", 1e-2, 1e-9, 1e3,
                "least closing speed the damping factor is scaled with"),
+    BASE_FIELD(options, joint_rate, BASE_REAL, "1/s", 100, 0, 1e6,
+               "of Baumgarte's terms at joints"),
     BASE_FIELD(options, rtol, BASE_REAL, "1", 1e-10, 1e-13, 1, "relative error per substep"),
     BASE_FIELD(options, atol, BASE_REAL, "m, m/s", 1e-12, 1e-15, 1, "absolute error per substep"),
     BASE_FIELD(options, max_evaluations, BASE_INT, "1", 20000000, 1, 2e9,
@@ -46,12 +51,17 @@ typedef struct state {
   const options *opt;
   world *w; /* borrowed, during step only */
   int n_config, n_dof;
-  double *y, *acc, *probe; /* n_config + n_dof; n_dof; 2 (n_config + n_dof) */
+  double *y, *acc, *probe; /* n_config + n_dof; n_dof; 3 (n_config + n_dof) */
   gsl_odeiv2_system system;
   gsl_odeiv2_driver *driver; /* the multistep method asks its driver for the error level */
   double substep;            /* proposal carried from step to step [s] */
   impulse_log log;           /* `memory` is the closing speed at the start of the contact */
-  double *impulse, *bias;    /* of the set after the step */
+  event_space space;         /* of the joints */
+  joint_log joints;
+  bool jointed;
+  double K;               /* stiffness in use [N/m^1.5], or [N/m] */
+  double e, x;            /* the last coefficient of restitution, and its damping factor */
+  double *impulse, *bias; /* of the set after the step */
   int cap_row, cap_contact;
   contact_set set;
   long evaluations;
@@ -64,8 +74,52 @@ static const double instant = 1e-9; /* [s] */
 
 static const double first_substep = 1e-6; /* [s]; error control finds the right one */
 
+/* Where K comes from the loads, they would press in a body by this share of the smallest one's size, all of them
+ * through one contact; and by no less than this acceleration gives its mass [m/s^2]. */
+static const double pressed = 1e-3;
+static const double least_acceleration = 10.0;
+static const double sizes =
+    1e9; /* smallest body in the contact tolerances of a set (contact_set.h) */
+
+/* K from what may have to be carried, sum |M a| of all bodies at the start, and from the mass that moves. */
+static base_status find_stiffness(state *s, base_error *err) {
+  contact_set c;
+  double *a = s->probe, load = 0.0, mass = 0.0;
+  s->K = s->opt->stiffness;
+  if (s->K > 0.0) {
+    return BASE_OK;
+  }
+  BASE_TRY(world_contacts(s->w, instant, 0.0, &c, err));
+  BASE_TRY(world_acceleration(s->w, a, err));
+  for (int b = 0; b < c.n_body; b++) {
+    const int n = contact_dofs(&c, b);
+    const double *M = c.mass + c.mass_start[b], *own = a + c.dof_start[b];
+    double square = 0.0;
+    for (int k = 0; k < n; k++) {
+      for (int l = 0; l < n; l++) {
+        square += own[k] * M[l * n + k] * own[l];
+      }
+    }
+    load += (n > 0) ? sqrt(M[0] * fmax(square, 0.0)) : 0.0;
+    mass += (n > 0) ? M[0] : 0.0;
+  }
+  const double depth = pressed * sizes * c.tol;
+  const double force = fmax(fmax(load, least_acceleration * mass), least_acceleration * 1e-12);
+  s->K = force / ((s->opt->law == PENALTY_KELVIN_VOIGT) ? depth : depth * sqrt(depth));
+  return BASE_OK;
+}
+
+/* The damping factor at e, remembered: most scenes have one. */
+static double damping_factor(state *s, double e) {
+  if (e != s->e) {
+    s->e = e;
+    s->x = penalty_damping((penalty_model)s->opt->law, e);
+  }
+  return s->x;
+}
+
 /* Contact-frame force of contact i of the set (normal, tangents); rows beyond friction get none. */
-static void contact_force(const state *s, const contact_set *c, int i, const impulse_entry *known,
+static void contact_force(state *s, const contact_set *c, int i, const impulse_entry *known,
                           double f[3]) {
   const options *o = s->opt;
   const double *u = c->u_before + c->row_start[i];
@@ -73,8 +127,8 @@ static void contact_force(const state *s, const contact_set *c, int i, const imp
   const double e = (c->restitution != NULL) ? c->restitution[i] : 0.0;
   const double v_i = (known != NULL) ? known->memory : fmax(closing, o->impact_floor);
   f[1] = f[2] = 0.0;
-  f[0] = penalty_normal_force((penalty_model)o->law, o->stiffness, o->damping, e, v_i, -c->gap[i],
-                              closing);
+  f[0] = penalty_normal_force((penalty_model)o->law, s->K, o->damping, damping_factor(s, e), v_i,
+                              -c->gap[i], closing);
   if (c->rows[i].tangent > 0) {
     penalty_friction(c->mu_kinetic[i], f[0], o->slip_speed, c->rows[i].tangent, u + 1, f + 1);
   }
@@ -106,21 +160,28 @@ static void add_acceleration(const contact_set *c, int i, const double f[3], dou
   }
 }
 
+/* v' of the world's state, contacts in *c; of the joints, their forces stay in s->space. */
+static base_status accelerate(state *s, contact_set *c, double *a, base_error *err) {
+  BASE_TRY(world_acceleration(s->w, a, err));
+  BASE_TRY(s->jointed ? world_contacts_curved(s->w, instant, 0.0, c, err)
+                      : world_contacts(s->w, instant, 0.0, c, err));
+  for (int i = 0; i < c->n_contact; i++) {
+    double f[3];
+    if (c->gap[i] < 0.0) {
+      contact_force(s, c, i, impulse_log_find(&s->log, c->id[i]), f);
+      add_acceleration(c, i, f, a);
+    }
+  }
+  return s->jointed ? space_constrain(&s->space, c, s->opt->joint_rate, a, err) : BASE_OK;
+}
+
 static int right_hand_side(double t, const double y[], double dy[], void *params) {
   state *s = params;
   contact_set c;
   world_set_state(s->w, t, y, y + s->n_config);
   world_config_rate(s->w, y, y + s->n_config, dy);
-  if (world_acceleration(s->w, dy + s->n_config, s->err) != BASE_OK ||
-      world_contacts(s->w, instant, 0.0, &c, s->err) != BASE_OK) {
+  if (accelerate(s, &c, dy + s->n_config, s->err) != BASE_OK) {
     return GSL_EBADFUNC;
-  }
-  for (int i = 0; i < c.n_contact; i++) {
-    double f[3];
-    if (c.gap[i] < 0.0) {
-      contact_force(s, &c, i, impulse_log_find(&s->log, c.id[i]), f);
-      add_acceleration(&c, i, f, dy + s->n_config);
-    }
   }
   s->evaluations++;
   return GSL_SUCCESS;
@@ -165,6 +226,10 @@ static base_status accept(state *s, double t, double dt, base_error *err) {
     impulse_log_add(e, dt, f);
   }
   impulse_log_end(&s->log, dt);
+  if (s->jointed) {
+    BASE_TRY(accelerate(s, &c, s->acc, err));
+    BASE_TRY(joint_log_add(&s->joints, &c, s->space.a.impulse, dt, false, err));
+  }
   return BASE_OK;
 }
 
@@ -181,13 +246,17 @@ static void close(void *st) {
   }
   free(s->y);
   impulse_log_close(&s->log);
+  joint_log_close(&s->joints);
+  space_close(&s->space);
   free(s->impulse);
   free(s->bias);
 }
 
 static base_status open(void *st, const void *opt, base_error *err) {
   (void)err;
-  ((state *)st)->opt = opt;
+  state *s = st;
+  s->opt = opt;
+  s->e = -1.0;
   return BASE_OK;
 }
 
@@ -200,7 +269,7 @@ static base_status bind(state *s, world *w, base_error *err) {
   s->n_config = world_n_config(w);
   s->n_dof = world_n_dof(w);
   const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
-  s->y = calloc(4 * n + 1, sizeof *s->y);
+  s->y = calloc(5 * n + 1, sizeof *s->y);
   s->system = (gsl_odeiv2_system){right_hand_side, jacobian, n, s};
   s->driver = gsl_odeiv2_driver_alloc_y_new(&s->system, method(s->opt->integrator), first_substep,
                                             s->opt->atol, s->opt->rtol);
@@ -208,7 +277,15 @@ static base_status bind(state *s, world *w, base_error *err) {
     return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %zu state variables", n);
   }
   s->probe = s->y + n;
-  return BASE_OK;
+  s->acc = s->y + 4 * n;
+  s->jointed = (world_occurring(w) & EFFECT_JOINTS) != 0;
+  world_get_state(w, s->y, s->y + s->n_config);
+  if (s->jointed) { /* closed, and without velocities that they forbid */
+    double left;
+    BASE_TRY(space_onto_joints(&s->space, w, world_time(w), s->y, s->y + s->n_config, s->probe,
+                               &left, err));
+  }
+  return find_stiffness(s, err);
 }
 
 static base_status grow_rows(state *s, const contact_set *c, base_error *err) {
@@ -232,10 +309,11 @@ static base_status report(state *s, double h, formulation_answer *out, base_erro
   BASE_TRY(world_contacts(s->w, h, -1.0, c, err));
   BASE_TRY(grow_rows(s, c, err));
   const int active = impulse_log_write(&s->log, c, s->impulse);
+  joint_log_write(&s->joints, c, s->impulse);
   double energy = 0.0;
   for (int i = 0; i < c->n_contact; i++) {
     s->bias[i] = HUGE_VAL; /* no complementarity is claimed */
-    energy += penalty_energy((penalty_model)s->opt->law, s->opt->stiffness, -c->gap[i]);
+    energy += penalty_energy((penalty_model)s->opt->law, s->K, -c->gap[i]);
   }
   *out = (formulation_answer){.impulse = s->impulse,
                               .v_next = s->y + s->n_config,
@@ -254,8 +332,6 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
                         formulation_answer *out, base_error *err) {
   (void)solver;
   state *s = st;
-  BASE_TRY(formulation_lacks("penalty", world_effects(w),
-                             EFFECT_ROLLING | EFFECT_TORSION | EFFECT_JOINTS, err));
   BASE_TRY(bind(s, w, err));
   s->err = err;
   s->evaluations = 0;
@@ -282,6 +358,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   }
   BASE_TRY(report(s, h, out, err));
   impulse_log_next_step(&s->log);
+  joint_log_next_step(&s->joints);
   return BASE_OK;
 }
 
@@ -293,11 +370,12 @@ static long dimension(int dim, int p, const void *opt) {
 const formulation form_penalty = {
     .name = "penalty",
     .title = "Compliant contact (ODE)",
-    .cite = "hunt1975; lankarani1990",
+    .cite = "gonthier2004; hunt1975; lankarani1990",
     .words = "Compliant contact: a stiff differential equation, integrated without a "
              "complementarity problem.",
     .when = "The stiffness of the contact is known and its compliance is asked for.",
     .model = FORM_FRICTION | FORM_REGULARISED | FORM_PENALTY | FORM_NO_LCP,
+    .lacks = EFFECT_ROLLING | EFFECT_TORSION | FORM_COORDINATES,
     .fields = fields,
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),

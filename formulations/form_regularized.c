@@ -27,15 +27,14 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
     BASE_FIELD_CHOICE(options, factor, "auto|envelope|cholmod", 0, "of form=mass"),
     BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
-    BASE_FIELD_CHOICE(options, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),
+    FORM_ACTIVATION_FIELD(options),
+    FORM_DISTRIBUTION_FIELD(options),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
     BASE_FIELD(options, mode_iter, BASE_INT, "1", 1000, 1, 1e6, "most solves in a step"),
     BASE_FIELD(options, prox, BASE_REAL, "1", 1e-4, 0, 1, "proximal term from the third solve on"),
     BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the first secants"),
-    BASE_FIELD(options, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),
-    BASE_FIELD(options, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),
-    BASE_FIELD(options, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),
-    BASE_FIELD(options, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed"),
+    FORM_PUSH_FIELDS(options, 0),
+    FORM_JOINT_PUSH_FIELD(options),
 };
 
 static long dimension(int dim, int p, const void *opt) {
@@ -113,7 +112,7 @@ static void finish(regularized *s, bool solved) {
  * solve of a step on: most steps never see it. */
 static void add_proximal_term(regularized *s) {
   const int p = s->a.n_contact;
-  s->proximal = s->opt.prox > 0 && s->iteration >= 2;
+  s->proximal = s->opt.prox > 0 && s->iteration >= 2 && s->opt.distribution == FORM_EXTREME;
   for (int i = 0; i < p && s->proximal; i++) {
     const double delta = s->opt.prox * form_own_block(&s->a, i)[0];
     s->A[(ptrdiff_t)i * p + i] += delta;
@@ -152,7 +151,8 @@ static void choose_form(regularized *s, const contact_set *c) {
 static void start_point(regularized *s) {
   const double ratio = (s->memory.h_old > 0) ? s->a.set->h / s->memory.h_old : 0;
   for (int i = 0; i < s->a.n_contact; i++) {
-    s->block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
+    s->block[i] = (lcp_block){
+        .start = i, .size = 1, .set = LCP_ORTHANT, .soft = form_soft(s->opt.distribution)};
     const double *past = contact_memory_old(&s->memory, s->a.group[i]);
     s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[1] : 0;
   }
@@ -162,10 +162,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
   const form_rule rule = {.level = s->opt.bias,
                           .activation = s->opt.activation,
                           .newton = s->opt.restitution == 0,
-                          .push = s->opt.push,
-                          .push_speed = s->opt.push_speed,
-                          .rest = s->opt.rest,
-                          .joint_push = s->opt.joint_push};
+                          .repair = s->opt.repair};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
   choose_form(s, c);
   if (s->by_mass) {

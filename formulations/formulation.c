@@ -2,6 +2,7 @@
 
 #include "form_list.h"
 
+#include <assert.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -79,18 +80,49 @@ void formulation_close(formulation_run *r) {
   }
 }
 
-const formulation *formulation_of(const formulation_run *r) {
-  return r->form;
+/* The one test of `lacks`. */
+static base_status refuse(const formulation *f, unsigned occurs, base_error *err) {
+  const unsigned lacking = f->lacks & occurs;
+  char words[160];
+  if (lacking == 0) {
+    return BASE_OK;
+  }
+  if ((lacking & FORM_COORDINATES) != 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "%s: needs bodies, the scene has generalised coordinates", f->name);
+  }
+  effects_print(lacking, words, sizeof words);
+  return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: does not simulate %s", f->name, words);
+}
+
+base_status formulation_admits(const formulation *f, const world *w, base_error *err) {
+  return refuse(f, world_occurring(w) | (world_has_coordinates(w) ? FORM_COORDINATES : 0u), err);
+}
+
+/* What the rows of a set show of its scene's effects. */
+static unsigned effects_of_rows(const contact_set *c) {
+  unsigned seen = (c->n_group > c->n_contact) ? EFFECT_JOINTS : 0u;
+  for (int i = 0; i < c->n_contact; i++) {
+    seen |= (c->rows[i].torsion > 0 ? EFFECT_TORSION : 0u) |
+            (c->rows[i].rolling > 0 ? EFFECT_ROLLING : 0u);
+  }
+  return seen;
 }
 
 base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
                               base_error *err) {
+  if (r->form->lacks != 0) {
+    BASE_TRY(refuse(r->form, effects_of_rows(c), err));
+  }
+  assert(contact_set_is_ordered(c));
   return r->form->begin(r->state, c, r->opt, start, err);
 }
 
 base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,
                                  bool *pending, base_error *err) {
-  return r->form->assemble(r->state, out, z0, pending, err);
+  BASE_TRY(r->form->assemble(r->state, out, z0, pending, err));
+  assert(!*pending || lcp_problem_is_shaped(out));
+  return BASE_OK;
 }
 
 base_status formulation_recover(formulation_run *r, const double *z, lcp_outcome claimed,
@@ -105,15 +137,6 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out) {
 base_status formulation_step(formulation_run *r, world *w, double h,
                              const formulation_solver *solver, formulation_answer *out,
                              base_error *err) {
+  BASE_TRY(formulation_admits(r->form, w, err));
   return r->form->step(r->state, w, h, solver, out, err);
-}
-
-base_status formulation_lacks(const char *name, unsigned effects, unsigned lacking,
-                              base_error *err) {
-  char words[160];
-  if ((effects & lacking) == 0) {
-    return BASE_OK;
-  }
-  effects_print(effects & lacking, words, sizeof words);
-  return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: does not simulate %s", name, words);
 }

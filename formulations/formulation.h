@@ -33,6 +33,9 @@ typedef enum formulation_model {
   FORM_CURVED = 1u << 11,         /* begin wants u_curve (world_contacts_curved); not told */
 } formulation_model;
 
+/* Beside the EFFECT_ bits in `lacks`: scenes with generalised coordinates instead of bodies. */
+enum { FORM_COORDINATES = 1u << EFFECT_COUNT };
+
 /* The words of `model` in rows and lists: "unilateral friction ...". formulation_model_word returns
  * NULL for a bit that has none. */
 const char *formulation_model_word(int bit);
@@ -87,6 +90,7 @@ struct formulation {
                         figures; NULL: all settings are one curve */
   unsigned model;         /* formulation_model bits */
   unsigned sets;          /* 1u << lcp_set of its contacts' blocks; 0: poses no problem */
+  unsigned lacks;         /* what it cannot simulate: EFFECT_ bits, FORM_COORDINATES */
   const char *stands_for; /* which "forms" word of the case format its checks go by: "velocity",
                              "position" or "regularized"; NULL: only checks without forms */
   const base_field *fields;
@@ -124,7 +128,10 @@ const formulation *formulation_find(const char *name);
 base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
                              base_error *err);
 void formulation_close(formulation_run *r);
-const formulation *formulation_of(const formulation_run *r);
+/* Refuses a world in which something occurs that f lacks, so that no motion without it is reported as the scene's:
+ * BASE_EUNSUPPORTED names what. To be asked before the first step; begin and step refuse what they see of it in
+ * their contact set or world. */
+base_status formulation_admits(const formulation *f, const world *w, base_error *err);
 base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
                               base_error *err);
 base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,
@@ -135,7 +142,3 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out);
 base_status formulation_step(formulation_run *r, world *w, double h,
                              const formulation_solver *solver, formulation_answer *out,
                              base_error *err);
-/* Refuses a step whose effects (EFFECT_ bits) a formulation `name` cannot simulate: BASE_EUNSUPPORTED names those of
- * `lacking` that occur, so that no motion without them is reported as the scene's. */
-base_status formulation_lacks(const char *name, unsigned effects, unsigned lacking,
-                              base_error *err);

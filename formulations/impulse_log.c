@@ -84,3 +84,45 @@ void impulse_log_close(impulse_log *l) {
   free(l->entry);
   *l = (impulse_log){0};
 }
+
+base_status joint_log_add(joint_log *l, const contact_set *c, const double *lambda, double dt,
+                          bool jump, base_error *err) {
+  const int first = c->row_start[c->n_contact];
+  const int n = c->n_row - first;
+  if (n > l->cap) {
+    double *more = calloc(2 * (size_t)n, sizeof *more);
+    if (more == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "impulse log: no memory for %d joint rows", n);
+    }
+    free(l->force);
+    *l = (joint_log){.force = more, .impulse = more + n, .cap = n};
+  }
+  if (n != l->n) {
+    memset(l->force, 0, 2 * (size_t)l->cap * sizeof *l->force);
+    l->n = n;
+  }
+  for (int r = 0; r < n; r++) {
+    const double now = lambda[first + r];
+    l->impulse[r] += jump ? now : 0.5 * dt * (l->force[r] + now);
+    l->force[r] = jump ? l->force[r] : now;
+  }
+  return BASE_OK;
+}
+
+void joint_log_next_step(joint_log *l) {
+  for (int r = 0; r < l->n; r++) {
+    l->impulse[r] = 0;
+  }
+}
+
+void joint_log_write(const joint_log *l, const contact_set *c, double *impulse) {
+  const int first = c->row_start[c->n_contact];
+  if (c->n_row - first == l->n && l->n > 0) {
+    memcpy(impulse + first, l->impulse, (size_t)l->n * sizeof *impulse);
+  }
+}
+
+void joint_log_close(joint_log *l) {
+  free(l->force);
+  *l = (joint_log){0};
+}

@@ -31,3 +31,18 @@ void impulse_log_next_step(impulse_log *l);
  * set's contacts have one. */
 int impulse_log_write(impulse_log *l, const contact_set *c, double *impulse);
 void impulse_log_close(impulse_log *l);
+
+/* The same for the joint rows of the set, by their place. */
+typedef struct joint_log {
+  double *force, *impulse; /* n: at the last accepted state [N], of this step [N s]; owned as one */
+  int n, cap;
+} joint_log;
+
+/* Adds what the joints of c carry, `lambda` over its rows: impulses of a jump, or forces at the end of a substep of dt >= 0.
+ * A joint row that nothing can move is not listed, and comes and goes: the log then begins anew. */
+base_status joint_log_add(joint_log *l, const contact_set *c, const double *lambda, double dt,
+                          bool jump, base_error *err);
+void joint_log_next_step(joint_log *l);
+/* Into the joint rows of impulse[n_row], where the log has as many. */
+void joint_log_write(const joint_log *l, const contact_set *c, double *impulse);
+void joint_log_close(joint_log *l);

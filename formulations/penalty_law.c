@@ -2,26 +2,45 @@
 
 #include <math.h>
 
-double penalty_normal_force(penalty_model model, double K, double c, double e, double v_i, double d,
+/* Root of x (1 + e) = ln((1 + x) / (1 - x e)) in (0, 1/e), by bisection: left less right is negative beyond it, positive before. */
+static double gonthier(double e) {
+  const double least = 0.01;
+  e = fmax(e, least);
+  if (e >= 1.0) {
+    return 0.0;
+  }
+  double low = 0.0, high = 1.0 / e;
+  for (int k = 0; k < 200 && high - low > 4e-16 * high; k++) {
+    const double x = 0.5 * (low + high);
+    const double over = x * (1.0 + e) - log1p(x) + log1p(-x * e);
+    low = (over > 0.0) ? x : low;
+    high = (over > 0.0) ? high : x;
+  }
+  return 0.5 * (low + high);
+}
+
+double penalty_damping(penalty_model model, double e) {
+  switch (model) {
+  case PENALTY_HUNT_CROSSLEY:
+    return 1.5 * (1.0 - e);
+  case PENALTY_LANKARANI_NIKRAVESH:
+    return 0.75 * (1.0 - e * e);
+  case PENALTY_GONTHIER:
+    return gonthier(e);
+  case PENALTY_HERTZ:
+  case PENALTY_KELVIN_VOIGT:
+    break;
+  }
+  return 0.0;
+}
+
+double penalty_normal_force(penalty_model model, double K, double c, double x, double v_i, double d,
                             double v) {
   if (d <= 0.0) {
     return 0.0;
   }
-  double force = 0.0;
-  switch (model) {
-  case PENALTY_HERTZ:
-    force = K * d * sqrt(d);
-    break;
-  case PENALTY_KELVIN_VOIGT:
-    force = K * d + c * v;
-    break;
-  case PENALTY_HUNT_CROSSLEY:
-    force = K * d * sqrt(d) * (1.0 + 1.5 * (1.0 - e) * v / v_i);
-    break;
-  case PENALTY_LANKARANI_NIKRAVESH:
-    force = K * d * sqrt(d) * (1.0 + 0.75 * (1.0 - e * e) * v / v_i);
-    break;
-  }
+  const double force =
+      (model == PENALTY_KELVIN_VOIGT) ? K * d + c * v : K * d * sqrt(d) * (1.0 + x * v / v_i);
   return fmax(force, 0.0);
 }
 

@@ -8,9 +8,11 @@
  *   kelvin_voigt        F = K d + c v                                (Goldsmith 1960)
  *   hunt_crossley       F = K d^1.5 (1 + 3 (1 - e) / (2 v_i) v)      (Hunt & Crossley 1975)
  *   lankarani_nikravesh F = K d^1.5 (1 + 3 (1 - e^2) / (4 v_i) v)    (Lankarani & Nikravesh 1990)
+ *   gonthier            F = K d^1.5 (1 + x v / v_i)                  (Gonthier, McPhee, Lange & Piedboeuf 2004)
  *
- * None pulls: F = max(F, 0). Both dissipative factors are derived for e near 1 and lose accuracy
- * below e of about 0.7; the report shows by how much.
+ * None pulls: F = max(F, 0). The factors of hunt_crossley and lankarani_nikravesh are derived for e near 1 and lose accuracy
+ * below e of about 0.7 (at e = 0 a ball still rises to a tenth of its height); that of gonthier is exact,
+ * x (1 + e) = ln((1 + x) / (1 - x e)), and taken at e = 0.01 where e is less: e = 0 asks for x infinite.
  */
 #pragma once
 
@@ -19,11 +21,15 @@ typedef enum penalty_model {
   PENALTY_KELVIN_VOIGT,
   PENALTY_HUNT_CROSSLEY,
   PENALTY_LANKARANI_NIKRAVESH,
+  PENALTY_GONTHIER,
 } penalty_model;
-#define PENALTY_MODELS "hertz|kelvin_voigt|hunt_crossley|lankarani_nikravesh"
+#define PENALTY_MODELS "hertz|kelvin_voigt|hunt_crossley|lankarani_nikravesh|gonthier"
 
-/* K [N/m^1.5] or [N/m] (kelvin_voigt), c [N s/m] (kelvin_voigt only), e in [0, 1]. Returns [N]. */
-double penalty_normal_force(penalty_model model, double K, double c, double e, double v_i, double d,
+/* The factor of v / v_i at the coefficient of restitution e in [0, 1]; 0 for hertz and kelvin_voigt [1]. */
+double penalty_damping(penalty_model model, double e);
+
+/* K [N/m^1.5] or [N/m] (kelvin_voigt), c [N s/m] (kelvin_voigt only), x from penalty_damping. Returns [N]. */
+double penalty_normal_force(penalty_model model, double K, double c, double x, double v_i, double d,
                             double v);
 
 /* Elastic energy stored at indentation d [J]. */

@@ -5,8 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A memory entry: closed, slipping, the approach that two_steps owes [m/s], then the unknowns of the block. */
-enum { PAST_CLOSED, PAST_SLIP, PAST_APPROACH, PAST_Z };
+/* A memory entry: closed, slipping, the approach that two_steps owes [m/s], then how many unknowns the block had, and
+ * these. */
+enum { PAST_CLOSED, PAST_SLIP, PAST_APPROACH, PAST_WIDTH, PAST_Z };
 
 long poly_dimension(int dim, int p, const void *opt) {
   const poly_options *o = opt;
@@ -52,10 +53,6 @@ void poly_close(void *state) {
   free(s->jac_mem);
 }
 
-static contact_rows used_rows(const polyhedral *s, int g) {
-  return (s->rows == FORM_ROWS_NORMAL) ? (contact_rows){0} : s->a.set->rows[g];
-}
-
 static const poly_shape *shape_for(polyhedral *s, contact_rows rows) {
   poly_shape *shape = &s->shape[rows.tangent][rows.torsion][rows.rolling];
   if (shape->n_column == 0) {
@@ -97,13 +94,25 @@ static void set_parts(polyhedral *s, int i) {
   }
 }
 
+/* Parts of a faceted cone and its compliance; the planar three-unknown form has no facets of its own. */
+static void describe_facets(const polyhedral *s, int i, lcp_block *block) {
+  const poly_shape *shape = s->shape_of[i];
+  block->soft = form_soft(s->opt.distribution);
+  if (s->opt.planar == POLY_THREE && s->a.set->dim == 2) {
+    return;
+  }
+  block->n_part = shape->n_part;
+  for (int p = 0; p < shape->n_part; p++) {
+    block->part_dim[p] = shape->part_start[p + 1] - shape->part_start[p];
+  }
+}
+
 static void number_unknowns(polyhedral *s) {
   const form_assembly *a = &s->a;
   s->first[0] = 0;
   for (int i = 0; i < a->n_group; i++) {
-    const int g = a->group[i];
     const bool contact = i < a->n_contact;
-    s->shape_of[i] = contact ? shape_for(s, used_rows(s, g)) : &s->joint;
+    s->shape_of[i] = contact ? shape_for(s, a->rows[i]) : &s->joint;
     if (contact) {
       set_parts(s, i);
     }
@@ -111,6 +120,9 @@ static void number_unknowns(polyhedral *s) {
     s->first[i + 1] = s->first[i] + poly_width(s, i);
     s->block[i] = (lcp_block){
         .start = s->first[i], .size = poly_width(s, i), .set = contact ? LCP_ORTHANT : LCP_FREE};
+    if (contact) {
+      describe_facets(s, i, &s->block[i]);
+    }
   }
   s->n = s->first[a->n_group];
 }
@@ -211,10 +223,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   const form_rule rule = {.level = opt->level,
                           .activation = opt->activation,
                           .newton = opt->restitution == POLY_NEWTON,
-                          .push = opt->push,
-                          .push_speed = opt->push_speed,
-                          .rest = opt->rest,
-                          .joint_push = opt->joint_push};
+                          .repair = opt->repair};
   s->opt = *opt;
   s->rows = rows;
   s->start = start;
@@ -250,7 +259,8 @@ static void start_point(polyhedral *s) {
   const double ratio = s->a.set->h / s->memory.h_old;
   for (int i = 0; i < s->a.n_contact; i++) {
     const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-    for (int k = 0; past != NULL && k < poly_width(s, i); k++) {
+    const bool same = past != NULL && past[PAST_WIDTH] == poly_width(s, i);
+    for (int k = 0; same && k < poly_width(s, i); k++) {
       s->z0[s->first[i] + k] = ratio * past[PAST_Z + k];
     }
   }
@@ -320,7 +330,7 @@ static bool decompress(polyhedral *s) {
     const double u = c->u_before[c->row_start[g]];
     const double gain = gained(s, g);
     double *lambda = s->base + s->a.row[i];
-    if (c->restitution[g] > 0 && lambda[0] > 0 && -u > s->opt.rest * gain) {
+    if (c->restitution[g] > 0 && lambda[0] > 0 && -u > s->opt.repair.rest * gain) {
       s->cone[i] = c->restitution[g] * lambda[0] * u / (u - gain);
       lambda[0] += s->cone[i];
       if (s->opt.planar == POLY_THREE && c->dim == 2 && s->shape_of[i]->n_part > 0) {
@@ -336,7 +346,7 @@ static bool decompress(polyhedral *s) {
 static double approach_met(const polyhedral *s, int i) {
   const int g = s->a.group[i];
   const double u = s->a.set->u_before[s->a.set->row_start[g]];
-  const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.rest * gained(s, g);
+  const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.repair.rest * gained(s, g);
   return (met && !(owed(s, i) < 0)) ? fmin(u, 0) : 0;
 }
 
@@ -354,6 +364,7 @@ static void note_modes(polyhedral *s, const double *z) {
     if (s->opt.restitution == POLY_TWO_STEPS) {
       now[PAST_APPROACH] = approach_met(s, i);
     }
+    now[PAST_WIDTH] = poly_width(s, i);
     memcpy(now + PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
   }
 }

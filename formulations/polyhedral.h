@@ -30,15 +30,16 @@ typedef enum poly_planar { POLY_FOUR, POLY_THREE } poly_planar;
 typedef enum poly_storage { POLY_AUTO, POLY_DENSE, POLY_CSC, POLY_FACTORED } poly_storage;
 
 typedef struct poly_options {
-  int facets;      /* directions of the tangent plane; planar contacts always have 2 */
-  int cone;        /* 0 inscribed, 1 circumscribed */
-  int restitution; /* poly_restitution */
-  int planar;      /* poly_planar: unknowns of a planar contact with friction */
-  int storage;     /* poly_storage */
-  int level;       /* form_level */
-  int joints;      /* 0 eliminated, 1 kept as free rows: a mixed problem */
-  int activation;  /* form_activation */
-  double push, push_speed, rest, joint_push;
+  int facets;       /* directions of the tangent plane; planar contacts always have 2 */
+  int cone;         /* 0 inscribed, 1 circumscribed */
+  int restitution;  /* poly_restitution */
+  int planar;       /* poly_planar: unknowns of a planar contact with friction */
+  int storage;      /* poly_storage */
+  int level;        /* form_level */
+  int joints;       /* 0 eliminated, 1 kept as free rows: a mixed problem */
+  int activation;   /* form_activation */
+  int distribution; /* form_distribution */
+  form_repair repair;
 } poly_options;
 
 /* Directions of a contact with given row counts: column k acts on rows row .. row+n-1. */
@@ -96,3 +97,9 @@ base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool
 base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err);
 void poly_answer(const void *state, formulation_answer *out);
 void poly_close(void *state);
+
+/* What the descriptors of polyhedral formulations share; `fields`, `options` and `begin` are their own. */
+#define POLY_FORM_PARTS                                                                            \
+  .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
+  .state_size = sizeof(polyhedral), .close = poly_close, .begin = begin,                           \
+  .assemble = poly_assemble, .recover = poly_recover, .answer = poly_answer

@@ -30,7 +30,8 @@ void row_form_close(void *state) {
   free(s->mem);
 }
 
-double row_form_friction(const row_form *s, int i) {
+/* mu of active contact i: the kinetic one where it slipped a step ago. */
+static double friction_of(const row_form *s, int i) {
   const int g = s->a.group[i];
   const double *past = contact_memory_old(&s->memory, g);
   const bool slips = past != NULL && past[PAST_SLIP] > 0;
@@ -39,11 +40,11 @@ double row_form_friction(const row_form *s, int i) {
 
 int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]) {
   const int g = s->a.group[i];
-  const contact_rows rows = s->a.set->rows[g];
+  const contact_rows rows = s->a.rows[i];
   int n = 0;
   if (rows.tangent > 0) {
     dim[n] = rows.tangent;
-    mu[n++] = row_form_friction(s, i);
+    mu[n++] = friction_of(s, i);
   }
   if (rows.torsion > 0) {
     dim[n] = rows.torsion;
@@ -66,9 +67,16 @@ static void fill_vectors(row_form *s) {
     const int g = s->a.group[i];
     const double *past = contact_memory_old(&s->memory, g);
     s->q[s->a.row[i]] += s->a.bias[g];
-    s->normal[i] = (past != NULL) ? ratio * past[PAST_LAMBDA] : 0;
-    for (int k = 0; s->start == FORM_PREVIOUS && past != NULL && k < form_rows_of(&s->a, i); k++) {
-      s->z0[s->a.row[i] + k] = ratio * past[PAST_LAMBDA + k];
+    const bool behind = s->start == FORM_PREVIOUS || s->opt.outer == 1; /* lagged by the model */
+    const double own = form_own_block(&s->a, i)[0];
+    const double alone = (own > 0) ? fmax(-s->q[s->a.row[i]], 0) / own : 0; /* stops the approach */
+    s->normal[i] = behind ? ((past != NULL) ? ratio * past[PAST_LAMBDA] : 0) : alone;
+    if (s->start == FORM_PREVIOUS && past != NULL) {
+      double *z0 = s->z0 + s->a.row[i];
+      form_to_rows(&s->a, i, past + PAST_LAMBDA, z0);
+      for (int k = 0; k < form_rows_of(&s->a, i); k++) {
+        z0[k] *= ratio;
+      }
     }
   }
 }
@@ -78,10 +86,7 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   const form_rule rule = {.level = opt->level,
                           .activation = opt->activation,
                           .newton = opt->restitution == 0,
-                          .push = opt->push,
-                          .push_speed = opt->push_speed,
-                          .rest = opt->rest,
-                          .joint_push = opt->joint_push};
+                          .repair = opt->repair};
   s->opt = *opt;
   s->start = start;
   BASE_TRY(contact_memory_begin(&s->memory, PAST_STRIDE, c, err));
@@ -124,13 +129,13 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
   s->answer.solved = solved;
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i];
-    const int tangent = s->a.set->rows[g].tangent;
+    const int tangent = s->a.rows[i].tangent;
     const double *l = lambda + s->a.row[i];
     double *now = contact_memory_now(&s->memory, g);
-    const double limit = (1 - 1e-6) * row_form_friction(s, i) * l[0]; /* on the cone, to rounding */
+    const double limit = (1 - 1e-6) * friction_of(s, i) * l[0]; /* on the cone, to rounding */
     const bool slips = tangent == 0 || norm(l + 1, tangent) >= limit;
     now[PAST_SLIP] = tangent > 0 && l[0] > 0 && slips;
-    memcpy(now + PAST_LAMBDA, l, (size_t)form_rows_of(&s->a, i) * sizeof *l);
+    form_to_set(&s->a, i, l, now + PAST_LAMBDA);
     s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + slips : 0);
   }
   form_assembly_answer(&s->a, lambda);

@@ -8,8 +8,8 @@ typedef struct row_options {
   int storage; /* row_storage */
   int level;   /* form_level */
   int joints;  /* 0 eliminated, 1 kept as free rows */
-  int activation, restitution;
-  double push, push_speed, rest, joint_push;
+  int activation, restitution, distribution;
+  form_repair repair;
   int outer;        /* boxed: most solves in a step */
   double outer_tol; /* boxed: what moved bounds change, over the largest impulse [1] */
 } row_options;
@@ -34,8 +34,6 @@ typedef struct row_form {
 
 base_status row_form_begin(row_form *s, const contact_set *c, const row_options *opt,
                            formulation_start start, base_error *err);
-/* mu of active contact i: the kinetic one where it slipped a step ago. */
-double row_form_friction(const row_form *s, int i);
 /* Cone row dimensions and coefficients of contact i: friction, torsion, rolling. */
 int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]);
 /* Impulses of the step into the answer; modes and memory. */
@@ -43,13 +41,15 @@ void row_form_finish(row_form *s, const double *lambda, bool solved);
 void row_form_answer(const void *state, formulation_answer *out);
 void row_form_close(void *state);
 
+/* What the descriptors of formulations by rows share; what is not named row_form_ is their own. */
+#define ROW_FORM_PARTS                                                                             \
+  .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
+  .state_size = sizeof(row_form), .dimension = dimension, .close = row_form_close, .begin = begin, \
+  .assemble = assemble, .recover = recover, .answer = row_form_answer
+
 #define ROW_FORM_FIELDS(T)                                                                         \
-  BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0, "matrix handed to the solver"),      \
+  FORM_STORAGE_FIELD(T),                                                                           \
       BASE_FIELD_CHOICE(T, level, "velocity|position", 0, "level of the normal rows"),             \
-      BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows (always when factored)"),  \
-      BASE_FIELD_CHOICE(T, activation, "closed|moreau", 0, "gap, or gap half a step ahead"),       \
+      FORM_JOINTS_FIELD(T), FORM_ACTIVATION_FIELD(T), FORM_DISTRIBUTION_FIELD(T),                  \
       BASE_FIELD_CHOICE(T, restitution, "newton|none", 0, "law of impact"),                        \
-      BASE_FIELD(T, push, BASE_REAL, "1", 0, 0, 1, "share of an overlap removed a step"),          \
-      BASE_FIELD(T, push_speed, BASE_REAL, "m/s", 1e9, 0, 1e9, "limit of that speed"),             \
-      BASE_FIELD(T, rest, BASE_REAL, "1", 2, 0, 1e6, "approach in steps of load: no bounce"),      \
-      BASE_FIELD(T, joint_push, BASE_REAL, "1", 0.2, 0, 1, "share of a joint error removed")
+      FORM_PUSH_FIELDS(T, 0), FORM_JOINT_PUSH_FIELD(T)

@@ -20,22 +20,37 @@
 
 #include "formulations/assembly.h"
 
-enum { REG_KINDS = 3 }; /* friction, torsion, rolling */
+enum { REG_KINDS = 3 };    /* friction, torsion, rolling */
+enum { REG_ROWS_MAX = 8 }; /* of a group */
+enum { REG_PAIRS = 8 };    /* steps that the secant iteration remembers */
 typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT } reg_mode;
 typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
 typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY } reg_modes;
 
+/* A memory entry: closed, lambda_n, then for each kind of part the numbers below: of these S (deflections) and SLIDING are state
+ * of the model, the others only where a step starts from the previous one. */
+enum {
+  REG_PAST_MODE,
+  REG_PAST_SLIDING,
+  REG_PAST_R,
+  REG_PAST_S,
+  REG_PAST_D = REG_PAST_S + 3,
+  REG_PAST_PART = REG_PAST_D + 3
+};
+enum { REG_PAST_PARTS = 2, REG_STRIDE = REG_PAST_PARTS + REG_KINDS * REG_PAST_PART };
+
 typedef struct reg_options {
-  int model;     /* reg_model */
-  int bias;      /* form_level */
-  int stiffness; /* 0: G/m_t fixed, 1: k and c fixed */
-  double ratio;  /* G/m_t [1] */
-  double zeta;   /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
-  double k, c;   /* [N/m], [N s/m] */
-  int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
-  int modes;     /* reg_modes */
-  int form;      /* 0 by size, 1 contact space, 2 mass matrix */
-  int factor;    /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
+  int model;        /* reg_model */
+  int bias;         /* form_level */
+  int stiffness;    /* 0: G/m_t fixed, 1: k and c fixed */
+  double ratio;     /* G/m_t [1] */
+  double zeta;      /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
+  double k, c;      /* [N/m], [N s/m] */
+  int impact;       /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
+  int modes;        /* reg_modes */
+  int distribution; /* form_distribution */
+  int form;         /* 0 by size, 1 contact space, 2 mass matrix */
+  int factor;       /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
   double sigma0, sigma1, sigma2, v_stribeck; /* LuGre [N/m], [N s/m], [N s/m], [m/s] */
   double ellipse;                            /* mu along t2 over mu along t1 [1] */
   int activation, restitution;
@@ -43,7 +58,7 @@ typedef struct reg_options {
   int mode_iter;   /* most solves in a step */
   double prox;     /* weight of the proximal term [1] */
   int newton_iter; /* solves after which all slip is treated by the secant */
-  double push, push_speed, rest, joint_push;
+  form_repair repair;
 } reg_options;
 
 typedef struct reg_part {
@@ -59,11 +74,15 @@ typedef struct reg_part {
   double d[2], r;             /* slip direction, secant factor of the current mode */
   double tau[2], size;        /* h tau of the last iterate and its length [N s] */
   double next_r;              /* min(1, mu lambda_n / |h tau|) there */
-  double log_step;            /* ln(next_r / r) of the last secant iteration */
-  double load;                /* mu lambda_n there, an impulse [N s] */
-  unsigned char mode;         /* reg_mode */
-  unsigned char sliding;      /* mu is the kinetic one */
-  unsigned char flips;        /* changes of `sliding` in this step */
+  double log_r, log_step;     /* ln r and ln(next_r / r) of the last secant iteration */
+  double log_go;              /* the move of ln r from there */
+  double moved[REG_PAIRS], answered[REG_PAIRS]; /* changes of log_r and log_step, newest first */
+  double load;                                  /* mu lambda_n there, an impulse [N s] */
+  int openings;           /* solves of this step that took its secant's load away */
+  unsigned char mode;     /* reg_mode */
+  unsigned char sliding;  /* mu is the kinetic one */
+  unsigned char followed; /* log_r and log_step are of the last iteration */
+  unsigned char flips;    /* changes of `sliding` in this step */
 } reg_part;
 
 /* One compliant row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
@@ -84,6 +103,7 @@ typedef struct reg_sparse reg_sparse;
 typedef struct reg_joint {
   int n, rank;   /* joint rows, independent ones */
   double *S, *W; /* n x n, factored; n x width */
+  double *own;   /* width: squares of the columns before they are projected */
   double *x, *y; /* S^-1 r_b; scratch */
   int *pivot;    /* 1-based */
   int cap_n, cap_width;
@@ -109,12 +129,12 @@ typedef struct reg_mass {
 
 /* regularized_modes.c: which kind of iteration is next. */
 typedef struct reg_schedule {
-  double relaxation; /* of the secant factors [1] */
-  int n_secant;      /* parts it was computed from */
-  int calm;          /* iterations since a part began or ceased to stick */
-  int patience;      /* of those before a trial of Newton's */
-  bool trial;        /* one is running */
-  double residual;   /* where its last iteration began */
+  int n_secant;    /* parts by the secant in the last iteration */
+  int n_pair;      /* pairs of steps they remember */
+  int calm;        /* iterations since a part began or ceased to stick */
+  int patience;    /* of those before a trial of Newton's */
+  bool trial;      /* one is running */
+  double residual; /* where its last iteration began */
 } reg_schedule;
 
 typedef struct regularized {
@@ -148,6 +168,7 @@ typedef struct regularized {
   double best_residual;
   reg_schedule schedule;
   double largest; /* impulse of the last iterate [N s] */
+  double fastest; /* free velocity of a row of a contact [m/s] */
   formulation_answer answer;
 
   int cap_contact, cap_group, cap_row;
@@ -175,6 +196,8 @@ void reg_modes_without_solution(regularized *s);
 
 /* regularized_lugre.c */
 void reg_lugre_begin(const reg_options *o, double h, reg_part *p);
+/* eta at p->v under lambda_n. */
+double reg_lugre_steady(const reg_options *o, double h, const reg_part *p, double lambda_n);
 void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_n, const double *u);
 void reg_lugre_next(const reg_options *o, double h, int iteration, reg_part *p);
 double reg_lugre_state(const reg_part *p, double h, int m);

@@ -5,8 +5,6 @@
 
 #include "formulations/regularized/regularized.h"
 
-enum { REG_ROWS_MAX = 8 }; /* of a group */
-
 /* regularized_envelope.c: L in its envelope, no heap in a step. */
 void reg_envelope_plan(const contact_set *c, reg_mass *m);
 void reg_envelope_mass(const contact_set *c, reg_mass *m);

@@ -7,7 +7,9 @@
 #include "formulations/regularized/regularized_factor.h"
 
 #include <cblas.h>
+#include <float.h>
 #include <lapacke.h>
+#include <math.h>
 #include <string.h>
 
 static void layout(void *state, base_arena *a) {
@@ -18,6 +20,7 @@ static void layout(void *state, base_arena *a) {
   j->y = BASE_ARRAY(a, double, n);
   j->pivot = BASE_ARRAY(a, int, n);
   j->W = BASE_ARRAY(a, double, n *(size_t)j->cap_width);
+  j->own = BASE_ARRAY(a, double, j->cap_width);
 }
 
 base_status reg_joint_begin(regularized *s, int width, base_error *err) {
@@ -70,13 +73,59 @@ bool reg_joint_factor(regularized *s, int width) {
   return true;
 }
 
+/* Column k of Y, which is row-major with `all` columns: its square. */
+static double square(const double *Y, int k, int all, int n_dof) {
+  return cblas_ddot(n_dof, Y + k, all, Y + k, all);
+}
+
+static void clear(double *Y, int k, int all, int n_dof) {
+  for (ptrdiff_t d = 0; d < n_dof; d++) {
+    Y[d * all + k] = 0;
+  }
+}
+
+/* A normal that the joints block has a zero row, computed with some roundings of what was taken away, and the velocity
+ * that sides and joints drift with (assembly_blocked.c): exact zeros in their place, and a bias that asks for nothing
+ * unless it is driven to approach. */
+static void unblock(regularized *s, int i, int all) {
+  const reg_joint *j = &s->mass.joint;
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i], first = c->row_start[c->n_contact];
+  const double *w = j->W + (ptrdiff_t)(1 + i) * j->n;
+  double *Y = s->mass.Y;
+  double size = sqrt(j->own[1 + i]), u = c->u_drift[c->row_start[g]], u_size = fabs(u);
+  for (int k = 0; k < j->n; k++) {
+    const double moved = w[k] * c->u_drift[first + k];
+    size += fabs(w[k]) * sqrt(square(Y, all - j->n + k, all, c->n_dof));
+    u -= moved;
+    u_size += fabs(moved);
+  }
+  if (square(Y, 1 + i, all, c->n_dof) > 4 * DBL_EPSILON * (j->n + 8) * size * size) {
+    return;
+  }
+  clear(Y, 1 + i, all, c->n_dof);
+  if (s->any_slip) {
+    clear(Y, 1 + s->a.n_contact + i, all, c->n_dof);
+  }
+  const double apart = u + fmax(s->a.bias[g], 0);
+  s->b[i] = (apart < -1e-9 * u_size) ? apart : 0;
+}
+
 /* The columns of the contacts without what the joints take up. */
 void reg_joint_project(regularized *s, int width) {
-  const reg_joint *j = &s->mass.joint;
-  const int n = j->n, all = width + n;
+  reg_joint *j = &s->mass.joint;
+  const int n = j->n, all = width + n, n_dof = s->a.set->n_dof;
   double *Y = s->mass.Y;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    j->own[1 + i] = square(Y, 1 + i, all, n_dof);
+  }
   cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, width - 1, s->a.set->n_dof, n, -1, j->W + n,
               n, Y + width, all, 1, Y + 1, all);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    if (square(Y, 1 + i, all, n_dof) <= 1e-6 * j->own[1 + i]) {
+      unblock(s, i, all);
+    }
+  }
 }
 
 /* lambda_b = W_c - x - W_B lambda_n, B in the columns from `first`. */

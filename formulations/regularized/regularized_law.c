@@ -3,10 +3,6 @@
 
 #include <string.h>
 
-/* A memory entry: closed, lambda_n, then for each kind of part the numbers below. */
-enum { PAST_MODE, PAST_SLIDING, PAST_R, PAST_S, PAST_D = PAST_S + 3, PAST_PART = PAST_D + 3 };
-enum { PAST_PARTS = 2, REG_STRIDE = PAST_PARTS + REG_KINDS * PAST_PART };
-
 /* Largest eigenvalue of the dim x dim block of C at rows `at` of contact i. */
 static double mobility(const form_assembly *a, int i, int at, int dim) {
   const int n = form_rows_of(a, i);
@@ -86,26 +82,112 @@ static void carry(const contact_set *c, int g, int dim, const double *in, double
   }
 }
 
-/* A planar tangent or a torsion is one number. A planar t1 turns with the normal by itself. */
+/* Rows of the set's contact that belong to a kind of part, and the first of them. */
+static int rows_of_kind(contact_rows rows, int kind, int *first) {
+  *first = 1 + ((kind > 0) ? rows.tangent : 0) + ((kind > 1) ? rows.torsion : 0);
+  return (kind == 0) ? rows.tangent : ((kind == 1) ? rows.torsion : rows.rolling);
+}
+
+/* The direction of row m of a part in the rows of its kind in the set. */
+static void axis_of(const regularized *s, const reg_part *p, int m, double axis[2]) {
+  int first;
+  (void)rows_of_kind(s->a.set->rows[s->a.group[p->contact]], p->kind, &first);
+  axis[0] = m == 0;
+  axis[1] = m == 1;
+  if (s->a.turned[p->contact]) {
+    const form_direction *d = &s->a.direction[p->row + m];
+    const int at = d->row - first;
+    axis[at] = d->c[0];
+    axis[1 - at] = (d->n == 2) ? d->c[1] : 0;
+  }
+}
+
+/* A vector of the part's own rows from one over the rows of its kind in the set, and back. */
+static void to_part(const regularized *s, const reg_part *p, const double in[2], double *out) {
+  for (int m = 0; m < p->dim; m++) {
+    double axis[2];
+    axis_of(s, p, m, axis);
+    out[m] = axis[0] * in[0] + axis[1] * in[1];
+  }
+}
+
+static void from_part(const regularized *s, const reg_part *p, const double *in, double out[2]) {
+  out[0] = 0;
+  out[1] = 0;
+  for (int m = 0; m < p->dim; m++) {
+    double axis[2];
+    axis_of(s, p, m, axis);
+    out[0] += axis[0] * in[m];
+    out[1] += axis[1] * in[m];
+  }
+}
+
+bool reg_is_lugre(const regularized *s, const reg_part *p) {
+  return s->opt.model == REG_LUGRE && p->kind == 0;
+}
+
+/* Slower than this share of the largest free velocity of the step is no sliding to begin with. */
+static const double slow = 0.01;
+
+/* Where the first solve of a cold step begins, from the state alone: a contact that slides before the step slips, unless
+ * friction could stop it, with the normal impulse that would stop its approach if nothing else did; everything else sticks. */
+static void guess(const regularized *s, reg_part *p) {
+  const form_assembly *a = &s->a;
+  const int i = p->contact, g = a->group[i];
+  double before[REG_ROWS_MAX], tau[2] = {0, 0};
+  const double own = form_own_block(a, i)[0];
+  const double approach = fmax(0.0, -(a->r[a->row[i]] + a->bias[g]));
+  const double lambda_n = (own > 0) ? approach / own : 0;
+  const double bound = (p->sliding ? p->mu_kinetic : p->mu_static) * lambda_n;
+  form_to_rows(a, i, a->set->u_before + a->set->row_start[g], before);
+  for (int m = 0; m < p->dim; m++) {
+    p->v[m] = ((m == 1) ? p->axis2 : 1) * before[p->row - a->row[i] + m];
+    tau[m] = p->pull * p->s[m] + p->G * p->v[m];
+  }
+  const double size = hypot(tau[0], tau[1]);
+  const double speed = hypot(p->v[0], p->v[1]);
+  const bool slides = speed > slow * s->fastest && p->m * speed > bound;
+  p->mode = REG_STICK;
+  p->r = 1;
+  if (reg_is_lugre(s, p)) {
+    p->r = (lambda_n > 0) ? reg_lugre_steady(&s->opt, a->set->h, p, lambda_n) : 1;
+  } else if (slides && size > bound) {
+    p->mode = REG_SLIP;
+    p->r = bound / size;
+    p->d[0] = tau[0] / size;
+    p->d[1] = tau[1] / size;
+  }
+}
+
+/* The state of the model: deflections, and which of two coefficients holds. From the last step (start=previous) the modes
+ * besides, their directions and factors. A planar tangent or a torsion is one number; a planar t1 turns with the normal
+ * by itself. */
 static void restore(const regularized *s, int g, reg_part *p) {
   const double *past = contact_memory_old(&s->memory, g);
+  const bool warm = s->start == FORM_PREVIOUS && past != NULL;
   p->mode = REG_STICK;
   p->r = 1;
   if (past == NULL) {
     return;
   }
-  const double *m = past + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
-  p->mode = (unsigned char)m[PAST_MODE];
-  p->sliding = (unsigned char)m[PAST_SLIDING];
-  p->r = m[PAST_R];
-  if (p->dim == 1) {
-    p->s[0] = m[PAST_S];
-    p->d[0] = m[PAST_D];
+  const double *m = past + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  p->sliding = (unsigned char)m[REG_PAST_SLIDING];
+  if (warm) {
+    p->mode = (unsigned char)m[REG_PAST_MODE];
+    p->r = m[REG_PAST_R];
+  }
+  int first;
+  if (rows_of_kind(s->a.set->rows[g], p->kind, &first) == 1) {
+    p->s[0] = m[REG_PAST_S];
+    p->d[0] = warm ? m[REG_PAST_D] : 0;
   } else {
     const turn by = turn_of(s->a.set, g);
-    to_frame(s->a.set, g, by, m + PAST_S, p->s);
+    double vector[2];
+    to_frame(s->a.set, g, by, m + REG_PAST_S, vector);
+    to_part(s, p, vector, p->s);
     if (p->mode != REG_STICK) {
-      to_frame(s->a.set, g, by, m + PAST_D, p->d);
+      to_frame(s->a.set, g, by, m + REG_PAST_D, vector);
+      to_part(s, p, vector, p->d);
     }
   }
   if (p->mode == REG_SECANT) {
@@ -119,15 +201,15 @@ static bool has_impact(const regularized *s) {
     const int g = s->a.group[i];
     const double u = c->u_before[c->row_start[g]];
     const double gain = fmax(0.0, u - s->a.r_normal[g]);
-    if (-u > s->opt.rest * gain && -u * c->h > c->tol) {
+    if (-u > s->opt.repair.rest * gain && -u * c->h > c->tol) {
       return true;
     }
   }
   return false;
 }
 
-bool reg_is_lugre(const regularized *s, const reg_part *p) {
-  return s->opt.model == REG_LUGRE && p->kind == 0;
+static double norm_of(const double *x, int n) {
+  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
 static void add_part(regularized *s, int i, int kind, int row, int dim, bool boost) {
@@ -142,14 +224,28 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
     p->mu_static = (kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g];
     p->mu_kinetic = p->mu_static;
   }
-  const double inverse = mobility(&s->a, i, row - s->a.row[i], dim);
+  double inverse = mobility(&s->a, i, row - s->a.row[i], dim);
+  if (!(inverse > 0) && kind == 0 && norm_of(s->a.r + row, dim) > 0) {
+    inverse = form_own_block(&s->a, i)[0]; /* cannot move, and rubs on what moves past it */
+  }
   if (!(inverse > 0) || !(p->mu_static > 0)) {
     return; /* nothing can move, or nothing holds */
   }
   p->m = 1 / inverse;
   p->axis2 = (kind == 0 && dim == 2) ? s->opt.ellipse : 1;
+  if (kind == 0 && dim == 1 &&
+      c->rows[g].tangent == 2) { /* the ellipse along the line that is left */
+    double axis[2];
+    axis_of(s, p, 0, axis);
+    const double along = 1 / hypot(axis[0], axis[1] / s->opt.ellipse);
+    p->mu_static *= along;
+    p->mu_kinetic *= along;
+  }
   set_stiffness(&s->opt, c->h, boost, p);
   restore(s, g, p);
+  if (s->start == FORM_COLD) {
+    guess(s, p);
+  }
   if (reg_is_lugre(s, p)) {
     p->eta = p->r;
     p->r = 1;
@@ -162,8 +258,12 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
 void reg_parts_build(regularized *s) {
   const bool boost = s->opt.impact == 1 && has_impact(s);
   s->n_part = 0;
+  s->fastest = 0;
+  for (int r = 0; r < s->a.row[s->a.n_contact]; r++) {
+    s->fastest = fmax(s->fastest, fabs(s->a.r[r]));
+  }
   for (int i = 0; i < s->a.n_contact; i++) {
-    const contact_rows rows = s->a.set->rows[s->a.group[i]];
+    const contact_rows rows = s->a.rows[i];
     const int first = s->a.row[i] + 1;
     s->part_start[i] = s->n_part;
     if (rows.tangent > 0) {
@@ -177,10 +277,6 @@ void reg_parts_build(regularized *s) {
     }
   }
   s->part_start[s->a.n_contact] = s->n_part;
-}
-
-static double norm_of(const double *x, int n) {
-  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
 /* An impulse along axis m is this many units of the circular law. */
@@ -265,16 +361,26 @@ bool reg_is_idle(const regularized *s, const reg_part *p) {
   return p->load <= least && p->size <= least;
 }
 
+/* A vector over the part's rows as it is remembered. */
+static void remember(const regularized *s, const reg_part *p, const double *in, double *vector) {
+  const int g = s->a.group[p->contact];
+  double whole[2];
+  int first;
+  from_part(s, p, in, whole);
+  carry(s->a.set, g, rows_of_kind(s->a.set->rows[g], p->kind, &first), whole, vector);
+}
+
 static void store(regularized *s, const reg_part *p, const double *next) {
   const int g = s->a.group[p->contact];
-  double *m = contact_memory_now(&s->memory, g) + PAST_PARTS + (ptrdiff_t)PAST_PART * p->kind;
-  m[PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
-  m[PAST_SLIDING] = p->sliding;
-  m[PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
-  carry(s->a.set, g, p->dim, next, m + PAST_S);
-  if (m[PAST_MODE] == REG_SLIP && p->size > 0) {
+  double *m =
+      contact_memory_now(&s->memory, g) + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  m[REG_PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
+  m[REG_PAST_SLIDING] = p->sliding;
+  m[REG_PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
+  remember(s, p, next, m + REG_PAST_S);
+  if (m[REG_PAST_MODE] == REG_SLIP && p->size > 0) {
     const double d[2] = {p->tau[0] / p->size, p->tau[1] / p->size};
-    carry(s->a.set, g, p->dim, d, m + PAST_D);
+    remember(s, p, d, m + REG_PAST_D);
   }
 }
 

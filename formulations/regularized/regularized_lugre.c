@@ -18,7 +18,7 @@ static void set_coefficients(const reg_options *o, double h, reg_part *p) {
   p->G = h * (p->eta * (h * o->sigma0 + o->sigma1) + o->sigma2);
 }
 
-static double steady(const reg_options *o, double h, const reg_part *p, double lambda_n) {
+double reg_lugre_steady(const reg_options *o, double h, const reg_part *p, double lambda_n) {
   const double speed = (p->dim == 1) ? fabs(p->v[0]) : sqrt(p->v[0] * p->v[0] + p->v[1] * p->v[1]);
   const double x = speed / o->v_stribeck;
   const double mu = p->mu_kinetic + (p->mu_static - p->mu_kinetic) * exp(-x * x);
@@ -39,7 +39,7 @@ void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_
   for (int m = 0; m < p->dim; m++) {
     now.v[m] = u[m];
   }
-  now.eta = steady(o, h, &now, lambda_n);
+  now.eta = reg_lugre_steady(o, h, &now, lambda_n);
   p->next_eta = now.eta;
   set_coefficients(o, h, &now);
   for (int m = 0; m < p->dim; m++) {

@@ -2,55 +2,123 @@
  *
  * Three kinds of iteration. Newton's, which takes every slip in its present direction, ends in few
  * solves from a good iterate and turns in circles from a bad one. The secant's always goes on, at a
- * linear rate. So: Newton first; then secants, with Aitken's process; and each time stick and slip
+ * linear rate. So: Newton first; then secants, with Anderson's process; and each time stick and slip
  * have settled, a trial of Newton from there, taken back unless it halves the residual. */
 #include "formulations/regularized/regularized.h"
 
 #include <string.h>
 
-enum { FIRST_PATIENCE = 2 };                 /* secants without a change before the first trial */
-static const double least_relaxation = 0.05; /* below, the steps turn back and forth [1] */
-static const double most_change = 1;         /* of ln r in one extrapolation [1] */
+enum { FIRST_PATIENCE = 2 };             /* secants without a change before the first trial */
+static const double most_change = 1;     /* of ln r in one extrapolation [1] */
+static const double independent = 1e-10; /* of a square, what the newer pairs must leave [1] */
 
 void reg_modes_begin(regularized *s) {
-  s->schedule = (reg_schedule){.relaxation = 1, .patience = FIRST_PATIENCE};
+  s->schedule = (reg_schedule){.patience = FIRST_PATIENCE};
 }
 
 static bool is_secant(const reg_part *p) {
   return p->mode == REG_SECANT && p->r > 0 && p->next_r > 0 && p->next_r < 1;
 }
 
-/* ln r goes on by omega times its step, omega from the last two steps (Irons & Tuck 1969, Aitken's
- * process for vectors): beyond 1 where friction and wedging nearly balance, negative where they
- * balance too well and the plain iteration moves slowly away. 1 where the set of parts has changed
- * or the extrapolation says nothing. */
-static void relax(regularized *s) {
+/* The newest pair of steps of every secant part: how ln r moved, and how the law's answer to it did. All
+ * are forgotten where the set of parts is not that of the last iteration. */
+static void remember_pair(regularized *s) {
   reg_schedule *c = &s->schedule;
-  double product = 0;
-  double square = 0;
-  double longest = 0;
-  int n = 0;
+  int n = 0, known = 0;
+  for (int k = 0; k < s->n_part; k++) {
+    n += is_secant(&s->part[k]);
+    known += is_secant(&s->part[k]) && s->part[k].followed;
+  }
+  const bool same = n == known && n == c->n_secant;
+  c->n_pair = same ? ((c->n_pair < REG_PAIRS) ? c->n_pair + 1 : REG_PAIRS) : 0;
+  c->n_secant = n;
   for (int k = 0; k < s->n_part; k++) {
     reg_part *p = &s->part[k];
-    if (is_secant(p)) {
-      const double step = log(p->next_r / p->r);
-      const double change = step - p->log_step;
-      product += p->log_step * change;
-      square += change * change;
-      longest = fmax(longest, fabs(step));
+    p->followed = is_secant(p);
+    if (p->followed) {
+      const double log_r = log(p->r);
+      const double step = log(p->next_r) - log_r;
+      for (int j = c->n_pair - 1; j > 0; j--) {
+        p->moved[j] = p->moved[j - 1];
+        p->answered[j] = p->answered[j - 1];
+      }
+      p->moved[0] = log_r - p->log_r;
+      p->answered[0] = step - p->log_step;
+      p->log_r = log_r;
       p->log_step = step;
-      n++;
+      p->log_go = step;
     }
   }
-  const double omega = -c->relaxation * product / square;
-  const bool useful = fabs(omega) > least_relaxation && fabs(omega) * longest < most_change;
-  c->relaxation = (n > 0 && n == c->n_secant && useful) ? omega : 1;
-  c->n_secant = n;
 }
 
-/* Friction factor of the next secant: the law's, further along the way it is going. */
-static double next_factor(const regularized *s, const reg_part *p) {
-  return is_secant(p) ? fmin(1, p->r * exp(s->schedule.relaxation * p->log_step)) : p->next_r;
+static double product(const regularized *s, int i, int j) {
+  double sum = 0;
+  for (int k = 0; k < s->n_part; k++) {
+    const reg_part *p = &s->part[k];
+    sum += p->followed ? p->answered[i] * p->answered[j] : 0;
+  }
+  return sum;
+}
+
+/* Pair j without what the newer ones say already; false where nothing is left. */
+static bool orthogonalise(regularized *s, int j) {
+  const double whole = product(s, j, j);
+  for (int i = 0; i < j; i++) {
+    const double share = product(s, i, j) / product(s, i, i);
+    for (int k = 0; k < s->n_part; k++) {
+      reg_part *p = &s->part[k];
+      if (p->followed) {
+        p->answered[j] -= share * p->answered[i];
+        p->moved[j] -= share * p->moved[i];
+      }
+    }
+  }
+  return product(s, j, j) > independent * whole;
+}
+
+/* ln r goes on by Anderson's process (Walker & Ni 2011): the pairs of the last
+ * iterations say what move of ln r makes the law's answer smallest, which also ends where the plain
+ * iteration moves slowly away because friction and wedging nearly balance. What they do not know
+ * goes as in the plain iteration, as does all where the move is too long to be believed. */
+static void accelerate(regularized *s) {
+  reg_schedule *c = &s->schedule;
+  remember_pair(s);
+  for (int j = 0; j < c->n_pair; j++) {
+    if (!orthogonalise(s, j)) {
+      c->n_pair = j;
+      break;
+    }
+    double along = 0;
+    for (int k = 0; k < s->n_part; k++) {
+      along += s->part[k].followed ? s->part[k].answered[j] * s->part[k].log_step : 0;
+    }
+    along /= product(s, j, j);
+    for (int k = 0; k < s->n_part; k++) {
+      reg_part *p = &s->part[k];
+      p->log_go -= p->followed ? along * (p->moved[j] + p->answered[j]) : 0;
+    }
+  }
+  double longest = 0;
+  for (int k = 0; k < s->n_part; k++) {
+    longest = fmax(longest, s->part[k].followed ? fabs(s->part[k].log_go) : 0);
+  }
+  for (int k = 0; k < s->n_part && !(longest < most_change); k++) {
+    s->part[k].log_go = s->part[k].log_step;
+  }
+}
+
+/* Friction factor of the next secant: the law's, further along the way it is going. A contact may close
+ * without friction and open with what the law then gives it, for ever: each time it has opened,
+ * it closes with half of that. */
+static double next_factor(reg_part *p) {
+  if (p->mode == REG_SECANT && p->r > 0 && p->next_r == 0) {
+    p->openings++;
+  }
+  const bool closes = p->mode == REG_SECANT && p->r == 0 && p->next_r > 0;
+  if (closes) {
+    return ldexp(p->next_r, -p->openings);
+  }
+  return p->followed ? fmin(1, p->r * exp(p->log_go)) : p->next_r;
 }
 
 static void begin_trial(regularized *s) {
@@ -95,7 +163,7 @@ static bool takes_secants(regularized *s, double residual) {
 static void choose_mode(regularized *s, reg_part *p, bool secant) {
   const unsigned char was = p->mode;
   const double tau = p->size;
-  p->r = next_factor(s, p);
+  p->r = next_factor(p);
   p->mode = REG_STICK;
   if (p->next_r < 1 && tau > 0) {
     const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
@@ -111,7 +179,7 @@ static void choose_mode(regularized *s, reg_part *p, bool secant) {
 
 void reg_modes_next(regularized *s, double residual) {
   const bool secant = takes_secants(s, residual);
-  relax(s);
+  accelerate(s);
   s->schedule.calm++;
   for (int k = 0; k < s->n_part; k++) {
     reg_part *p = &s->part[k];

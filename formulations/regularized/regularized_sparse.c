@@ -5,6 +5,7 @@
 
 #include <suitesparse/cholmod.h>
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -170,6 +171,7 @@ base_status reg_sparse_plan(const contact_set *c, reg_mass *m, base_error *err) 
 
 void reg_sparse_mass(const contact_set *c, reg_mass *m) {
   const reg_sparse *s = m->sparse;
+  assert(same_pattern(s, c->n_dof, s->colptr[c->n_dof])); /* that of the symbolic factor */
   double *value = s->A->x;
   memset(value, 0, (size_t)s->colptr[c->n_dof] * sizeof *value);
   for (int b = 0; b < c->n_body; b++) {
@@ -206,6 +208,7 @@ void reg_sparse_add(reg_mass *m, const reg_springs *p, int x, int y) {
 
 bool reg_sparse_factor(reg_mass *m) {
   reg_sparse *s = m->sparse;
+  assert(same_pattern(s, (int)s->A->nrow, s->colptr[s->A->nrow]));
   return cholmod_factorize(s->A, s->F, &s->common) && s->F->minor == s->F->n;
 }
 

@@ -51,8 +51,10 @@ static void facet(const slip_problem *s, const form_assembly *a, int i, int k, d
   d[1] = (tangents(a, i) == 1) ? 0.0 : sin(angle);
 }
 
-base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, base_error *err) {
+base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, double soft,
+                       base_error *err) {
   s->facets = facets;
+  s->soft = soft;
   const int n = a->n_contact * (facets + 2);
   if (s->mem == NULL || a->n_contact > s->cap_contact || a->n_row > s->cap_row || n > s->cap_n) {
     s->cap_contact = a->n_contact + a->n_contact / 2 + 4;
@@ -134,7 +136,13 @@ void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_pr
   s->first[0] = 0;
   for (int i = 0; i < a->n_contact; i++) {
     s->first[i + 1] = s->first[i] + width(s, a, i);
-    s->block[i] = (lcp_block){.start = s->first[i], .size = width(s, a, i), .set = LCP_ORTHANT};
+    const int cones = (width(s, a, i) > 1) ? 1 : 0;
+    s->block[i] = (lcp_block){.start = s->first[i],
+                              .size = width(s, a, i),
+                              .set = LCP_ORTHANT,
+                              .n_part = cones,
+                              .part_dim = {cones * facets_of(s, a, i)},
+                              .soft = s->soft};
   }
   s->n = s->first[a->n_contact];
   const size_t n = (size_t)s->n;

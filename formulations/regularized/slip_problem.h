@@ -17,6 +17,7 @@ enum { SLIP_FACETS_MAX = 64 };
 
 typedef struct slip_problem {
   int facets;        /* directions of a spatial contact; planar ones have 2 */
+  double soft;       /* compliance of every contact's block */
   int n;             /* unknowns */
   int *first;        /* n_contact+1 */
   double *direction; /* 2 n_contact: d, zero where the contact sticks or has no friction */
@@ -32,7 +33,8 @@ typedef struct slip_problem {
 } slip_problem;
 
 /* Room for the contacts of a; reads C. Directions and turns are zeroed. */
-base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, base_error *err);
+base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, double soft,
+                       base_error *err);
 void slip_close(slip_problem *s);
 
 /* Poses the problem for the present directions: w = M z + q with u = u0 + C lambda; u0 has n_row
