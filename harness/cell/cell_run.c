@@ -88,7 +88,7 @@ static bool timed_status(run_status s) {
 
 static void clear_times(record *r) {
   r->t_contacts_s = r->t_assemble_s = r->t_setup_s = r->t_factor_s = (double)NAN;
-  r->t_solve_s = r->t_advance_s = r->t_total_s = r->t_step_s = (double)NAN;
+  r->t_solve_s = r->t_share_s = r->t_advance_s = r->t_total_s = r->t_step_s = (double)NAN;
   r->t_step_max_s = r->t_step_p50_s = r->t_step_p95_s = r->t_step_p99_s = (double)NAN;
   r->share_1ms = r->share_4ms = r->share_16ms = r->t_cpu_s = (double)NAN;
 }

@@ -23,6 +23,9 @@ static void fill_sizes(const sim_result *q, record *r) {
   r->n_evaluations = q->n_evaluations;
   r->n_modes = q->n_modes;
   r->n_fallback = q->n_fallbacks + q->work.fallbacks;
+  r->uniqueness = q->deficit_max;
+  r->n_shared = q->n_shared;
+  r->n_share_missed = q->n_share_missed;
   if (q->n_solves > 0) {
     r->nnz = q->nnz_max;
     r->density = (double)q->nnz_max / ((double)q->lcp_dim_max * q->lcp_dim_max);
@@ -119,6 +122,7 @@ static void add_times(sums *s, const sim_result *q, bool first) {
   s->time.setup += q->time.setup;
   s->time.factor += q->time.factor;
   s->time.solve += q->time.solve;
+  s->time.share += q->time.share;
   s->time.advance += q->time.advance;
   s->longest = first ? q->step_longest : fmin(s->longest, q->step_longest);
 }
@@ -131,8 +135,9 @@ static void fill_times(const sums *s, int n_inner, long steps, record *r) {
   r->t_setup_s = t->setup / n;
   r->t_factor_s = t->factor / n;
   r->t_solve_s = t->solve / n;
+  r->t_share_s = t->share / n;
   r->t_advance_s = t->advance / n;
-  r->t_total_s = (t->contacts + t->assemble + t->setup + t->factor + t->solve + t->advance) / n;
+  r->t_total_s = sim_times_sum(t) / n;
   r->t_step_s = (steps > 0) ? r->t_total_s / (double)steps : (double)NAN;
   r->t_step_max_s = s->longest;
   r->t_cpu_s = s->cpu / n;

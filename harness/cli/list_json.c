@@ -40,7 +40,9 @@ static json_t *field_json(const base_field *f) {
   return o;
 }
 
-json_t *list_fields_json(const base_field *f, int n) {
+/* Parameters: name, kind (integer, real, choice), unit, default, min, max (null for choices), words (null for
+ * numbers), help. */
+static json_t *fields_json(const base_field *f, int n) {
   json_t *all = json_array();
   for (int i = 0; i < n; i++) {
     (void)json_array_append_new(all, field_json(&f[i]));
@@ -68,6 +70,16 @@ void list_solver_more(json_t *o, const lcp_solver *s) {
   (void)json_object_set_new(o, "sets", sets_json(s->sets));
 }
 
+static json_t *effects_json(unsigned mask) {
+  json_t *all = json_array();
+  for (int bit = 0; bit < EFFECT_COUNT; bit++) {
+    if ((mask & (1u << bit)) != 0) {
+      (void)json_array_append_new(all, json_string(effect_name(bit)));
+    }
+  }
+  return all;
+}
+
 void list_formulation_more(json_t *o, const formulation *f) {
   json_t *apart = json_array(), *model = json_array();
   for (const char *at = f->apart; at != NULL && *at != '\0';) {
@@ -91,16 +103,11 @@ void list_formulation_more(json_t *o, const formulation *f) {
   (void)json_object_set_new(o, "forces", json_boolean(f->model & FORM_ACCELERATION));
   (void)json_object_set_new(o, "solver", json_boolean(f->sets != 0));
   (void)json_object_set_new(o, "sets", sets_json(f->sets));
-}
-
-static json_t *effects_json(unsigned mask) {
-  json_t *all = json_array();
-  for (int bit = 0; bit < EFFECT_COUNT; bit++) {
-    if ((mask & (1u << bit)) != 0) {
-      (void)json_array_append_new(all, json_string(effect_name(bit)));
-    }
+  json_t *lacks = effects_json(f->lacks);
+  if ((f->lacks & FORM_COORDINATES) != 0) {
+    (void)json_array_append_new(lacks, json_string("coordinates"));
   }
-  return all;
+  (void)json_object_set_new(o, "lacks", lacks);
 }
 
 static json_t *tolerance_json(const spec_tolerance *t) {
@@ -196,7 +203,7 @@ base_status list_scene_json(const scene *s, json_t **out, base_error *err) {
   json_out_text(o, "situation", scene_situation_name(s->situation));
   (void)json_object_set_new(o, "redundant", json_boolean(s->redundant));
   (void)json_object_set_new(o, "solvable", json_boolean(!spec.expect_unsolved));
-  (void)json_object_set_new(o, "parameters", list_fields_json(s->fields, s->n_fields));
+  (void)json_object_set_new(o, "parameters", fields_json(s->fields, s->n_fields));
   put_spec(o, &spec);
   spec_free(&spec);
   *out = o;

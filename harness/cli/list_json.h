@@ -7,10 +7,6 @@
 
 #include <jansson.h>
 
-/* Parameters or options: name, kind (integer, real, choice), unit, default, min, max (null for
- * choices), words (null for numbers), help. */
-json_t *list_fields_json(const base_field *f, int n);
-
 /* What a solver declares beyond its row of the table: words and when (a sentence each), exact, warm,
  * peer (another project's code), sets (of blocks it takes). */
 void list_solver_more(json_t *o, const lcp_solver *s);
@@ -18,7 +14,8 @@ void list_solver_more(json_t *o, const lcp_solver *s);
 /* What a formulation declares beyond its row: words and when, apart (options of which every value is a
  * curve of its own), model (what of Coulomb's law it keeps, in the words of the rows' column), the
  * same as traits: polyhedral, compliant, normal_only, frictionless, forces (not impulses); solver
- * (whether it poses problems to one), sets (of blocks in them). */
+ * (whether it poses problems to one), sets (of blocks in them), lacks (effects that it cannot simulate; coordinates:
+ * scenes without bodies). */
 void list_formulation_more(json_t *o, const formulation *f);
 
 /* A built-in scene: name, title, about, cite, situation (empty: none), redundant, solvable (false: no

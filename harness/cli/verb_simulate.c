@@ -126,6 +126,9 @@ static void put_counts(json_t *o, const sim_result *r) {
   json_out_int(o, "n_evaluations", r->n_evaluations);
   json_out_int(o, "n_mode_changes", r->n_modes);
   json_out_int(o, "n_fallback", r->n_fallbacks + r->work.fallbacks);
+  json_out_int(o, "uniqueness", r->deficit_max);
+  json_out_int(o, "n_shared", r->n_shared);
+  json_out_int(o, "n_share_missed", r->n_share_missed);
 }
 
 /* null: not measured, no problem was posed or no step has impulses to judge. */
@@ -152,6 +155,7 @@ static void put_times(json_t *o, const sim_result *r) {
   json_out_real(o, "t_setup_s", r->time.setup);
   json_out_real(o, "t_factor_s", r->time.factor);
   json_out_real(o, "t_solve_s", r->time.solve);
+  json_out_real(o, "t_share_s", r->time.share);
   json_out_real(o, "t_advance_s", r->time.advance);
   json_out_real(o, "t_total_s", sim_total_seconds(r));
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-double check_tolerance(const spec_check *c, const check_context *ctx, double expected) {
+static double check_tolerance(const spec_check *c, const check_context *ctx, double expected) {
   const spec_tolerance *t = &c->tol;
   const double h = ctx->h;
   double tol = t->abs + t->h * h + t->h2 * h * h + t->rel * fabs(expected);

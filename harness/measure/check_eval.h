@@ -26,7 +26,5 @@ typedef struct check_result {
 
 void check_evaluate(const spec_check *c, const check_context *ctx, check_result *out);
 
-double check_tolerance(const spec_check *c, const check_context *ctx, double expected);
-
 /* "state block.x", "contact_force block/floor normal", ... */
 void check_label(const spec_check *c, char *buf, size_t cap);

@@ -7,9 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+double sim_times_sum(const sim_times *t) {
+  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->share + t->advance;
+}
+
 double sim_total_seconds(const sim_result *r) {
-  const sim_times *t = &r->time;
-  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->advance;
+  return sim_times_sum(&r->time);
 }
 
 /* ---- one step ---------------------------------------------------------------------------------*/
@@ -144,11 +147,9 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
   const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
   sim_result *r = s->out;
   s->iterates = !own;
-  if (s->q->spec->model != NULL && (own || (s->q->form->form->model & FORM_CURVED) != 0)) {
-    char text[120];
-    (void)snprintf(text, sizeof text, "%s: needs bodies, the scene has generalised coordinates",
-                   s->q->form->form->name);
-    sim_trouble(s, RUN_UNSUPPORTED, text);
+  base_error refusal = {0};
+  if (formulation_admits(s->q->form->form, s->w, &refusal) != BASE_OK) {
+    sim_trouble(s, RUN_UNSUPPORTED, refusal.text);
     return BASE_OK;
   }
   while (r->steps < r->steps_planned && !hopeless(r->status)) {
@@ -255,6 +256,7 @@ base_status simulate(const sim_request *q, series *record, sim_result *out, base
   sim s = {.q = q, .out = out, .order.seed = q->contact_order};
   const base_status done = run_opened(&s, record, err);
   lcp_instance_close(s.instance);
+  lcp_share_close(s.share);
   formulation_close(s.form);
   contact_order_close(&s.order);
   if (s.w != NULL) {

@@ -2,7 +2,7 @@
  * judged from its data and every phase timed.
  *
  * Timed (CLOCK_MONOTONIC): contacts (detection and contact set), assemble (begin, assemble,
- * recover), setup, factor, solve (inside lcp_instance) and advance. Judging, recording and hashing
+ * recover), setup, factor, solve (inside lcp_instance), share (lcp_share, on the solver's answer) and advance. Judging, recording and hashing
  * are outside every bracket. */
 #pragma once
 
@@ -35,8 +35,10 @@ typedef struct sim_request {
 } sim_request;
 
 typedef struct sim_times {
-  double contacts, assemble, setup, factor, solve, advance; /* [s], summed over the steps */
+  double contacts, assemble, setup, factor, solve, share, advance; /* [s], summed over the steps */
 } sim_times;
+
+double sim_times_sum(const sim_times *t); /* [s] */
 
 typedef struct sim_result {
   run_status status;  /* worst over the steps */
@@ -51,6 +53,9 @@ typedef struct sim_result {
   long nnz_max;
   lcp_storage storage;
   long n_solves, n_modes, n_fallbacks;
+  int deficit_max; /* most touching normal rows beyond their rank in one solve */
+  long n_shared,
+      n_share_missed; /* solves of which such an answer was chosen; could not be chosen */
   long n_evaluations; /* of the right-hand side, by formulations that integrate */
   lcp_work work;
   const char *variant;

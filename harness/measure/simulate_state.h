@@ -3,6 +3,7 @@
 
 #include "harness/measure/contact_order.h"
 #include "harness/measure/simulate.h"
+#include "lcp/lcp_share.h"
 
 /* What a solve came to. */
 typedef struct solved {
@@ -19,6 +20,7 @@ typedef struct sim {
   world *w;
   formulation_run *form;
   lcp_instance *instance;
+  lcp_share *share; /* opened with the first problem */
   contact_order order;
   double *z;
   int z_cap;

@@ -3,18 +3,20 @@
 
 usage: versions.py OUT COMPILER OPTIONS NAME=FILE...
 
-A component is its file and, where there is one that nobody else includes from, the folder of its name beside it:
-lcp/solvers/solver_ppm.c and lcp/solvers/ppm/, but not lcp/solvers/lemke/, whose paths pgs runs too. What all rows
-depend on is every other file of the folders in SHARED; with compiler and options it makes one hash, the base.
+A component is its file and, where there is one that nobody else includes from, the folder of its
+name beside it: lcp/solvers/solver_ppm.c and lcp/solvers/ppm/, but not lcp/solvers/lemke/, whose
+paths pgs runs too. What all rows depend on is every other file of the folders in SHARED; with
+compiler and options it makes one hash, the base.
 """
 
 import hashlib
 import subprocess
 import sys
+from collections.abc import Container, Iterable
 from pathlib import Path
 
 
-def git(*words):
+def git(*words: str) -> str | None:
     try:
         done = subprocess.run(
             ["git", *words], capture_output=True, text=True, check=True, cwd=Path(__file__).parent
@@ -28,15 +30,16 @@ ROOT = Path(__file__).resolve().parents[2]
 SHARED = ("lcp", "formulations", "problems", "harness/measure", "harness/cell")
 
 
-def digest(paths):
+def digest(paths: Iterable[Path]) -> str:
     whole = hashlib.sha256()
     for path in sorted(paths):
         whole.update(path.relative_to(ROOT).as_posix().encode() + b"\0" + path.read_bytes())
     return whole.hexdigest()
 
 
-def own_files(key, path):
-    """The component's file and the folder of its name beside it, unless a file elsewhere includes from there."""
+def own_files(key: str, path: Path) -> list[Path]:
+    """The component's file and the folder of its name beside it, unless a file elsewhere includes
+    from there."""
     folder = path.parent / key.split("_", 1)[1]
     if not folder.is_dir():
         return [path]
@@ -49,11 +52,11 @@ def own_files(key, path):
     return [path] if lent else [path, *folder.rglob("*.[ch]")]
 
 
-def shared_files(owned):
+def shared_files(owned: Container[Path]) -> list[Path]:
     return [f for folder in SHARED for f in (ROOT / folder).rglob("*.[ch]") if f not in owned]
 
 
-def main():
+def main() -> None:
     out, compiler, options, *items = sys.argv[1:]
     rows = []
     whole = hashlib.sha256()
