@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""scripts/check_circles.py [BUILD] - fails where files of one folder use each other in a circle, or rooms do.
+"""scripts/check_circles.py [BUILD] - fails where files of one folder use each other in a circle, or
+rooms do.
 
-A file uses another when it calls a function that the other defines (read off the object files of BUILD, so that
-macros and function-like tables hide nothing); a header uses another when it includes it. Two kinds of circle are
-looked for: between the files of one folder, and between the rooms of harness/ and of problems/, whose order stands
-in ROOMS. A registry that lists the constants of its components calls none of them and is no circle. A folder of
-more than MOST C files fails too, the lists of components and tests/unit excepted.
+A file uses another when it calls a function that the other defines (read off the object files of
+BUILD, so that macros and function-like tables hide nothing); a header uses another when it includes
+it. Two kinds of circle are looked for: between the files of one folder, and between the rooms of
+harness/ and of problems/, whose order stands in ROOMS. A registry that lists the constants of its
+components calls none of them and is no circle. A folder of more than MOST C files fails too, the
+lists of components and tests/unit excepted.
 """
 
 from __future__ import annotations

@@ -5,18 +5,24 @@
 # folders and between rooms in the objects of BUILD (default: build).
 cd "$(dirname "$0")/.." || exit 2
 bad=0
-deny() { # folders and files, forbidden include prefixes
-  if grep -rnE "#include \"($2)" $1 --include='*.[ch]'; then bad=1; fi
+deny() { # forbidden include prefixes, folders and files
+  forbidden=$1
+  shift
+  if grep -rnE "#include \"($forbidden)" "$@" --include='*.[ch]'; then bad=1; fi
 }
-deny lcp          'problems/|formulations/|harness/|tests/'
-deny problems     'formulations/|harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)'
-deny formulations 'harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)|problems/scenes/'
-deny harness      'tests/|lcp/solvers/'
+deny 'problems/|formulations/|harness/|tests/' lcp
+deny 'formulations/|harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)' problems
+deny 'harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)|problems/scenes/' formulations
+deny 'tests/|lcp/solvers/' harness
 # Who judges shares with who is judged the problem and the words of a claim, no arithmetic but the
 # rounding of a factored M to entries and the geometry of its cone.
-judges='lcp/lcp_judge.c lcp/lcp_judge.h lcp/lcp_verify.c lcp/lcp_certificate.h lcp/lcp_wide_column.c lcp/lcp_wide_column.h'
+judges() { # pattern of the includes that they may have
+  grep -n '#include "' lcp/lcp_judge.c lcp/lcp_judge.h lcp/lcp_verify.c lcp/lcp_certificate.h \
+    lcp/lcp_wide_column.c lcp/lcp_wide_column.h | grep -vE "$1"
+}
 theirs='judge|certificate|wide_column'
-if grep -n '#include "' $judges | grep -vE "\"lcp/(base/[a-z]+|lcp_($theirs|problem|outcome|cone))\.h\""; then bad=1; fi
-deny 'lcp/solvers lcp/linear lcp/lcp_rho.c lcp/lcp_rho.h lcp/lcp_stop.c lcp/lcp_farkas.c lcp/lcp_solver.h' "lcp/lcp_($theirs)"
+if judges "\"lcp/(base/[a-z]+|lcp_($theirs|problem|outcome|cone))\.h\""; then bad=1; fi
+deny "lcp/lcp_($theirs)" lcp/solvers lcp/linear lcp/lcp_rho.c lcp/lcp_rho.h lcp/lcp_stop.c \
+  lcp/lcp_farkas.c lcp/lcp_solver.h
 python3 scripts/check_circles.py "${1:-build}" || bad=1
 exit $bad

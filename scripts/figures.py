@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""figures.py DIR --out FOLDER - the figures of a campaign, as PDF and PNG, the same bytes each time."""
+"""figures.py DIR --out FOLDER - the figures of a campaign, as PDF and PNG, the same bytes each
+time."""
 
 import argparse
 import pathlib
@@ -9,7 +10,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from bench import chart, paper, rows, section, style  # noqa: E402
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", metavar="DIR", help="folder of a campaign (results.csv)")
     parser.add_argument("--out", help="where the figures go (default: DIR/figures)")

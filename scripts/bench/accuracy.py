@@ -1,10 +1,12 @@
-"""What accuracy costs in time: error against time per scene, the Pareto front, the cheapest combination per error."""
+"""What accuracy costs in time: error against time per scene, the Pareto front, the cheapest
+combination per error."""
 
 import collections
 import itertools
 import math
 
 import numpy as np
+import pandas as pd
 
 from bench import converged, registry, stats
 from bench import rows as rows_
@@ -12,13 +14,11 @@ from bench.chart import Chart, Line, Panel
 from bench.paper import variants
 from bench.section import Cell, Section, Table, error, si
 
-LEVEL = (
-    1e-2  # what the first screen asks for: a hundredth of a metre, of a metre a second, of a radian
-)
+# what the first screen asks for: a hundredth of a metre, of a metre a second, of a radian
+LEVEL = 1e-2
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-NOISE = (
-    1.05  # costs closer than this are ties, where the machine's own noise floor was not measured
-)
+# costs closer than this are ties, where the machine's own noise floor was not measured
+NOISE = 1.05
 YARDSTICKS = {
     "trajectory": ("err_ref", "error of the trajectory"),
     "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
@@ -26,15 +26,19 @@ YARDSTICKS = {
 }
 
 
-def own(cells):
+Scenes = list[tuple[str, pd.DataFrame]]  # (problem, its cells)
+
+
+def own(cells: pd.DataFrame) -> pd.DataFrame:
     """Rows of the accuracy campaign; of all campaigns where there is none."""
     mine = cells[cells["campaign"].str.startswith("accuracy")]
     return confirmed(mine if len(mine) else cells)
 
 
-def confirmed(cells):
-    """A cell counts when the judge confirmed the solver's claim at the tolerance it was asked for: what that is worth, the error says.
-    Experiments with effects are not answers to the scene as declared."""
+def confirmed(cells: pd.DataFrame) -> pd.DataFrame:
+    """A cell counts when the judge confirmed the solver's claim at the tolerance it was asked for:
+    what that is worth, the error says. Experiments with effects are not answers to the scene as
+    declared."""
     some = cells[~cells["command"].str.contains("--effects|--contact-order")]
     good = some["status"] == "ok"
     return kept_by_finer(
@@ -47,32 +51,36 @@ def confirmed(cells):
 LADDER = ["campaign", "part", "problem", "combination", "tol", "start", "duration_s", "effects"]
 
 
-def kept_by_finer(cells):
-    """Column `err_sure`: the largest error of the trajectory at this step and at every smaller one of the same settings, with the uncertainty of
-    the reference added. An error that crosses zero between two larger ones is luck, and an error below the uncertainty is not known."""
+def kept_by_finer(cells: pd.DataFrame) -> pd.DataFrame:
+    """Column `err_sure`: the largest error of the trajectory at this step and at every smaller one
+    of the same settings, with the uncertainty of the reference added. An error that crosses zero
+    between two larger ones is luck, and an error below the uncertainty is not known.
+    """
     ladder = cells[cells["good"] & cells["err_ref"].notna()].sort_values("step_s")
     sure = ladder.groupby(LADDER, dropna=False)["err_ref"].cummax() + ladder["err_floor"]
     return cells.assign(err_sure=sure.reindex(cells.index))
 
 
-def usable(cells, column="err_ref"):
+def usable(cells: pd.DataFrame, column: str = "err_ref") -> pd.DataFrame:
     return cells[cells["good"] & np.isfinite(cells["cost"]) & cells[column].notna()]
 
 
-def within(cells, level, column="err_ref"):
+def within(cells: pd.DataFrame, level: float, column: str = "err_ref") -> pd.DataFrame:
     """The usable cells that reach a level."""
     fit = usable(cells, column)
     return fit[fit["err_sure" if column == "err_ref" else column] <= level]
 
 
-def cheapest(cells, level, column="err_ref"):
-    """The cell of least median time whose error is at most `level`; None when nothing gets there."""
+def cheapest(cells: pd.DataFrame, level: float, column: str = "err_ref") -> pd.Series | None:
+    """The cell of least median time whose error is at most `level`; None when nothing gets
+    there."""
     fit = within(cells, level, column)
     return None if fit.empty else fit.loc[fit["cost"].idxmin()]
 
 
-def ties(cells, best, level, column="err_ref"):
-    """Other combinations that get there in the same time: medians closer than the noise, or intervals of the samples that overlap."""
+def ties(cells: pd.DataFrame, best: pd.Series, level: float, column: str = "err_ref") -> list[str]:
+    """Other combinations that get there in the same time: medians closer than the noise, or
+    intervals of the samples that overlap."""
     fit = within(cells, level, column)
     fit = fit[
         (fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
@@ -80,23 +88,25 @@ def ties(cells, best, level, column="err_ref"):
     return sorted(set(fit["combination"]) - {best["combination"]})
 
 
-def scenes(cells):
+def scenes(cells: pd.DataFrame) -> Scenes:
     """Problems with an error to compare, in the order of their names: (problem, cells)."""
     some = cells[(cells["formulation"] != "") & cells["err_ref"].notna()]
     return [(p, g) for p, g in some.groupby("problem") if usable(g).shape[0] >= 2]
 
 
-def drawn(cells):
-    """Errors as they are drawn: what the reference does not resolve stands at half its uncertainty, in the middle of the band."""
+def drawn(cells: pd.DataFrame) -> np.ndarray:
+    """Errors as they are drawn: what the reference does not resolve stands at half its uncertainty,
+    in the middle of the band."""
     return np.where(cells["err_ref"] < cells["err_floor"], cells["err_floor"] / 2, cells["err_ref"])
 
 
-def front(cells):
-    """Indices of the cells that none beats in error and time; errors that are not resolved are equal."""
+def front(cells: pd.DataFrame) -> list[int]:
+    """Indices of the cells that none beats in error and time; errors that are not resolved are
+    equal."""
     return stats.pareto_front(np.maximum(cells["err_ref"], cells["err_floor"]), cells["cost"])
 
 
-def spot(cell):
+def spot(cell: pd.Series | dict) -> str:
     """A point of the figure in words."""
     error = (
         "not resolved" if cell["err_ref"] < cell["err_floor"] else f"error {cell['err_ref']:.2g}"
@@ -104,10 +114,12 @@ def spot(cell):
     return f"{cell['combination']}, h = {cell['step_s']:g} s, tol {cell['tol']:.0e}: {error}"
 
 
-NEAR = 0.03  # an uncertainty further below the least error is written, not drawn: the band would squeeze the points
+# an uncertainty further below the least error is written, not drawn: the band would squeeze the
+# points
+NEAR = 0.03
 
 
-def panel(problem, cells, index):
+def panel(problem: str, cells: pd.DataFrame, index: dict[str, int]) -> Panel:
     fit = usable(cells)
     y = fit["cost"].to_numpy(float) * 1e3
     best, floor = front(fit), float(fit["err_floor"].max())
@@ -136,7 +148,9 @@ def panel(problem, cells, index):
             & cells["t_total_s"].notna()
             & cells["err_ref"].notna()
         ]
-        crosses = list(zip(drawn(bad).tolist(), (bad["t_total_s"].astype(float) * 1e3).tolist()))
+        crosses = list(
+            zip(drawn(bad).tolist(), (bad["t_total_s"].astype(float) * 1e3).tolist(), strict=True)
+        )
         lines.append(
             Line(
                 label,
@@ -155,7 +169,7 @@ def panel(problem, cells, index):
     return Panel(lines, title=short(problem), xlabel=xlabel, ylabel="time [ms]")
 
 
-def short(problem):
+def short(problem: str) -> str:
     """A problem as a title of a panel: its first parameter is enough to tell it."""
     name, _, options = problem.partition(":")
     return f"{name}{':' if options else ''}{options.split(',')[0]}".replace("_", " ").replace(
@@ -163,8 +177,9 @@ def short(problem):
     )
 
 
-def trades(found):
-    """Scenes where accuracy is bought: more than one point on the front, and errors that are resolved."""
+def trades(found: Scenes) -> Scenes:
+    """Scenes where accuracy is bought: more than one point on the front, and errors that are
+    resolved."""
     return [
         (p, g)
         for p, g in found
@@ -175,7 +190,7 @@ def trades(found):
 VALUES = 3  # of an option that figures tell apart: the two least and the largest
 
 
-def drawn_values(values):
+def drawn_values(values: set[str]) -> set[str]:
     """Which of an option's values are drawn: all where they are few or are words."""
     if len(values) <= VALUES or not all(v.isdigit() for v in values):
         return values
@@ -183,38 +198,39 @@ def drawn_values(values):
     return {*ranked[: VALUES - 1], ranked[-1]}
 
 
-def kept(cells):
-    """For a legible figure: a line for each formulation and each value of the options that it tells apart, over all of its other
-    settings. The table and the page's rows have all of them."""
+def kept(cells: pd.DataFrame) -> pd.DataFrame:
+    """For a legible figure: a line for each formulation and each value of the options that it tells
+    apart, over all of its other settings. The table and the page's rows have all of them."""
     given = [
         {o: v for o, v in rows_.options(text).items() if o in registry.apart(form)}
-        for form, text in zip(cells["formulation"], cells["formulation_options"])
+        for form, text in zip(cells["formulation"], cells["formulation_options"], strict=True)
     ]
     values = {}
-    for form, options in zip(cells["formulation"], given):
+    for form, options in zip(cells["formulation"], given, strict=True):
         for option, value in options.items():
             values.setdefault((form, option), set()).add(value)
     values = {key: drawn_values(found) for key, found in values.items()}
     shown = [
         all(v in values[form, o] for o, v in options.items())
-        for form, options in zip(cells["formulation"], given)
+        for form, options in zip(cells["formulation"], given, strict=True)
     ]
     labels = [
         rows_.formulation_label(form, ",".join(f"{o}={v}" for o, v in options.items()))
-        for form, options in zip(cells["formulation"], given)
+        for form, options in zip(cells["formulation"], given, strict=True)
     ]
     return cells.assign(label=labels)[shown]
 
 
-def price(cells):
+def price(cells: pd.DataFrame) -> float:
     """How many times the time of the cheapest point of the front its dearest takes."""
     fit = usable(cells)
     cost = fit.iloc[front(fit)]["cost"]
     return cost.max() / cost.min()
 
 
-def picked(found, most):
-    """Scenes for a figure: the situations in turn, in each those first where accuracy costs most."""
+def picked(found: Scenes, most: int) -> Scenes:
+    """Scenes for a figure: the situations in turn, in each those first where accuracy costs
+    most."""
     queues = {s: [] for s in [*registry.situations(), ""]}
     for problem, group in sorted(found, key=lambda pg: (-price(pg[1]), pg[0])):
         queues[registry.situation(group["problem_family"].iloc[0])].append((problem, group))
@@ -222,7 +238,7 @@ def picked(found, most):
     return sorted(turns[:most], key=lambda pg: pg[0])
 
 
-def chart(cells, most=12):
+def chart(cells: pd.DataFrame, most: int = 12) -> Chart:
     found = trades(scenes(kept(cells)))
     shown = picked(found, most)
     if not shown:
@@ -230,17 +246,20 @@ def chart(cells, most=12):
     index = variants(kept(cells))
     return Chart(
         "accuracy_against_time",
-        "What accuracy costs: total time against the error of the trajectory, one panel a scene "
-        f"({len(shown)} of the {len(found)} where accuracy has a price), for each formulation named below the settings that none of its own beats in both; grey: the front over them. A cross is a run that was not solved, was cut short, or "
-        "whose claim was not confirmed. In the hatched band errors are below the uncertainty of the reference (rounding for a closed form, the spread of a converged "
-        "run where there is none): not resolved, they stand in its middle.",
+        "What accuracy costs: total time against the error of the trajectory, one panel a scene"
+        f" ({len(shown)} of the {len(found)} where accuracy has a price), for each formulation"
+        " named below the settings that none of its own beats in both; grey: the front over them."
+        " A cross is a run that was not solved, was cut short, or whose claim was not confirmed."
+        " In the hatched band errors are below the uncertainty of the reference (rounding for a"
+        " closed form, the spread of a converged run where there is none): not resolved, they"
+        " stand in its middle.",
         [panel(p, g, index) for p, g in shown],
         columns=3,
         height=1.75,
     )
 
 
-def level_cell(cells, level, column="err_ref"):
+def level_cell(cells: pd.DataFrame, level: float, column: str = "err_ref") -> Cell:
     best = cheapest(cells, level, column)
     if best is None:
         if column == "err_ref" and usable(cells)["err_floor"].min() > level:
@@ -262,29 +281,33 @@ def level_cell(cells, level, column="err_ref"):
     )
 
 
-def table(cells):
+def table(cells: pd.DataFrame) -> Table:
     rows = []
     for problem, group in scenes(cells):
         rows.append(
             [
                 problem,
-                group["err_quantity"].mode().iloc[0]
-                if "err_quantity" in group and len(group)
-                else "",
+                (
+                    group["err_quantity"].mode().iloc[0]
+                    if "err_quantity" in group and len(group)
+                    else ""
+                ),
             ]
             + [level_cell(group, level) for level in LEVELS]
         )
     return Table(
         "cheapest",
-        "Cheapest combination that reaches an error of the trajectory, per scene (error in the unit of the quantity; total time of the run). Reached: "
-        'the error and the uncertainty of the reference together stay below, at this step and at every smaller one. "= n more": '
-        f"so many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The command that reruns it is the tooltip, and scripts/recommend prints it.",
+        "Cheapest combination that reaches an error of the trajectory, per scene (error in the"
+        " unit of the quantity; total time of the run). Reached: the error and the uncertainty of"
+        ' the reference together stay below, at this step and at every smaller one. "= n more": so'
+        f" many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The"
+        " command that reruns it is the tooltip, and scripts/recommend prints it.",
         ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS],
         rows,
     )
 
 
-def yardsticks_table(cells, level=1e-3):
+def yardsticks_table(cells: pd.DataFrame, level: float = 1e-3) -> Table:
     rows = []
     for problem, group in scenes(cells):
         rows.append(
@@ -292,18 +315,20 @@ def yardsticks_table(cells, level=1e-3):
         )
     return Table(
         "yardsticks",
-        f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory, by the residual of the exact Coulomb model, and by the residual "
-        "of its own problem. Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
+        f"Three yardsticks: the cheapest combination that stays below {level:g} by the trajectory,"
+        " by the residual of the exact Coulomb model, and by the residual of its own problem."
+        " Where they differ, a fast solver of an easier model is not a fast solver of the scene.",
         ["scene"] + [name for _, name in YARDSTICKS.values()],
         rows,
     )
 
 
-def references_table(cells):
-    """The converged runs that stand in for closed forms, and how close the nearest other formulation comes."""
+def references_table(cells: pd.DataFrame) -> Table:
+    """The converged runs that stand in for closed forms, and how close the nearest other
+    formulation comes."""
     rows = []
 
-    def told(value, ref):
+    def told(value: float, ref: converged.Reference):
         return error(value) if value >= ref.uncertainty else "not resolved"
 
     for (problem, _, _), ref in sorted(
@@ -321,12 +346,22 @@ def references_table(cells):
                 f"± {ref.uncertainty:.1g}",
                 f"{ref.combination}, {ref.runs} runs, finest h = {ref.step:g} s",
                 f"{ref.order:.2g}" if ref.order > 0 else "none",
-                ""
-                if near is None
-                else f"{told(near['err_ref'], ref)} ({near['combination']}, h = {near['step_s']:g} s)",
-                ""
-                if near is None
-                else f"{' to '.join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))} at h = {least:g} s",
+                (
+                    ""
+                    if near is None
+                    else (
+                        f"{told(near['err_ref'], ref)} ({near['combination']}, h ="
+                        f" {near['step_s']:g} s)"
+                    )
+                ),
+                (
+                    ""
+                    if near is None
+                    else (
+                        " to ".join(dict.fromkeys((told(fine.min(), ref), told(fine.max(), ref))))
+                        + f" at h = {least:g} s"
+                    )
+                ),
             ]
         )
     planned = cells[cells["part"].str.startswith(converged.PART)]
@@ -338,7 +373,10 @@ def references_table(cells):
                     "",
                     Cell("no reference", "bad"),
                     "",
-                    f"{int(runs['good'].sum())} of {len(runs)} runs verified: {', '.join(sorted(set(runs['combination'])))}",
+                    (
+                        f"{int(runs['good'].sum())} of {len(runs)} runs verified:"
+                        f" {', '.join(sorted(set(runs['combination'])))}"
+                    ),
                     "",
                     "",
                     "",
@@ -346,8 +384,10 @@ def references_table(cells):
             )
     return Table(
         "references",
-        "Converged references, for scenes without a closed form: the finest of a ladder of runs and its uncertainty (grid convergence index of Oberkampf & Roy 2010: "
-        "the last difference of the ladder times a factor of safety, more where the observed order is not 1). The formulation that gives the reference is not judged by it.",
+        "Converged references, for scenes without a closed form: the finest of a ladder of runs and"
+        " its uncertainty (grid convergence index of Oberkampf & Roy 2010: the last difference of"
+        " the ladder times a factor of safety, more where the observed order is not 1). The"
+        " formulation that gives the reference is not judged by it.",
         [
             "scene",
             "quantity",
@@ -362,15 +402,16 @@ def references_table(cells):
     )
 
 
-# ---- the first screen ---------------------------------------------------------------------------------------------------------------------
+# ---- the first screen ----------------------------------------------------------------------------
 
 
-def plain(combination):
-    """'regularized:ratio=100 + lemke' -> 'regularized + lemke': what is recommended; the options are in the example."""
+def plain(combination: str) -> str:
+    """'regularized:ratio=100 + lemke' -> 'regularized + lemke': what is recommended; the options
+    are in the example."""
     return " + ".join(part.split(":")[0] for part in combination.split(" + "))
 
 
-def asked(here):
+def asked(here: Scenes) -> collections.Counter[str]:
     """combination -> how many of the scenes it was run on, to be measured"""
     out = collections.Counter()
     for _, group in here:
@@ -383,7 +424,7 @@ def asked(here):
     return out
 
 
-def candidates(here, level):
+def candidates(here: Scenes, level: float) -> dict[str, dict[str, pd.Series]]:
     """combination -> {scene: its cheapest cell that reaches the level}"""
     out = {}
     for problem, group in here:
@@ -393,12 +434,18 @@ def candidates(here, level):
     return out
 
 
-WIDELY = 0.75  # of the scenes of a kind that most combinations were run on: what was run on fewer is no general answer
+# of the scenes of a kind that most combinations were run on: what was run on fewer is no general
+# answer
+WIDELY = 0.75
 
 
-def choose(here, level):
-    """[((widely run, share missed, how much slower), combination, its cells)], the best first: what was run widely, reaches the level on the largest
-    share of the scenes it was run on, and among those is the fastest (geometric mean of its time over the best's)."""
+def choose(
+    here: Scenes, level: float
+) -> list[tuple[tuple[bool, float, float], str, dict[str, pd.Series]]]:
+    """[((widely run, share missed, how much slower), combination, its cells)], the best first: what
+    was run widely, reaches the level on the largest share of the scenes it was run on, and among
+    those is the fastest (geometric mean of its time over the best's).
+    """
     found, run = candidates(here, level), asked(here)
     best = {
         p: min(c[p]["cost"] for c in found.values() if p in c)
@@ -416,8 +463,11 @@ def choose(here, level):
     return sorted((s, name, found[name]) for name, s in score.items()) if score else []
 
 
-def rival(won, name, theirs, run):
-    """The next formulation against the winner, on the scenes that both reach: a mean over other scenes compares scenes, not methods."""
+def rival(
+    won: dict[str, pd.Series], name: str, theirs: dict[str, pd.Series], run: int
+) -> dict | None:
+    """The next formulation against the winner, on the scenes that both reach: a mean over other
+    scenes compares scenes, not methods."""
     both = sorted(set(won) & set(theirs))
     ratio, low, high, _ = stats.paired_ratio(
         [theirs[p]["cost"] for p in both], [won[p]["cost"] for p in both]
@@ -433,8 +483,9 @@ def rival(won, name, theirs, run):
     }
 
 
-def rival_words(r):
-    """'velocity + lemke takes 3.1 times as long on the 4 scenes that both reach; it gets there on 5 of 6'; nothing where there is no rival."""
+def rival_words(r: dict) -> str:
+    """'velocity + lemke takes 3.1 times as long on the 4 scenes that both reach; it gets there on 5
+    of 6'; nothing where there is no rival."""
     if not r:
         return ""
     fewer = f"; it gets there on {r['reached']} of {r['run']}"
@@ -452,7 +503,7 @@ def rival_words(r):
     return f"{r['name']} {takes} {on}{fewer}"
 
 
-def advise(cells, level=LEVEL):
+def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
     """What the first screen says: one answer a situation, from rows only."""
     cells = own(cells)
     out = []
@@ -505,8 +556,9 @@ def advise(cells, level=LEVEL):
     return out
 
 
-def advice(advised, level=LEVEL):
-    """The same as a table, for the paper; `breaks`, where an entry has it, is what the stress tests say."""
+def advice(advised: list[dict], level: float = LEVEL) -> Table:
+    """The same as a table, for the paper; `breaks`, where an entry has it, is what the stress tests
+    say."""
     rows = []
     for a in advised:
         if not a["use"]:
@@ -514,9 +566,11 @@ def advice(advised, level=LEVEL):
                 [
                     a["situation"],
                     Cell(
-                        f"nothing reaches {level:g}"
-                        if a["scenes"]
-                        else "no scene of this kind in the rows",
+                        (
+                            f"nothing reaches {level:g}"
+                            if a["scenes"]
+                            else "no scene of this kind in the rows"
+                        ),
                         "bad",
                     ),
                     "",
@@ -531,8 +585,14 @@ def advice(advised, level=LEVEL):
             [
                 a["situation"],
                 Cell(a["use"], "good"),
-                f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g} contacts ({a['problem']})",
-                f"{a['reached']} of {a['scenes']} scenes it was run on, {a['slower']:.2g} times the best",
+                (
+                    f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g}"
+                    f" contacts ({a['problem']})"
+                ),
+                (
+                    f"{a['reached']} of {a['scenes']} scenes it was run on, {a['slower']:.2g} times"
+                    " the best"
+                ),
                 rival_words(a["other"]),
                 a.get("breaks", ""),
                 a["command"],
@@ -540,8 +600,10 @@ def advice(advised, level=LEVEL):
         )
     return Table(
         "advice",
-        f"Which formulation and solver to use: the combination that reaches an error of the trajectory of at most {level:g} on the largest share of the scenes of a kind "
-        f"that it was run on (at least {WIDELY:.0%} of them), and among those the fastest (geometric mean of its time over the best time of each scene).",
+        "Which formulation and solver to use: the combination that reaches an error of the"
+        f" trajectory of at most {level:g} on the largest share of the scenes of a kind that it was"
+        f" run on (at least {WIDELY:.0%} of them), and among those the fastest (geometric mean of"
+        " its time over the best time of each scene).",
         [
             "situation",
             "use",
@@ -556,7 +618,7 @@ def advice(advised, level=LEVEL):
     )
 
 
-def section(cells):
+def section(cells: pd.DataFrame) -> Section:
     cells = own(cells)
     found = scenes(cells)
     if not found:
@@ -567,8 +629,10 @@ def section(cells):
     return Section(
         "accuracy",
         "What accuracy costs in time",
-        "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left and low is better. A setting is joined when every solve of it was confirmed at the "
-        f"tolerance it was asked for. {len(found)} scenes, {len(converged.references(cells))} of them measured by a converged run of another method; {reached} reach all four levels.",
+        "Error against time over steps, facets, stiffness, tolerances and iteration limits. Left"
+        " and low is better. A setting is joined when every solve of it was confirmed at the"
+        f" tolerance it was asked for. {len(found)} scenes, {len(converged.references(cells))} of"
+        f" them measured by a converged run of another method; {reached} reach all four levels.",
         [made] if made else [],
         [table(cells)] + ([given] if given.rows else []) + [yardsticks_table(cells)],
         {"AccuracyScenes": str(len(found)), "AccuracyScenesAll": str(reached)},

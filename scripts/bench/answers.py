@@ -1,12 +1,15 @@
-"""answers [--out FILE.md] - what theory says and what comes out, one line each; the last line counts."""
+"""answers [--out FILE.md] - what theory says and what comes out, one line each; the last line
+counts."""
 
 import argparse
 import csv
+import itertools
 import json
 import math
 import pathlib
 import sys
 import tempfile
+from collections.abc import Callable, Iterator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import binary, experiments  # noqa: E402
@@ -15,23 +18,27 @@ WAYS = {name: experiments.way(entry) for name, entry in experiments.of("answers.
 VELOCITY, POSITION, REGULARIZED, CONE, ACCELERATION = WAYS.values()
 
 
-def simulate(scene, way, *more):
+Way = tuple[str, str]  # formulation, solver
+Line = tuple[str, Way, float, float, float, str]  # what, way, theory, got, tolerance, why
+
+
+def simulate(scene: str | pathlib.Path, way: Way, *more: object) -> dict:
     return binary.simulate(scene, *way, *more)
 
 
-def scene(name, *values):
+def scene(name: str, *values: float) -> str:
     """A scene of scripts/experiments.toml with its {} filled."""
     return experiments.filled(experiments.of("answers.scenes")[name]["scene"], *values)
 
 
-def end(o, name):
+def end(o: dict, name: str) -> float:
     return o["observables"][name]["value"]
 
 
 # ---- three cylinders: MATHEMATICS B13 ------------------------------------------------------------
 
 
-def stands(mu_cylinders, mu_ground, way):
+def stands(mu_cylinders: float, mu_ground: float, way: Way) -> bool:
     """Has the top cylinder not moved by more than a millionth of its radius?"""
     asked = scene("pile", mu_cylinders, mu_ground)
     o = simulate(asked, way)
@@ -40,7 +47,7 @@ def stands(mu_cylinders, mu_ground, way):
     return abs(end(o, "top.y") - 0.1 * (1 + math.sqrt(3))) < 1e-7
 
 
-def threshold(test, low, high, width):
+def threshold(test: Callable[[float], bool], low: float, high: float, width: float) -> float:
     """Where test turns from false to true."""
     assert not test(low) and test(high)
     while high - low > width:
@@ -49,7 +56,7 @@ def threshold(test, low, high, width):
     return (low + high) / 2
 
 
-def pile():
+def pile() -> Iterator[Line]:
     tan15 = math.tan(math.pi / 12)
     piles = ((0.30, 0.12, 1), (0.27, 0.09, 1), (0.25, 0.12, 0), (0.30, 0.08, 0))
     for way in (VELOCITY, POSITION, CONE):
@@ -62,7 +69,8 @@ def pile():
                 0,
                 "tan 15 and tan(15)/3",
             )
-    # bristles give way a little before they hold: standing is told by the fall, not by the first micrometre
+    # bristles give way a little before they hold: standing is told by the fall, not by the first
+    # micrometre
     for cylinders, ground, answer in piles:
         fall = 0.1 * (1 + math.sqrt(3)) - end(
             simulate(scene("pile", cylinders, ground), REGULARIZED), "top.y"
@@ -80,7 +88,7 @@ def pile():
             "least mu between the cylinders",
             way,
             tan15,
-            threshold(lambda mu: stands(mu, 0.12, way), 0.26, 0.28, 2e-6),
+            threshold(lambda mu, way=way: stands(mu, 0.12, way), 0.26, 0.28, 2e-6),
             1e-5,
             "tan 15",
         )
@@ -88,7 +96,7 @@ def pile():
             "least mu on the ground",
             way,
             tan15 / 3,
-            threshold(lambda mu: stands(0.3, mu, way), 0.085, 0.095, 2e-6),
+            threshold(lambda mu, way=way: stands(0.3, mu, way), 0.085, 0.095, 2e-6),
             1e-5,
             "tan(15)/3",
         )
@@ -97,8 +105,9 @@ def pile():
 # ---- rocking block: MATHEMATICS B11 --------------------------------------------------------------
 
 
-def block(b, h, mu):
-    """Falls flat turning about its left lower corner at 1 rad/s: one step without gravity is the impact alone."""
+def block(b: float, h: float, mu: float) -> dict:
+    """Falls flat turning about its left lower corner at 1 rad/s: one step without gravity is the
+    impact alone."""
     return {
         "id": "falls flat",
         "dim": 2,
@@ -123,7 +132,7 @@ def block(b, h, mu):
     }
 
 
-def rocking():
+def rocking() -> Iterator[Line]:
     cases = (
         (0.1, 0.3, 0.5, 0.85),
         (0.2, 0.3, 0.5, 1 - 1.5 * 4 / 13),
@@ -152,7 +161,7 @@ def rocking():
 # ---- friction in time: MATHEMATICS B15, B16 ------------------------------------------------------
 
 
-def spin():
+def spin() -> Iterator[Line]:
     event = [
         p
         for p in simulate(scene("drilling"), CONE)["predictions"]
@@ -168,7 +177,7 @@ def spin():
     )
 
 
-def belt():
+def belt() -> Iterator[Line]:
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "belt.csv"
         simulate(scene("stick_slip"), REGULARIZED, "--trajectory", path, "--step", 1e-4)
@@ -178,7 +187,7 @@ def belt():
                 for r in csv.DictReader(f)
                 if r["kind"] == "body"
             ]
-    slips = [t for (_, before), (t, v) in zip(rows, rows[1:]) if before > 0.09995 >= v]
+    slips = [t for (_, before), (t, v) in itertools.pairwise(rows) if before > 0.09995 >= v]
     omega, deflection, speed = math.sqrt(20), 0.1 * 9.81 / 20, 0.1
     period = 2 / omega * (math.pi - math.atan(omega * deflection / speed)) + 2 * deflection / speed
     yield (
@@ -194,14 +203,14 @@ def belt():
 # ---- where models end: MATHEMATICS B7, B8 --------------------------------------------------------
 
 
-def painleve():
+def painleve() -> Iterator[Line]:
     for tangent in (1.0, 2.0, 3.0):
         angle = math.degrees(math.atan(tangent))
         cosine = math.cos(math.atan(tangent))
         sine = tangent * cosine
         least = (1 + 3 * cosine**2) / (3 * sine * cosine)
 
-        def refused(mu, angle=angle):
+        def refused(mu: float, angle: float = angle):
             return simulate(scene("paradox", angle, mu), ACCELERATION, "--duration", 1e-3)[
                 "status"
             ] in ("infeasible", "ray")
@@ -225,7 +234,7 @@ def painleve():
         )
 
 
-def cradle():
+def cradle() -> Iterator[Line]:
     for gap, answer, why in (
         (
             0,
@@ -247,11 +256,11 @@ def cradle():
             )
 
 
-def number(x):
+def number(x: float) -> str:
     return str(x) if isinstance(x, int) else f"{x:.8g}"
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(
         prog="scripts/answers", description="Known answers and what lcpbench gets, in one table."
     )
@@ -269,7 +278,8 @@ def main():
             good = error <= allowed
             count[not good] += 1
             lines.append(
-                f"| {what} | {way[0]}, {way[1]} | {number(theory)} | {number(got)} | {error:.2g} | {allowed:.2g} | {'ok' if good else 'MISSED'} | {why} |"
+                f"| {what} | {way[0]}, {way[1]} | {number(theory)} | {number(got)} | {error:.2g} |"
+                f" {allowed:.2g} | {'ok' if good else 'MISSED'} | {why} |"
             )
             print(lines[-1], flush=True)
     if args.out:

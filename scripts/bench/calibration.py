@@ -1,18 +1,20 @@
-"""The regularisation that reaches an error in the least time, against the rule of thumb (lcpbench calibrate)."""
+"""The regularisation that reaches an error in the least time, against the rule of thumb (lcpbench
+calibrate)."""
 
 import json
+import pathlib
 
 from bench.section import Cell, Table, error, si
 
 UNITS = {"ratio": "", "zeta": "", "k": "N/m", "c": "N s/m"}
 
 
-def load(path):
+def load(path: pathlib.Path) -> list[dict]:
     with open(path) as lines:
         return [json.loads(line) for line in lines if line.strip()]
 
 
-def point(p):
+def point(p: dict | None) -> Cell:
     parameters = ", ".join(
         f"{n} = {p[n]:.3g}{' ' + u if u else ''}" for n, u in UNITS.items() if n in p
     )
@@ -20,16 +22,18 @@ def point(p):
         return Cell(
             f"{parameters}\nnot reached",
             "bad",
-            f"the smallest error of the ladder is {error(p['error'])}"
-            if p["error"] is not None
-            else "no step of the ladder solves",
+            (
+                f"the smallest error of the ladder is {error(p['error'])}"
+                if p["error"] is not None
+                else "no step of the ladder solves"
+            ),
         )
     return Cell(
         f"{parameters}\nh = {p['step_s']:.2g} s, {si(p['t_total_s'], 's')}", title=p["command"]
     )
 
 
-def gain(found):
+def gain(found: dict) -> Cell:
     if found["gain"] is None:
         return Cell(
             "reaches it, the rule does not" if found["best"]["reaches"] else "neither reaches it",
@@ -38,7 +42,7 @@ def gain(found):
     return Cell(f"{found['gain']:.2f}", "good" if found["gain"] > 1.05 else "", sort=found["gain"])
 
 
-def table(found):
+def table(found: list[dict]) -> Table:
     rows = [
         [
             f["scene"],
@@ -53,8 +57,10 @@ def table(found):
     ]
     return Table(
         "calibration",
-        "Calibrated regularisation: the stiffness and damping that keep an error in the least time (NLopt's subplex, the step chosen for each pair), against the rule of "
-        "thumb, which is the default (ratio = 100, zeta = 0.7; k = 1 MN/m, c = 1 kN s/m). Gain: time of the rule over time of the calibrated, runs interleaved (shaded above 1.05).",
+        "Calibrated regularisation: the stiffness and damping that keep an error in the least time"
+        " (NLopt's subplex, the step chosen for each pair), against the rule of thumb, which is the"
+        " default (ratio = 100, zeta = 0.7; k = 1 MN/m, c = 1 kN s/m). Gain: time of the rule over"
+        " time of the calibrated, runs interleaved (shaded above 1.05).",
         ["scene", "yardstick", "error", "rule of thumb", "calibrated", "gain", "simulations"],
         rows,
     )

@@ -1,53 +1,61 @@
-"""catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture of each."""
+"""catalogue [--pictures] [--stdout] [SCENE...] - the catalogue of scenes as Markdown, and a picture
+of each."""
+
+from __future__ import annotations
 
 import argparse
 import pathlib
 import re
 import sys
 import tempfile
+from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import binary, experiments  # noqa: E402
 
+if TYPE_CHECKING:  # pictures need it, the text does not
+    from PIL import Image
+
 FOLDER = binary.ROOT / "problems" / "scenes"
 
-# ---- text ------------------------------------------------------------------------------------------------------------------
+# ---- text ----------------------------------------------------------------------------------------
 
 
-def number(x):
+def number(x: float) -> str:
     return f"{x:.6g}"
 
 
-def bound(p):
+def bound(p: dict) -> str:
     if p["kind"] == "choice":
         return " or ".join(p["words"])
     return f"{number(p['min'])} to {number(p['max'])}"
 
 
-def value(p):
+def value(p: dict) -> str:
     return p["default"] if p["kind"] == "choice" else number(p["default"])
 
 
-def predicted(c):
-    """Quantity, where and what: the default tolerance stands in `lcpbench list scenes --format json`."""
+def predicted(c: dict) -> str:
+    """Quantity, where and what: the default tolerance stands in `lcpbench list scenes --format
+    json`."""
     at = f" at {number(c['time_s'])} s" if c["time_s"] is not None else ""
     what = f" = {number(c['value'])} {c['unit']}" if c["value"] is not None else ""
     only = f" ({', '.join(c['formulations'])})" if c["formulations"] else ""
     return f"`{c['quantity']}`{at}{what}: {c['source']}{only}"
 
 
-def linked(text):
+def linked(text: str) -> str:
     """Sections of docs/MATHEMATICS.md as links: "MATHEMATICS B2, B3"."""
     page = "../../docs/MATHEMATICS.md"
     return re.sub(r"MATHEMATICS (\w[\w.]*\w)", rf"[MATHEMATICS \1]({page}#\1)", text)
 
 
-def source(cite):
+def source(cite: str) -> str:
     """Keys of docs/references.bib: "lemke1965; cottle1992, 4.4"."""
     return f"[{cite}](../../docs/references.bib)" if cite else "none"
 
 
-def paragraph(s):
+def paragraph(s: dict) -> list[str]:
     lines = [
         f"## {s['name']}",
         "",
@@ -70,8 +78,11 @@ def paragraph(s):
     )
     lines += [
         "",
-        f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in steps of {number(s['step_s'])} s. "
-        f"Effects: {', '.join(s['effects'])}. Source: {source(s['cite'])}.",
+        (
+            f"{'Planar' if s['dim'] == 2 else 'Spatial'}, {size}, {number(s['duration_s'])} s in"
+            f" steps of {number(s['step_s'])} s. Effects: {', '.join(s['effects'])}. Source:"
+            f" {source(s['cite'])}."
+        ),
         "",
         "Predicted:",
         "",
@@ -81,12 +92,18 @@ def paragraph(s):
     return lines + [f"- {line}" for line in shown] + [""]
 
 
-def markdown(all_scenes):
+def markdown(all_scenes: list[dict]) -> str:
     lines = [
         "# The scenes",
         "",
-        "Written by `scripts/catalogue` from `lcpbench list scenes --format json`; the pictures, by `scripts/render`, show a run at its start,",
-        "in the middle and at its end: bodies, contact forces as arrows, blue where a contact sticks, orange where it slips.",
+        (
+            "Written by `scripts/catalogue` from `lcpbench list scenes --format json`; the"
+            " pictures, by `scripts/render`, show a run at its start,"
+        ),
+        (
+            "in the middle and at its end: bodies, contact forces as arrows, blue where a contact"
+            " sticks, orange where it slips."
+        ),
         "",
         "| scene | |",
         "|---|---|",
@@ -97,10 +114,10 @@ def markdown(all_scenes):
     return "\n".join(lines).rstrip() + "\n"
 
 
-# ---- pictures --------------------------------------------------------------------------------------------------------------
+# ---- pictures ------------------------------------------------------------------------------------
 
 
-def picture(s):
+def picture(s: dict) -> Image.Image:
     import numpy as np
 
     from bench import render
@@ -123,7 +140,7 @@ def picture(s):
     return render.strip(run, list(dict.fromkeys(times)))
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(
         prog="scripts/catalogue",
         description="The catalogue of scenes as Markdown, and a picture of each.",
@@ -149,7 +166,8 @@ def main():
             if not args.scene or s["name"] in args.scene:
                 picture(s).save(FOLDER / "pictures" / f"{s['name']}.png", optimize=True)
                 print(
-                    f"{s['name']}.png: {(FOLDER / 'pictures' / (s['name'] + '.png')).stat().st_size} bytes",
+                    f"{s['name']}.png:"
+                    f" {(FOLDER / 'pictures' / (s['name'] + '.png')).stat().st_size} bytes",
                     flush=True,
                 )
     return 0

@@ -1,11 +1,14 @@
-"""A chart is data: panels of lines. It is drawn for paper (matplotlib), for the screen (Plotly) and as a plain table (.dat),
-so the three never disagree."""
+"""A chart is data: panels of lines. It is drawn for paper (matplotlib), for the screen (Plotly) and
+as a plain table (.dat), so the three never disagree."""
 
 import dataclasses
 import json
 import math
 
 import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from matplotlib.transforms import ScaledTranslation
 
@@ -29,7 +32,7 @@ class Line:
     look_as: str = ""  # the name whose colour and marker it takes
     end_label: str = ""
 
-    def look(self):
+    def look(self) -> dict:
         """Of the component that it is called after, unless it says which."""
         return style.look((self.look_as or self.name).split(",")[0].split(" ")[0], self.variant)
 
@@ -56,7 +59,8 @@ class HeatPanel:
 
 @dataclasses.dataclass
 class Heat:
-    """Maps of words with the same columns. On the screen they are tables; on paper they are this."""
+    """Maps of words with the same columns. On the screen they are tables; on paper they are
+    this."""
 
     name: str
     caption: str
@@ -80,7 +84,7 @@ class Chart:
     end_labels: bool = False
 
 
-def _axis(ax, panel):
+def _axis(ax: Axes, panel: Panel):
     for base, scale, axis in (
         (panel.xlog, ax.set_xscale, ax.xaxis),
         (panel.ylog, ax.set_yscale, ax.yaxis),
@@ -106,8 +110,9 @@ def _axis(ax, panel):
     ax.set_xlabel(panel.xlabel)
 
 
-def _narrow(ax, panel):
-    """Less than two decades: ticks at 1, 2, 5 with plain numbers, or the axis would carry hardly any."""
+def _narrow(ax: Axes, panel: Panel):
+    """Less than two decades: ticks at 1, 2, 5 with plain numbers, or the axis would carry hardly
+    any."""
     for (low, high), scale, axis in (
         (ax.get_ylim(), ax.get_yscale(), ax.yaxis),
         (ax.get_xlim(), ax.get_xscale(), ax.xaxis),
@@ -129,7 +134,7 @@ def _narrow(ax, panel):
             axis.set_minor_formatter(NullFormatter())
 
 
-def _line(ax, line):
+def _line(ax: Axes, line: Line):
     look = line.look()
     if line.kind == "front":
         ax.plot(
@@ -169,7 +174,7 @@ def _line(ax, line):
             line.x, line.low, line.high, color=look["color"], alpha=0.16, linewidth=0, **step
         )
     if line.bad:
-        style.mark_unverified(ax, *zip(*line.bad), look["color"])
+        style.mark_unverified(ax, *zip(*line.bad, strict=True), look["color"])
 
 
 LOW, HIGH, ALL = (
@@ -179,7 +184,7 @@ LOW, HIGH, ALL = (
 )  # lightness falls and rises: legible in grey
 
 
-def _heat_panel(ax, heat, panel, top, tall):
+def _heat_panel(ax: Axes, heat: Heat, panel: HeatPanel, top: bool, tall: int):
     shades = np.full((len(panel.rows), len(heat.columns), 4), 1.0)
     for i, row in enumerate(panel.words):
         for j, (text, share) in enumerate(row):
@@ -239,8 +244,9 @@ def _heat_panel(ax, heat, panel, top, tall):
         spine.set_visible(False)
 
 
-def draw_heat(heat):
-    """Colour and word say the same thing: dark stands, light blue to orange falls earlier and earlier, white is not defined."""
+def draw_heat(heat: Heat) -> Figure:
+    """Colour and word say the same thing: dark stands, light blue to orange falls earlier and
+    earlier, white is not defined."""
     down = -(-len(heat.panels) // heat.across)
     tall = [
         max(len(p.rows) for p in heat.panels[r * heat.across : (r + 1) * heat.across])
@@ -258,7 +264,7 @@ def draw_heat(heat):
     return figure
 
 
-def draw(chart):
+def draw(chart: Chart | Heat) -> Figure:
     """The chart as a matplotlib figure."""
     if isinstance(chart, Heat):
         return draw_heat(chart)
@@ -276,7 +282,7 @@ def draw(chart):
     )
     if chart.end_labels:
         figure.subplots_adjust(left=0.15, right=0.62, bottom=0.4 / size[1], top=0.93)
-    for ax, panel in zip(axes.flat, chart.panels):
+    for ax, panel in zip(axes.flat, chart.panels, strict=False):
         _axis(ax, panel)
         for line in panel.lines:
             _line(ax, line)
@@ -292,25 +298,25 @@ def draw(chart):
         elif chart.share_x:
             ax.tick_params(labelbottom=True)
     if chart.end_labels:
-        for ax, panel in zip(axes.flat, chart.panels):
+        for ax, panel in zip(axes.flat, chart.panels, strict=False):
             style.label_ends(
                 ax,
                 [
-                    (l.x[-1], l.y[-1], l.end_label or l.name, l.look()["color"])
-                    for l in panel.lines
-                    if len(l.x)
+                    (line.x[-1], line.y[-1], line.end_label or line.name, line.look()["color"])
+                    for line in panel.lines
+                    if len(line.x)
                 ],
-                gap=16 if any("\n" in l.end_label for l in panel.lines) else 9,
+                gap=16 if any("\n" in line.end_label for line in panel.lines) else 9,
             )
     else:
         _legend(figure, axes, chart)
     return figure
 
 
-def _legend(figure, axes, chart):
+def _legend(figure: Figure, axes: np.ndarray, chart: Chart):
     found = {}
     for ax in axes.flat:
-        for handle, label in zip(*ax.get_legend_handles_labels()):
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
     if any(line.bad for panel in chart.panels for line in panel.lines):
         found["not solved or not verified"] = plt.Line2D(
@@ -323,7 +329,7 @@ def _legend(figure, axes, chart):
         figure.legend(found.values(), found.keys(), loc="outside lower center", ncols=per_row)
 
 
-def _number(v):
+def _number(v: float):
     return None if v is None or not math.isfinite(v) else float(f"{float(v):.6g}")
 
 
@@ -342,7 +348,7 @@ PLOTLY_MARKER = {
 PLOTLY_DASH = ["solid", "dash", "dot", "dashdot", "4px,2px", "longdashdot"]
 
 
-def _plotly_line(line, axis, shown):
+def _plotly_line(line: Line, axis: str, shown: set[str]):
     look = line.look()
     first = line.name not in shown
     shown.add(line.name)
@@ -390,14 +396,17 @@ def _plotly_line(line, axis, shown):
         "line": {
             "color": "#bbbbbb" if line.kind == "front" else look["color"],
             "width": 5 if line.kind == "front" else 2,
-            "dash": "solid"
-            if line.kind == "front"
-            else PLOTLY_DASH[style.DASHES.index(look["linestyle"])],
+            "dash": (
+                "solid"
+                if line.kind == "front"
+                else PLOTLY_DASH[style.DASHES.index(look["linestyle"])]
+            ),
             "shape": "hv" if line.kind == "steps" else "linear",
         },
         "marker": {
-            "symbol": PLOTLY_MARKER[look["marker"]]
-            + ("-open" if "markerfacecolor" in look else ""),
+            "symbol": (
+                PLOTLY_MARKER[look["marker"]] + ("-open" if "markerfacecolor" in look else "")
+            ),
             "size": 10 if "markersize" in look else 7,
             "color": look["color"],
         },
@@ -408,7 +417,7 @@ def _plotly_line(line, axis, shown):
         trace.update(text=line.hover, hovertemplate="%{text}<br>%{x:.4g}, %{y:.4g}<extra></extra>")
     out.append(trace)
     if line.bad:
-        bx, by = zip(*line.bad)
+        bx, by = zip(*line.bad, strict=True)
         out.append(
             {
                 **common,
@@ -422,14 +431,15 @@ def _plotly_line(line, axis, shown):
                     "size": 11,
                     "line": {"width": 2.5, "color": look["color"]},
                 },
-                "hovertemplate": line.name
-                + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>",
+                "hovertemplate": (
+                    line.name + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"
+                ),
             }
         )
     return out
 
 
-def plotly(chart):
+def plotly(chart: Chart) -> str:
     """The chart as the JSON text of a Plotly figure."""
     columns = min(chart.columns, len(chart.panels))
     rows = -(-len(chart.panels) // columns)
@@ -507,8 +517,8 @@ def plotly(chart):
                 }
             )
         for which, base, values in (
-            ("x", panel.xlog, [v for l in panel.lines for v in l.x]),
-            ("y", panel.ylog, [v for l in panel.lines for v in l.y]),
+            ("x", panel.xlog, [v for line in panel.lines for v in line.x]),
+            ("y", panel.ylog, [v for line in panel.lines for v in line.y]),
         ):
             values = [v for v in values if v > 0 and math.isfinite(v)]
             if base and values and not (which == "x" and panel.xticks):
@@ -525,14 +535,14 @@ def plotly(chart):
     return json.dumps({"data": data, "layout": layout}, separators=(",", ":"), sort_keys=True)
 
 
-def table(chart):
+def table(chart: Chart | Heat) -> str:
     """The numbers of the chart as a whitespace-separated table for pgfplots or gnuplot."""
     if isinstance(chart, Heat):
         lines = ["\t".join(["panel", "of", *chart.columns])]
         lines += [
             "\t".join([p.title, row] + [w for w, _ in words])
             for p in chart.panels
-            for row, words in zip(p.rows, p.words)
+            for row, words in zip(p.rows, p.words, strict=True)
         ]
         return "\n".join(lines) + "\n"
     lines = ["panel line x y low high verified"]
@@ -541,19 +551,24 @@ def table(chart):
             name = line.name.replace(" ", "_")
             low = line.low if line.low is not None else [math.nan] * len(line.x)
             high = line.high if line.high is not None else [math.nan] * len(line.x)
-            for row in zip(line.x, line.y, low, high):
+            for row in zip(line.x, line.y, low, high, strict=True):
                 lines.append(f"{p} {name} " + " ".join(f"{float(v):.9g}" for v in row) + " 1")
             lines += [f"{p} {name} {float(x):.9g} {float(y):.9g} nan nan 0" for x, y in line.bad]
     return "\n".join(lines) + "\n"
 
 
-def from_cells(good, bad, x, y, name, **more):
-    """A line with one point per x: the median over cells, their median interval; crosses for the cells in `bad`."""
+def from_cells(
+    good: pd.DataFrame, bad: pd.DataFrame, x: str, y: str, name: str, **more: object
+) -> Line:
+    """A line with one point per x: the median over cells, their median interval; crosses for the
+    cells in `bad`."""
     take = [c for c in (y, y + "_low", y + "_high") if c in good]
     points = good.dropna(subset=[y]).groupby(x, as_index=False)[take].median()
     low = points[y + "_low"].tolist() if y + "_low" in points else None
     high = points[y + "_high"].tolist() if y + "_high" in points else None
     crosses = [
-        (float(a), float(b)) for a, b in zip(bad[x], bad[y]) if np.isfinite(a) and np.isfinite(b)
+        (float(a), float(b))
+        for a, b in zip(bad[x], bad[y], strict=True)
+        if np.isfinite(a) and np.isfinite(b)
     ]
     return Line(name, points[x].tolist(), points[y].tolist(), low, high, crosses, **more)

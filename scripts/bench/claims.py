@@ -1,7 +1,9 @@
-"""The claims made for one formulation, each with its evidence and a verdict computed from the rows. Which one, and what it is
-held against, stands in scripts/experiments.toml; what else a claim speaks of is told by traits."""
+"""The claims made for one formulation, each with its evidence and a verdict computed from the rows.
+Which one, and what it is held against, stands in scripts/experiments.toml; what else a claim speaks
+of is told by traits."""
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
@@ -34,17 +36,17 @@ ASKED = experiments.of("claims")
 SUBJECT, AGAINST = ASKED["formulation"], ASKED["against"]["formulation"]
 
 
-def polyhedral():
+def polyhedral() -> list[str]:
     """Time stepping with a cone of flat facets."""
     return [f for f in registry.with_trait("polyhedral") if not registry.trait(f, "forces")]
 
 
-def facets(opts):
+def facets(opts: str) -> int:
     """Facets of a cell with a polyhedral cone; the option's default is 4 when it is not written."""
     return int(rows_.options(opts).get("facets", 4))
 
 
-def pairs(cells, other, reference=SUBJECT):
+def pairs(cells: pd.DataFrame, other: str, reference: str = SUBJECT) -> pd.DataFrame:
     """Cells of `reference` beside cells of `other` that differ in the formulation only."""
     left = cells[(cells["formulation"] == reference) & (cells["formulation_options"] == "")]
     if left.empty:
@@ -52,7 +54,7 @@ def pairs(cells, other, reference=SUBJECT):
     return left.merge(cells[cells["formulation"] == other], on=KEY, suffixes=("", "_other"))
 
 
-def verdict(share, when=""):
+def verdict(share: float, when: str = "") -> str:
     """All pairs, some pairs, or few: in words."""
     if not math.isfinite(share):
         return "not measured"
@@ -61,7 +63,7 @@ def verdict(share, when=""):
     return f"holds when {when}" if when else "does not hold"
 
 
-def dimension(cells):
+def dimension(cells: pd.DataFrame) -> tuple[str, str] | None:
     p = pairs(cells, AGAINST)
     p = p[(p["lcp_dim"] > 0) & (p["lcp_dim_other"] > 0)]
     if p.empty:
@@ -79,11 +81,14 @@ def dimension(cells):
     )
     return (
         word,
-        f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where nothing rubs); it has more in {more}",
+        (
+            f"{count} of {len(p)} pairs of cells have p against p(nd+2) unknowns (as many where"
+            f" nothing rubs); it has more in {more}"
+        ),
     )
 
 
-def told(ratio, low, high, pairs):
+def told(ratio: float, low: float, high: float, pairs: int) -> str:
     """A mean with its interval, which one or two pairs do not have."""
     return (
         interval(ratio, low, high)
@@ -92,8 +97,9 @@ def told(ratio, low, high, pairs):
     )
 
 
-def sides(wins, sizes):
-    """(first size from which on most pairs win, first from which on most lose), None where there is none."""
+def sides(wins: pd.Series, sizes: pd.Series) -> tuple[float | None, float | None]:
+    """(first size from which on most pairs win, first from which on most lose), None where there is
+    none."""
     share = [float(wins[sizes == s].mean()) for s in sorted(set(sizes))]
     every = sorted(set(sizes))
     return tuple(
@@ -102,8 +108,8 @@ def sides(wins, sizes):
     )
 
 
-def faster(column, what):
-    def claim(cells):
+def faster(column: str, what: str) -> Callable[[pd.DataFrame], tuple[str, str] | None]:
+    def claim(cells: pd.DataFrame):
         p = pairs(cells, AGAINST)
         p = p[p["good"] & p["good_other"] & p["p"].notna()]
         if p.empty:
@@ -138,21 +144,26 @@ def faster(column, what):
         each = ", ".join(
             f"{s} {v[0]:.3g}" for s, v in sorted(by_solver.items(), key=lambda kv: -kv[1][3])
         )
-        return word, (
-            f"{what}: {AGAINST} / {SUBJECT} = {told(ratio, low, high, n)} (geometric mean of {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; "
-            f"at p = {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}"
+        return (
+            word,
+            (
+                f"{what}: {AGAINST} / {SUBJECT} = {told(ratio, low, high, n)} (geometric mean of"
+                f" {n} pairs, 95 %), faster in {int(wins.sum())}; by solver {each}; at p ="
+                f" {largest:g}: {told(*stats.paired_ratio(big[column + '_other'], big[column]))}"
+            ),
         )
 
     return claim
 
 
-def met(cell, suffix=""):
+def met(cell: pd.DataFrame, suffix: str = "") -> pd.Series:
     return (cell["n_predictions" + suffix] > 0) & (cell["n_predictions_missed" + suffix] == 0)
 
 
-def agreement(cells):
-    """Cell by cell against the same scene, step and solver with a polyhedral cone: does it meet the closed forms that the other meets,
-    and is its error of the common quantity no larger than that plus the scene's tolerance?"""
+def agreement(cells: pd.DataFrame) -> tuple[str, str] | None:
+    """Cell by cell against the same scene, step and solver with a polyhedral cone: does it meet the
+    closed forms that the other meets, and is its error of the common quantity no larger than that
+    plus the scene's tolerance?"""
     p = pd.concat([pairs(cells, other) for other in polyhedral()])
     p = p[
         p["good"]
@@ -170,24 +181,30 @@ def agreement(cells):
     word = (
         "holds"
         if not scenes
-        else f"holds when the scene is none of: {', '.join(scenes)}"
-        if (worse | apart).mean() < 0.2
-        else "does not hold"
+        else (
+            f"holds when the scene is none of: {', '.join(scenes)}"
+            if (worse | apart).mean() < 0.2
+            else "does not hold"
+        )
     )
-    return word, (
-        f"of {len(p)} pairs with a polyhedral cone: it misses a closed form that the other meets in {int(worse.sum())}, meets one that the other misses in {int(better.sum())}; "
-        f"its error is larger by more than the scene's tolerance in {int(apart.sum())}"
+    return (
+        word,
+        (
+            f"of {len(p)} pairs with a polyhedral cone: it misses a closed form that the other"
+            f" meets in {int(worse.sum())}, meets one that the other misses in {int(better.sum())};"
+            f" its error is larger by more than the scene's tolerance in {int(apart.sum())}"
+        ),
     )
 
 
-def impacts(cells):
+def impacts(cells: pd.DataFrame) -> tuple[str, str] | None:
     """h -> 0: the error at the smallest step against the largest, and the observed order."""
     hits = cells["problem_family"].map(registry.situation) == ASKED["impacts"]
     some = cells[
         (cells["formulation"] == SUBJECT) & cells["good"] & cells["err_ref"].notna() & hits
     ]
     orders, stuck = {}, []
-    for (problem, opts, solver), g in some.groupby(["problem", "formulation_options", "solver"]):
+    for (problem, _, _), g in some.groupby(["problem", "formulation_options", "solver"]):
         g = g.sort_values("step_s")
         if g["step_s"].nunique() < 3:
             continue
@@ -208,9 +225,11 @@ def impacts(cells):
     word = (
         "holds"
         if not stuck
-        else f"holds when the scene is none of: {', '.join(sorted(set(stuck)))}"
-        if len(stuck) < total / 2
-        else "does not hold"
+        else (
+            f"holds when the scene is none of: {', '.join(sorted(set(stuck)))}"
+            if len(stuck) < total / 2
+            else "does not hold"
+        )
     )
     middle = (
         f", observed order {np.median(finite):.2g} [{min(finite):.2g}, {max(finite):.2g}]"
@@ -219,11 +238,14 @@ def impacts(cells):
     )
     return (
         word,
-        f"{total - len(stuck)} of {total} ladders of steps at impacts at least halve their error from the largest step to the smallest or are exact ({exact}){middle}",
+        (
+            f"{total - len(stuck)} of {total} ladders of steps at impacts at least halve their"
+            f" error from the largest step to the smallest or are exact ({exact}){middle}"
+        ),
     )
 
 
-def redundancy(cells):
+def redundancy(cells: pd.DataFrame) -> tuple[str, str] | None:
     some = cells[
         (cells["formulation"] == SUBJECT)
         & cells["problem_family"].map(registry.redundant)
@@ -242,12 +264,15 @@ def redundancy(cells):
     )
 
 
-STIFF = 10  # G/m_t from which impact friction counts as that of a hard cone (results/FORMAT.md, stiffness_ratio)
+# G/m_t from which impact friction counts as that of a hard cone (results/FORMAT.md,
+# stiffness_ratio)
+STIFF = 10
 
 
-def stiffness(cells):
-    """A ladder of fixed bristle stiffness against the hard cone on the same scene, step and solver: a rung is right where its error of the
-    common quantity is no larger than that of the hard cone plus the scene's tolerance."""
+def stiffness(cells: pd.DataFrame) -> tuple[str, str] | None:
+    """A ladder of fixed bristle stiffness against the hard cone on the same scene, step and solver:
+    a rung is right where its error of the common quantity is no larger than that of the hard cone
+    plus the scene's tolerance."""
     fixed = cells[
         (cells["formulation"] == SUBJECT)
         & (
@@ -274,17 +299,23 @@ def stiffness(cells):
             for _, r in g.iterrows()
         )
         told.append(
-            f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; {AGAINST} {error(g['err_ref_other'].iloc[0])}"
+            f"{problem}, error of {g['err_quantity'].iloc[0]} by G/m_t: {ladder}; {AGAINST}"
+            f" {error(g['err_ref_other'].iloc[0])}"
         )
-    return word, (
-        f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as right as {AGAINST}, below {int(right[~above].sum())} of {int((~above).sum())} "
-        f"({'; '.join(told)}). The impulse of an impact is finite in one step however short, a bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step"
+    return (
+        word,
+        (
+            f"with G/m_t ≥ {STIFF} {int(right[above].sum())} of {int(above.sum())} runs are as"
+            f" right as {AGAINST}, below {int(right[~above].sum())} of {int((~above).sum())}"
+            f" ({'; '.join(told)}). The impulse of an impact is finite in one step however short, a"
+            " bristle gives at most G |v_t|, and G = h²k + hc vanishes with the step"
+        ),
     )
 
 
-def stiff(cells):
-    """At the error of each run with compliant contact: the cheapest run of the claims' formulation that is at least as accurate, its
-    time and its steps."""
+def stiff(cells: pd.DataFrame) -> tuple[str, str] | None:
+    """At the error of each run with compliant contact: the cheapest run of the claims' formulation
+    that is at least as accurate, its time and its steps."""
     soft = registry.with_trait("compliant")
     time, work, lost, never = [], [], [], []
     for problem, g in cells[cells["err_ref"].notna() & cells["good"]].groupby("problem"):
@@ -309,21 +340,28 @@ def stiff(cells):
     word = (
         "holds"
         if not bad
-        else f"holds when the scene is none of: {', '.join(bad)}"
-        if len(lost) + len(never) < total / 2
-        else "does not hold"
+        else (
+            f"holds when the scene is none of: {', '.join(bad)}"
+            if len(lost) + len(never) < total / 2
+            else "does not hold"
+        )
     )
     ratio = (
         f"{math.exp(np.mean(np.log(time))):.3g} times the time" if time else "no time to compare"
     )
     evaluations = (
-        f" and {math.exp(np.mean(np.log(work))):.3g} evaluations of its right-hand side for each complementarity problem solved"
+        f" and {math.exp(np.mean(np.log(work))):.3g} evaluations of its right-hand side for each"
+        " complementarity problem solved"
         if work
         else ""
     )
-    return word, (
-        f"at the error of {total} runs of {' and '.join(soft)}, compliant contact takes {ratio}{evaluations} (geometric means of the {len(time)} that {SUBJECT} matches); "
-        f"dearer in {len(time) - len(lost)}, never matched in {len(never)}"
+    return (
+        word,
+        (
+            f"at the error of {total} runs of {' and '.join(soft)}, compliant contact takes"
+            f" {ratio}{evaluations} (geometric means of the {len(time)} that {SUBJECT} matches);"
+            f" dearer in {len(time) - len(lost)}, never matched in {len(never)}"
+        ),
     )
 
 
@@ -339,7 +377,7 @@ CLAIMS = [
 ]
 
 
-def section(cells):
+def section(cells: pd.DataFrame) -> Section:
     mechanical = cells[cells["formulation"] != ""]
     if mechanical.empty:
         return None

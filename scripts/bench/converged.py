@@ -1,18 +1,26 @@
-"""References where theory has no closed form: a run of another method, refined until it agrees with itself, and how far it does not.
+"""References where theory has no closed form: a run of another method, refined until it agrees with
+itself, and how far it does not.
 
-Rows of a part whose name begins with `references` give the value of the scene's first observed quantity at the end of the run (column
-end_value). The finest of a ladder of steps is the reference; its uncertainty is the grid convergence index as Oberkampf & Roy (2010,
-Verification and Validation in Scientific Computing, ch. 8) use it: Fs/(r^p - 1) times the last difference, with Fs = 1.25 where the observed
-order p is the formal one (1, of time stepping) to a tenth, and Fs = 3 with p held between 1/2 and 1 elsewhere; where the ladder does not even go one way,
-the difference is the largest along it. Where the part has several settings, the least uncertain gives the value, and its uncertainty covers the others."""
+Rows of a part whose name begins with `references` give the value of the scene's first observed
+quantity at the end of the run (column end_value). The finest of a ladder of steps is the reference;
+its uncertainty is the grid convergence index as Oberkampf & Roy (2010, Verification and Validation
+in Scientific Computing, ch. 8) use it: Fs/(r^p - 1) times the last difference, with Fs = 1.25 where
+the observed order p is the formal one (1, of time stepping) to a tenth, and Fs = 3 with p held
+between 1/2 and 1 elsewhere; where the ladder does not even go one way, the difference is the
+largest along it. Where the part has several settings, the least uncertain gives the value, and its
+uncertainty covers the others.
+"""
 
 import dataclasses
 import math
+from collections.abc import Iterable
 
 import numpy as np
+import pandas as pd
 
 PART = "references"
-ROUNDING = 1e-12  # closed forms and integrations are right to about this; also what is left of a run of exact answers
+# closed forms and integrations are right to about this; also what is left of a run of exact answers
+ROUNDING = 1e-12
 FORMAL = 1.0
 SAFE, SAFER = 1.25, 3.0
 LEAST = 3  # steps of a ladder
@@ -30,20 +38,29 @@ class Reference:
     order: float  # observed; nan: the ladder does not go one way
     runs: int
 
-    def source(self):
+    def source(self) -> str:
         return f"converged run: {self.combination}, h = {self.step:g} s"
 
 
-def key(cells):
+Key = tuple[str, float, str]  # problem, duration [s], effects
+
+
+def key(cells: pd.DataFrame) -> list[Key]:
     """What must be the same for two runs to end with the same value: everything but the method."""
     return list(
-        zip(cells["problem"], cells["duration_s"].astype(float).round(12), cells["effects"])
+        zip(
+            cells["problem"],
+            cells["duration_s"].astype(float).round(12),
+            cells["effects"],
+            strict=True,
+        )
     )
 
 
-def limit(steps, values):
-    """(value, uncertainty, observed order) of a ladder of at least three steps; the finest three count."""
-    (h1, f1), (h2, f2), (h3, f3) = sorted(zip(steps, values))[:LEAST]
+def limit(steps: Iterable[float], values: Iterable[float]) -> tuple[float, float, float]:
+    """(value, uncertainty, observed order) of a ladder of at least three steps; the finest three
+    count."""
+    (h1, f1), (h2, f2), (h3, f3) = sorted(zip(steps, values, strict=True))[:LEAST]
     near, far = f2 - f1, f3 - f2
     order = math.nan
     if near * far > 0 and math.isclose(h3 / h2, h2 / h1, rel_tol=1e-6):
@@ -55,7 +72,7 @@ def limit(steps, values):
     return f1, max(uncertainty, ROUNDING * max(1.0, abs(f1))), order
 
 
-def references(cells):
+def references(cells: pd.DataFrame) -> dict[Key, Reference]:
     """key -> Reference, from the verified rows of the parts of references."""
     some = cells[cells["part"].str.startswith(PART) & cells["good"] & cells["end_value"].notna()]
     out = {}
@@ -86,14 +103,15 @@ def references(cells):
     return out
 
 
-def judge(cells):
-    """Every cell with the uncertainty of what it is measured by (`err_floor`); cells of scenes without a closed form with the error
-    against their reference. The formulation that gives the reference is not judged by it."""
+def judge(cells: pd.DataFrame) -> pd.DataFrame:
+    """Every cell with the uncertainty of what it is measured by (`err_floor`); cells of scenes
+    without a closed form with the error against their reference. The formulation that gives the
+    reference is not judged by it."""
     cells = cells.assign(
         err_floor=np.where(cells["err_ref"].notna(), ROUNDING, np.nan), converged=False
     )
     known = references(cells)
-    for i, at, formulation in zip(cells.index, key(cells), cells["formulation"]):
+    for i, at, formulation in zip(cells.index, key(cells), cells["formulation"], strict=True):
         found = known.get(at)
         ended = np.isfinite(cells.at[i, "end_value"]) and not cells.at[i, "part"].startswith(PART)
         if (

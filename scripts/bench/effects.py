@@ -1,8 +1,11 @@
-"""What an effect is worth: everything on, as declared, chosen by a pilot, and each declared effect dropped in turn."""
+"""What an effect is worth: everything on, as declared, chosen by a pilot, and each declared effect
+dropped in turn."""
 
 import re
+from collections.abc import Iterator
 
 import numpy as np
+import pandas as pd
 
 from bench import registry
 from bench.chart import Chart, Line, Panel
@@ -12,7 +15,10 @@ ORDER = {"everything on": 0, "as declared": 1, "auto": 2}
 SAME = 0.02  # times closer than this are equal, however quiet the machine
 
 
-def kind(command):
+Group = tuple[str, str, dict[str, dict]]  # problem, combination, {kind: cell}
+
+
+def kind(command: str) -> str:
     """What was asked for: the argument of --effects in the cell's command."""
     found = re.search(r"--effects '?([^' ]*)", command)
     text = found.group(1) if found else "declared"
@@ -21,13 +27,14 @@ def kind(command):
     )
 
 
-def said(kind):
+def said(kind: str) -> str:
     """'-friction' -> 'without friction'"""
     return kind.replace("-", "without ", 1) if kind.startswith("-") else kind
 
 
-def shortest(cell):
-    """The least of the samples: what the machine's other work adds to a sample is never negative."""
+def shortest(cell: dict) -> float:
+    """The least of the samples: what the machine's other work adds to a sample is never
+    negative."""
     return (
         cell["t_total_s_low"]
         if cell.get("t_total_s_low", np.nan) == cell.get("t_total_s_low", np.nan)
@@ -35,9 +42,10 @@ def shortest(cell):
     )
 
 
-def groups(cells):
-    """One scene with one combination at one step: {kind: cell}. Dropping what is not declared changes nothing and is left out."""
-    for (problem, combo, step), g in cells.groupby(["problem", "combination", "step_s"]):
+def groups(cells: pd.DataFrame) -> Iterator[Group]:
+    """One scene with one combination at one step: {kind: cell}. Dropping what is not declared
+    changes nothing and is left out."""
+    for (problem, combo, _), g in cells.groupby(["problem", "combination", "step_s"]):
         by = {kind(c["command"]): c for c in g.to_dict("records")}
         declared = by.get("as declared")
         if declared is not None:
@@ -45,14 +53,15 @@ def groups(cells):
         yield problem, combo, by
 
 
-def same_work(a, b):
+def same_work(a: dict, b: dict) -> bool:
     return all(
         a.get(c) == b.get(c) for c in ("n_dof", "lcp_dim", "n_contacts", "n_pivot", "n_iter")
     )
 
 
-def compare(found):
-    """As declared against everything on, scene by scene: [(problem, combination, ratio, same work, errors equal)]."""
+def compare(found: list[Group]) -> list[tuple[str, str, float, bool, bool]]:
+    """As declared against everything on, scene by scene: [(problem, combination, ratio, same work,
+    errors equal)]."""
     out = []
     for problem, combo, by in found:
         a, b = by.get("as declared"), by.get("everything on")
@@ -68,19 +77,21 @@ def compare(found):
     return out
 
 
-def noise_of(compared):
-    """How far the times of pairs that do the same work are apart: nine of ten are closer. What differs by less is a tie."""
+def noise_of(compared: list[tuple[str, str, float, bool, bool]]) -> float:
+    """How far the times of pairs that do the same work are apart: nine of ten are closer. What
+    differs by less is a tie."""
     spread = [abs(np.log(ratio)) for _, _, ratio, same, _ in compared if same]
     return max(SAME, float(np.expm1(np.quantile(spread, 0.9)))) if spread else SAME
 
 
-def unknowns(cell):
+def unknowns(cell: dict) -> tuple[float, float]:
     """Of the motion, and of each contact."""
     return cell["n_dof"], cell["lcp_dim"] / cell["n_active"] if cell["n_active"] > 0 else 0
 
 
-def drawn(found):
-    """What is left out in the figure: effects without which most scenes that declare them have other unknowns, and contacts still."""
+def drawn(found: list[Group]) -> set[str]:
+    """What is left out in the figure: effects without which most scenes that declare them have
+    other unknowns, and contacts still."""
     out = {"everything on", "auto"}
     pairs = {}
     for _, _, by in found:
@@ -93,7 +104,7 @@ def drawn(found):
     return out | {name for name, differ in pairs.items() if 2 * sum(differ) > len(differ)}
 
 
-def chart(found):
+def chart(found: list[Group]) -> Chart:
     """Time of a run relative to the one as declared, a row a scene, a mark for each change."""
     panels, shown = {}, drawn(found)
     for problem, combo, by in found:
@@ -142,16 +153,18 @@ def chart(found):
         return None
     return Chart(
         "effects",
-        "What an effect is worth: time of the run with everything on, with the effects that a pilot chose (auto), and with one declared effect dropped (those that change the unknowns of most scenes), "
-        "relative to the run as declared (least of the samples). Left is cheaper.",
+        "What an effect is worth: time of the run with everything on, with the effects that a pilot"
+        " chose (auto), and with one declared effect dropped (those that change the unknowns of"
+        " most scenes), relative to the run as declared (least of the samples). Left is cheaper.",
         out,
         columns=2,
         height=0.6 + 0.135 * max(len(p.yticks) for p in out),
     )
 
 
-def savings(found):
-    """What a declaration saves: the scenes that leave most out, and the planar scenes beside their spatial twins."""
+def savings(found: list[Group]) -> Table:
+    """What a declaration saves: the scenes that leave most out, and the planar scenes beside their
+    spatial twins."""
     rows = []
     plain = {(p, combo): by.get("as declared") for p, combo, by in found}
     for problem, combo, by in found:
@@ -181,23 +194,27 @@ def savings(found):
             combo,
             f"{a['n_dof']:g} / {b['n_dof']:g}",
             f"{a['lcp_dim']:g} / {b['lcp_dim']:g}",
-            f"{shortest(a) / shortest(b):.2f}"
-            if a["good"] and b["good"]
-            else f"({b['status']} {against})",
+            (
+                f"{shortest(a) / shortest(b):.2f}"
+                if a["good"] and b["good"]
+                else f"({b['status']} {against})"
+            ),
             against,
         ]
         for what, problem, combo, a, b, against in rows
     ]
     return Table(
         "savings",
-        "What a declaration saves: velocity unknowns, unknowns of the complementarity problem and time, as declared against everything on, and in the plane "
-        "against in space.",
+        "What a declaration saves: velocity unknowns, unknowns of the complementarity problem and"
+        " time, as declared against everything on, and in the plane against in space.",
         ["scene has", "scene", "combination", "dofs", "LCP", "time ratio", "against"],
         sorted(body),
     )
 
 
-def line(problem, combo, name, c, declared, noise):
+def line(
+    problem: str, combo: str, name: str, c: dict, declared: dict, noise: float
+) -> list[Cell | str]:
     ratio = (
         shortest(c) / shortest(declared)
         if declared is not None and c["good"] and declared["good"]
@@ -221,7 +238,7 @@ def line(problem, combo, name, c, declared, noise):
     ]
 
 
-def section(cells):
+def section(cells: pd.DataFrame) -> Section | None:
     some = cells[cells["campaign"].str.startswith("effects")]
     if some.empty:
         return None
@@ -238,8 +255,10 @@ def section(cells):
     ]
     families = some["problem_family"].nunique()
     judged = (
-        f"A scene pays only for what it declares. Of {len(compared)} pairs, {same} do the same work with everything on (same unknowns, contacts and pivots): how far "
-        f"their times are apart, {noise:.0%} for nine of ten, is the noise of this run. Of the other {len(compared) - same}, "
+        f"A scene pays only for what it declares. Of {len(compared)} pairs, {same} do the same work"
+        " with everything on (same unknowns, contacts and pivots): how far their times are apart,"
+        f" {noise:.0%} for nine of ten, is the noise of this run. Of the other"
+        f" {len(compared) - same}, "
         + (
             "none is dearer as declared by more than that"
             if not dearer
@@ -258,8 +277,10 @@ def section(cells):
             savings(found),
             Table(
                 "effects",
-                "Unknowns, time per step and error with everything on, as declared, as a pilot chose (auto: what it dropped is the tooltip of the "
-                "status), and with each declared effect dropped; times are the least of the samples. *: less by more than the noise.",
+                "Unknowns, time per step and error with everything on, as declared, as a pilot"
+                " chose (auto: what it dropped is the tooltip of the status), and with each"
+                " declared effect dropped; times are the least of the samples. *: less by more than"
+                " the noise.",
                 [
                     "scene",
                     "combination",

@@ -1,5 +1,5 @@
-"""experiments TABLE.KEY [COLUMN...] - prints an entry of scripts/experiments.toml for a shell script: each item of a list
-on a line of its own, of tables the named columns with a tab between.
+"""experiments TABLE.KEY [COLUMN...] - prints an entry of scripts/experiments.toml for a shell
+script: each item of a list on a line of its own, of tables the named columns with a tab between.
 
 scripts/experiments.toml is the only place of scripts/ where components are named.
 """
@@ -19,7 +19,10 @@ def read() -> dict:
     return tomllib.loads(PLACE.read_text(encoding="utf-8"))
 
 
-def of(path: str):
+Entry = dict | list | str | float  # of a TOML file
+
+
+def of(path: str) -> Entry:
     """The entry at TABLE.KEY..."""
     found = read()
     for key in path.split("."):
@@ -32,7 +35,7 @@ def way(entry: dict) -> tuple[str, str]:
     return entry["formulation"], entry["solver"]
 
 
-def filled(text: str, *values) -> str:
+def filled(text: str, *values: object) -> str:
     """The text with its {} in turn replaced."""
     for value in values:
         text = text.replace("{}", str(value), 1)

@@ -1,10 +1,13 @@
 """The report for a paper: figures, booktabs tables, macros and a document that inputs them all."""
 
+import pathlib
+
 from bench import chart as chart_
 from bench import style
-from bench.section import table_tex, tex
+from bench.section import Section, table_tex, tex
 
-# What a figure as PGF needs: scripts/report --pgf writes figures/NAME.pgf, and \input{figures/NAME.pgf} stands in for figures/NAME.pdf.
+# What a figure as PGF needs: scripts/report --pgf writes figures/NAME.pgf, and
+# \input{figures/NAME.pgf} stands in for figures/NAME.pdf.
 FIGURES = r"""\usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
 \usepackage{lmodern}
@@ -32,14 +35,17 @@ HEAD = (
 )
 
 
-def macros(facts):
+def macros(facts: dict[str, str]) -> str:
     return "".join(
         f"\\newcommand{{\\{name}}}{{{tex(value)}}}\n" for name, value in sorted(facts.items())
     )
 
 
-def write(folder, facts, sections, pgf=False):
-    """folder/{main.tex,macros.tex,tables/NAME.tex,figures/NAME.{pdf,png,dat}}, with pgf also NAME.pgf for \\input."""
+def write(
+    folder: pathlib.Path, facts: dict[str, str], sections: list[Section], pgf: bool = False
+) -> None:
+    """folder/{main.tex,macros.tex,tables/NAME.tex,figures/NAME.{pdf,png,dat}}, with pgf also
+    NAME.pgf for \\input."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "tables").mkdir(exist_ok=True)
     (folder / "figures").mkdir(exist_ok=True)
@@ -52,8 +58,10 @@ def write(folder, facts, sections, pgf=False):
         for c in charts:
             style.save(chart_.draw(c), folder / "figures", c.name, pgf)
             (folder / "figures" / f"{c.name}.dat").write_text(chart_.table(c))
+            width = c.width if c.width < style.PAGE else 7.08
             body.append(
-                f"\\begin{{figure}}[htbp]\\centering\\includegraphics[width={c.width if c.width < style.PAGE else 7.08}in]{{figures/{c.name}.pdf}}\n"
+                "\\begin{figure}[htbp]\\centering"
+                f"\\includegraphics[width={width}in]{{figures/{c.name}.pdf}}\n"
                 f"\\caption{{{tex(c.caption)}}}\\label{{fig:{c.name}}}\\end{{figure}}\n"
             )
         for t in tables:

@@ -1,30 +1,39 @@
-"""Solvers on a library of problems: profiles with failures in the denominator, and a summary per solver."""
+"""Solvers on a library of problems: profiles with failures in the denominator, and a summary per
+solver."""
 
 import re
 
 import numpy as np
+import pandas as pd
 
-from bench import stats, style
+from bench import stats
 from bench.chart import Chart, Line, Panel
 from bench.section import Cell, Section, Table, si
 
 NOISE = 1.05  # ratio of times that counts as a tie when the machine's own noise floor is not known
 
 
-def matrix(cells, column="cost"):
-    """Problems x solvers: median time of a verified answer, inf otherwise, also where a combination is not defined. Returns cost, problems, families,
-    solvers."""
+def matrix(
+    cells: pd.DataFrame, column: str = "cost"
+) -> tuple[np.ndarray, list[str], list[str], list[str]]:
+    """Problems x solvers: median time of a verified answer, inf otherwise, also where a combination
+    is not defined. Returns cost, problems, families, solvers."""
     solvers = sorted(cells["combination"].unique())
     key = [
         f"{problem}|{step:.17g}"
-        for problem, step in zip(cells["problem"], cells["step_s"].astype(float))
+        for problem, step in zip(cells["problem"], cells["step_s"].astype(float), strict=True)
     ]  # no step: nan, like any other
     problems = sorted(set(key))
     at = {p: i for i, p in enumerate(problems)}
     cost = np.full((len(problems), len(solvers)), np.inf)
     families = [""] * len(problems)
     for k, family, combo, value, good in zip(
-        key, cells["problem_family"], cells["combination"], cells[column], cells["good"]
+        key,
+        cells["problem_family"],
+        cells["combination"],
+        cells[column],
+        cells["good"],
+        strict=True,
     ):
         families[at[k]] = family
         if good and np.isfinite(value):
@@ -32,27 +41,29 @@ def matrix(cells, column="cost"):
     return cost, problems, families, solvers
 
 
-def corners(x, *curves):
-    """The points of curves of steps where one of them changes, the first and the last: they look the same and take a fraction of the page."""
+def corners(x: np.ndarray, *curves: np.ndarray) -> list[list[float]]:
+    """The points of curves of steps where one of them changes, the first and the last: they look
+    the same and take a fraction of the page."""
     keep = [
         i for i in range(len(x)) if i in (0, len(x) - 1) or any(c[i] != c[i - 1] for c in curves)
     ]
     return [[float(c[i]) for i in keep] for c in (x, *curves)]
 
 
-def fields(cells):
-    """[(name, cells)]: parts whose problems were given to the same solvers. A solver of cones and one of polyhedral problems were never in the same race."""
+def fields(cells: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+    """[(name, cells)]: parts whose problems were given to the same solvers. A solver of cones and
+    one of polyhedral problems were never in the same race."""
     asked = {}
     for part, g in cells.groupby(["campaign", "part"]):
         asked.setdefault(tuple(sorted(set(g["combination"]))), []).append(part)
     out = []
     for parts in asked.values():
-        mine = [key in parts for key in zip(cells["campaign"], cells["part"])]
+        mine = [key in parts for key in zip(cells["campaign"], cells["part"], strict=True)]
         out.append((", ".join(dict.fromkeys(part for _, part in parts)), cells[mine]))
     return sorted(out, key=lambda field: (-field[1]["combination"].nunique(), field[0]))
 
 
-def variants(combinations):
+def variants(combinations: list[str]) -> dict[str, int]:
     """combination -> its number among those of the same solver (their lines differ in dashes)."""
     seen = {}
     return {
@@ -61,8 +72,9 @@ def variants(combinations):
     }
 
 
-def data_profile(products, solvers):
-    """More & Wild (2009): share of all problems solved within so many products with the matrix, for the solvers that are counted in them."""
+def data_profile(products: np.ndarray | None, solvers: list[str]) -> list[Line]:
+    """More & Wild (2009): share of all problems solved within so many products with the matrix, for
+    the solvers that are counted in them."""
     lines, variant = [], variants(solvers)
     if products is None:
         return lines
@@ -82,7 +94,14 @@ def data_profile(products, solvers):
     return lines
 
 
-def profiles(name, cost, families, solvers, noise, products=None):
+def profiles(
+    name: str,
+    cost: np.ndarray,
+    families: list[str],
+    solvers: list[str],
+    noise: float,
+    products: np.ndarray | None = None,
+) -> Chart:
     finite = stats.ratios(cost)
     finite = finite[np.isfinite(finite)]
     top = max(4.0, float(finite.max()) * 1.1) if len(finite) else 4.0
@@ -150,10 +169,12 @@ def profiles(name, cost, families, solvers, noise, products=None):
     three = "" if len(solvers) <= 3 else " of the three best"
     return Chart(
         "profiles_" + re.sub(r"[^a-z0-9]+", "_", name.lower()),
-        f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the best (left; ties within "
-        f"{100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by family), within a time"
+        f"Performance profiles, {name}: share of {len(cost)} problems solved within τ times the"
+        f" best (left; ties within {100 * (noise - 1):.0f} %, band{three}: 95 % bootstrap by"
+        " family), within a time"
         + (
-            ", and within so many products with the matrix (data profile; only solvers that are counted in them)"
+            ", and within so many products with the matrix (data profile; only solvers that are"
+            " counted in them)"
             if counted
             else ""
         )
@@ -173,14 +194,17 @@ ENDS = {
 }
 
 
-def ends(cells):
-    """How many of the cells that are not verified ended in which way; the rest were solved to less than the judge asks."""
+def ends(cells: pd.DataFrame) -> dict[str, int]:
+    """How many of the cells that are not verified ended in which way; the rest were solved to less
+    than the judge asks."""
     bad = cells[~cells["good"]]
     found = {name: int(bad["status"].isin(words).sum()) for name, words in ENDS.items()}
     return found | {"otherwise": len(bad) - sum(found.values())}
 
 
-def lines_of(name, cells, cost, solvers, noise):
+def lines_of(
+    name: str, cells: pd.DataFrame, cost: np.ndarray, solvers: list[str], noise: float
+) -> tuple[list[list[Cell | str]], float]:
     """Rows of the summary, one a solver, and the shift of their means."""
     r = stats.ratios(cost)
     shift = float(np.median(cost[np.isfinite(cost)])) if np.isfinite(cost).any() else 1e-3
@@ -210,7 +234,7 @@ def lines_of(name, cells, cost, solvers, noise):
     return rows, shift
 
 
-def section(cells, noise=NOISE):
+def section(cells: pd.DataFrame, noise: float = NOISE) -> Section:
     own = cells[cells["formulation"] == ""]
     if own.empty or own["combination"].nunique() < 2:
         return None
@@ -227,8 +251,9 @@ def section(cells, noise=NOISE):
     return Section(
         "library",
         "Solvers on the problem library",
-        "Problems by themselves, without a simulation: generated families, imported files, friction problems on cones and on facets. "
-        "Solvers are compared on the problems that all of them were given.",
+        "Problems by themselves, without a simulation: generated families, imported files, friction"
+        " problems on cones and on facets. Solvers are compared on the problems that all of them"
+        " were given.",
         charts,
         [
             Table(
@@ -244,8 +269,13 @@ def section(cells, noise=NOISE):
                     "shifted geometric mean",
                 ],
                 table,
-                note=f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times the longest solved time. A combination that is not defined counts as not solved. "
-                "Limits: of time or iterations, stalled, or near; rays: ended on a ray or called infeasible; breakdowns: a crash, no memory, numerical trouble, an error of a library.",
+                note=(
+                    f"Shift: median solved time ({', '.join(shifts)}); a failure counts 10 times"
+                    " the longest solved time. A combination that is not defined counts as not"
+                    " solved. Limits: of time or iterations, stalled, or near; rays: ended on a"
+                    " ray or called infeasible; breakdowns: a crash, no memory, numerical trouble,"
+                    " an error of a library."
+                ),
             )
         ],
     )

@@ -1,4 +1,5 @@
-"""bisect BINARY DIR [--quick] - the hardest rung at which each combination still stands, by bisection."""
+"""bisect BINARY DIR [--quick] - the hardest rung at which each combination still stands, by
+bisection."""
 
 import argparse
 import csv
@@ -10,6 +11,7 @@ import pathlib
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import binary as asked  # noqa: E402
@@ -42,11 +44,11 @@ class Stressor:
     formulation: str = "{form}"  # {form} or one formulation's options with {}
     whole: bool = False  # integers only
 
-    def only(self):
+    def only(self) -> str:
         """The formulation whose options it turns up; empty: any."""
         return "" if self.formulation == "{form}" else self.formulation.partition(":")[0]
 
-    def command(self, form, solver, value):
+    def command(self, form: str, solver: str, value: float) -> list[str]:
         text = f"{value:.0f}" if self.whole else f"{value:.4g}"
         put = [
             t.replace("{form}", form).replace("{}", text)
@@ -55,7 +57,7 @@ class Stressor:
         return ["simulate", put[0], "--formulation", put[1], "--solver", solver, "--step", put[2]]
 
 
-def stressors():
+def stressors() -> list[Stressor]:
     """The stressors of scripts/experiments.toml."""
     return [
         Stressor(
@@ -71,11 +73,11 @@ def stressors():
     ]
 
 
-def as_cell(answer, stressor, form):
+def as_cell(answer: dict, stressor: Stressor, form: str) -> dict:
     """What stability.word reads, from the JSON object of `simulate`."""
     bad = [p for p in answer["predictions"] if not p["ok"]]
 
-    def text(p):
+    def text(p: dict):
         error, tolerance = p["error"], p["tolerance"]
         times = error / tolerance if error is not None and tolerance else math.inf
         return f"{p['quantity']}{' = 0' if p['predicted'] == 0 else ''} {times:.2g}x"
@@ -94,7 +96,9 @@ def as_cell(answer, stressor, form):
 
 
 class Probe:
-    def __init__(self, binary, stressor, form, solver, limit):
+    def __init__(
+        self, binary: str, stressor: Stressor, form: str, solver: str, limit: float
+    ) -> None:
         self.binary, self.stressor, self.form, self.solver, self.limit, self.count = (
             binary,
             stressor,
@@ -104,7 +108,7 @@ class Probe:
             0,
         )
 
-    def __call__(self, value):
+    def __call__(self, value: float) -> tuple[str, str, str]:
         """(word, reason, command) of one run."""
         self.count += 1
         args = self.stressor.command(self.form, self.solver, value)
@@ -133,8 +137,9 @@ class Probe:
         )
 
 
-def bisect(probe):
-    """From the mild end by factors of ten to the first value that does not stand, then by halving the exponent."""
+def bisect(probe: Probe) -> dict:
+    """From the mild end by factors of ten to the first value that does not stand, then by halving
+    the exponent."""
     s = probe.stressor
     factor = (2.0 if s.whole else 10.0) ** (1 if s.end > s.start else -1)
     low, value, high = None, s.start, None
@@ -183,7 +188,7 @@ def bisect(probe):
     }
 
 
-def work(quick):
+def work(quick: bool) -> Iterator[tuple[Stressor, str, str]]:
     """Every formulation with every solver; one that poses no problem only once."""
     solvers = registry.solvers()
     every = [
@@ -199,19 +204,20 @@ def work(quick):
                 yield stressor, form, solver
 
 
-def load(path):
+def load(path: pathlib.Path) -> list[dict[str, str]]:
     if not path.exists():
         return []
     with open(path, newline="") as f:
         return list(csv.DictReader(f))
 
 
-def number(text, whole=False):
+def number(text: str | None, whole: bool = False) -> str:
     return "" if text in ("", None) else f"{float(text):.0f}" if whole else f"{float(text):.2g}"
 
 
-def table(rows):
-    """Combinations against stressors: the last value that stands, and the word of the first that does not."""
+def table(rows: list[dict[str, str]]) -> Table:
+    """Combinations against stressors: the last value that stands, and the word of the first that
+    does not."""
     names = list(dict.fromkeys(r["stressor"] for r in rows))
     whole = {s.name for s in stressors() if s.whole}
     only = {s.name: s.only() for s in stressors()}
@@ -244,7 +250,10 @@ def table(rows):
                     )
                 )
             else:
-                text = f"{number(r['stands'], name in whole) or 'none'}; at {number(r['fails'], name in whole)} {r['word']}"
+                text = (
+                    f"{number(r['stands'], name in whole) or 'none'}; at"
+                    f" {number(r['fails'], name in whole)} {r['word']}"
+                )
                 line.append(
                     Cell(
                         text,
@@ -256,15 +265,16 @@ def table(rows):
         body.append(line)
     return Table(
         "limits",
-        f"How far each stressor can be turned up: the last value that stands and, within {CLOSE:g} times that, the first that does not and what it does "
-        "(bisection; lcpbench simulate at each value).",
+        f"How far each stressor can be turned up: the last value that stands and, within {CLOSE:g}"
+        " times that, the first that does not and what it does (bisection; lcpbench simulate at"
+        " each value).",
         ["formulation", "solver"] + names,
         body,
         paper=False,
     )
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/bisect", description=__doc__)
     parser.add_argument("binary", metavar="BINARY", help="the lcpbench that is asked")
     parser.add_argument("folder", metavar="DIR", help="where limits.csv is or will be")

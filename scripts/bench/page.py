@@ -1,28 +1,36 @@
-"""The report as one self-contained HTML page: no network, readable without JavaScript, the same bytes each time."""
+"""The report as one self-contained HTML page: no network, readable without JavaScript, the same
+bytes each time."""
 
 import base64
 import gzip
 import html
 import io
 import pathlib
+from collections.abc import Iterator
 
 import jinja2
+import pandas as pd
 import plotly
 from markupsafe import Markup
+from matplotlib.figure import Figure
 from PIL import Image
 
 from bench import accuracy, registry, style
 from bench import chart as chart_
-from bench.section import Cell, Table, error, si, table_html
+from bench.chart import Chart, Heat
+from bench.section import Cell, Section, Table, error, si, table_html
 
 HERE = pathlib.Path(__file__).resolve().parent
 SCOPE = (
-    "Times hold for this machine and this build; errors and counters hold everywhere, to rounding. A row counts only when the judge, which never "
-    "trusts the solver, confirmed every solve of it: to 1e-9 (exact methods) or 1e-6, and where accuracy is the question to the tolerance that was asked for. Differences inside the noise of the clock are ties. Nothing here says anything about scenes that are not in the tables."
+    "Times hold for this machine and this build; errors and counters hold everywhere, to rounding."
+    " A row counts only when the judge, which never trusts the solver, confirmed every solve of it:"
+    " to 1e-9 (exact methods) or 1e-6, and where accuracy is the question to the tolerance that was"
+    " asked for. Differences inside the noise of the clock are ties. Nothing here says anything"
+    " about scenes that are not in the tables."
 )
 
 
-def png(figure):
+def png(figure: Figure) -> str:
     out, small = io.BytesIO(), io.BytesIO()
     figure.savefig(out, format="png", dpi=160, metadata={"Software": "lcpbench"})
     style.plt.close(figure)
@@ -30,8 +38,9 @@ def png(figure):
     return base64.b64encode(small.getvalue()).decode()
 
 
-def picture(chart):
-    """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their tables follow."""
+def picture(chart: Chart | Heat) -> dict:
+    """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their
+    tables follow."""
     spec = (
         "" if isinstance(chart, chart_.Heat) else Markup(chart_.plotly(chart).replace("</", "<\\/"))
     )
@@ -43,7 +52,7 @@ def picture(chart):
     }
 
 
-def library():
+def library() -> str:
     """Plotly's own bundle, packed."""
     path = pathlib.Path(plotly.__file__).parent / "package_data" / "plotly.min.js"
     return base64.b64encode(gzip.compress(path.read_bytes(), 9, mtime=0)).decode()
@@ -52,11 +61,13 @@ def library():
 FILTERS = [("problem family", 1), ("formulation", 3), ("solver", 4), ("status", 6), ("campaign", 0)]
 
 
-MOST = 4000  # cells of a table that a browser sorts and filters at once, and that keep the page below its limit
+# cells of a table that a browser sorts and filters at once, and that keep the page below its limit
+MOST = 4000
 
 
-def fewer(cells):
-    """Where there are too many: all that failed, and of the others the smallest step of each ladder. (cells, what was left out)."""
+def fewer(cells: pd.DataFrame) -> tuple[pd.DataFrame, str]:
+    """Where there are too many: all that failed, and of the others the smallest step of each
+    ladder. (cells, what was left out)."""
     if len(cells) <= MOST:
         return cells, ""
     ladder = cells.groupby(
@@ -67,12 +78,16 @@ def fewer(cells):
     ]
     return (
         kept,
-        f", and {len(cells) - len(kept)} verified ones at larger steps than their ladder's smallest, which are in results.csv",
+        (
+            f", and {len(cells) - len(kept)} verified ones at larger steps than their ladder's"
+            " smallest, which are in results.csv"
+        ),
     )
 
 
-def cells_table(cells):
-    """Every cell, but of the stability campaign only as ladders (its own table): a page of all of its rungs would not load."""
+def cells_table(cells: pd.DataFrame) -> Table:
+    """Every cell, but of the stability campaign only as ladders (its own table): a page of all of
+    its rungs would not load."""
     ladders = cells["campaign"].str.startswith("stability")
     left = int(ladders.sum())
     cells, coarser = fewer(cells[~ladders])
@@ -101,7 +116,8 @@ def cells_table(cells):
         "cells",
         f"All {len(rows)} cells"
         + (
-            f" but the {left} rungs of the stability ladders, which are summed up in their own table"
+            f" but the {left} rungs of the stability ladders, which are summed up in their own"
+            " table"
             if left
             else ""
         )
@@ -129,15 +145,15 @@ def cells_table(cells):
     )
 
 
-def num(v):
+def num(v: float) -> float | None:
     return float(v) if v is not None and v == v else None
 
 
-def join(name, opts):
+def join(name: str, opts: str) -> str:
     return f"{name}:{opts}" if opts else name
 
 
-def failures_table(cells):
+def failures_table(cells: pd.DataFrame) -> Table:
     bad = cells[~cells["good"] & ~cells["status"].isin(["unsupported", "skipped"])]
     rows = []
     for (status, combo), g in bad.groupby(["status", "combination"]):
@@ -164,7 +180,7 @@ def failures_table(cells):
     )
 
 
-def undefined_table(cells):
+def undefined_table(cells: pd.DataFrame) -> Table:
     some = cells[cells["status"].isin(["unsupported", "skipped"])]
     rows = [
         [status, combo, str(len(g)), g.iloc[0].get("note", "")]
@@ -179,7 +195,7 @@ def undefined_table(cells):
     )
 
 
-def flatten(data, prefix=""):
+def flatten(data: dict, prefix: str = "") -> Iterator[tuple[str, str]]:
     for key in sorted(data):
         value = data[key]
         if isinstance(value, dict):
@@ -190,7 +206,7 @@ def flatten(data, prefix=""):
             yield prefix + key, str(value)[:600]
 
 
-def method_tables(manifests):
+def method_tables(manifests: dict[str, dict]) -> list[Table]:
     return [
         Table(
             f"manifest_{name}",
@@ -204,8 +220,9 @@ def method_tables(manifests):
     ]
 
 
-def names_table(cells):
-    """Formulations and solvers of these rows, for a reader who meets the names for the first time."""
+def names_table(cells: pd.DataFrame) -> Table:
+    """Formulations and solvers of these rows, for a reader who meets the names for the first
+    time."""
     rows = []
     for kind, column, order in (
         ("formulation", "formulation", registry.by_formulation),
@@ -233,7 +250,7 @@ def names_table(cells):
     )
 
 
-def plain(*names):
+def plain(*names: str) -> str:
     """'regularized: solves for ...' for each of the names that this build knows."""
     return " ".join(
         f"{name}: {registry.words(name)[0].lower()}{registry.words(name)[1:]}"
@@ -242,7 +259,7 @@ def plain(*names):
     )
 
 
-def card(a):
+def card(a: dict) -> dict:
     """One situation of the first screen, in words."""
     stands_for = registry.listed("situations")[a["situation"]]["words"]
     if not a["use"]:
@@ -250,9 +267,11 @@ def card(a):
             "situation": a["situation"],
             "stands_for": stands_for,
             "use": "",
-            "why": "Nothing in these rows reaches it."
-            if a["scenes"]
-            else "No scene of this kind in these rows.",
+            "why": (
+                "Nothing in these rows reaches it."
+                if a["scenes"]
+                else "No scene of this kind in these rows."
+            ),
         }
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
     return {
@@ -265,7 +284,10 @@ def card(a):
         ),
         "plain": plain(a["formulation"], a["solver"]),
         "cost": f"{si(a['per_step'], 's', 2)} a step",
-        "what": f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms",
+        "what": (
+            f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step"
+            f" {a['step'] * 1e3:g} ms"
+        ),
         "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.",
         "other": other,
         "breaks": a["breaks"],
@@ -273,7 +295,15 @@ def card(a):
     }
 
 
-def render(title, counts, footer, cards, advice, names, sections):
+def render(
+    title: str,
+    counts: str,
+    footer: str,
+    cards: list[dict],
+    advice: Table,
+    names: Table,
+    sections: list[Section],
+) -> str:
     env = jinja2.Environment(
         loader=jinja2.FileSystemLoader(HERE),
         autoescape=True,
@@ -329,9 +359,12 @@ SHORT = {
 }
 
 
-def filters():
+def filters() -> str:
     menus = "".join(
         f'<select data-column="{column}" aria-label="{name}"><option>{name}: all</option></select>'
         for name, column in FILTERS
     )
-    return f'<div class="filters">{menus}<input id="find" placeholder="words" aria-label="words"><span id="shown"></span></div>'
+    return (
+        f'<div class="filters">{menus}<input id="find" placeholder="words" aria-label="words"><span'
+        ' id="shown"></span></div>'
+    )

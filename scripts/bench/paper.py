@@ -1,4 +1,7 @@
-"""Charts of the `paper` campaign: how large, how long, how wrong, formulation against formulation."""
+"""Charts of the `paper` campaign: how large, how long, how wrong, formulation against
+formulation."""
+
+import pandas as pd
 
 from bench import registry, style
 from bench.chart import Chart, Line, Panel, from_cells
@@ -8,22 +11,23 @@ LADDER_MIN = 3  # sizes that make a ladder of contacts
 FLOOR = 1e-16  # drawn, not computed: an exact answer has no place on a logarithmic axis
 
 
-def own(cells):
+def own(cells: pd.DataFrame) -> pd.DataFrame:
     """The scenes of the campaign `paper`."""
     return cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
 
 
-def variants(cells):
+def variants(cells: pd.DataFrame) -> dict[str, int]:
     """label -> index among the variants of one formulation (different dashes and markers)."""
     seen, index = {}, {}
-    for form, label in sorted(set(zip(cells["formulation"], cells["label"]))):
+    for form, label in sorted(set(zip(cells["formulation"], cells["label"], strict=True))):
         index[label] = seen.get(form, 0)
         seen[form] = index[label] + 1
     return index
 
 
-def ladder(cells):
-    """The cells of the family with the most sizes; nothing when no family has LADDER_MIN of them."""
+def ladder(cells: pd.DataFrame) -> pd.DataFrame:
+    """The cells of the family with the most sizes; nothing when no family has LADDER_MIN of
+    them."""
     some = cells[cells["p"] > 0]
     sizes = (
         some.groupby("problem_family")["p"].nunique().sort_values(ascending=False, kind="stable")
@@ -33,11 +37,11 @@ def ladder(cells):
     return some[some["problem_family"] == sizes.index[0]]
 
 
-def solvers_of(cells):
+def solvers_of(cells: pd.DataFrame) -> list[str]:
     return registry.by_solver(set(cells["solver"]))
 
 
-def dimension(cells):
+def dimension(cells: pd.DataFrame) -> Chart:
     cells = ladder(cells[cells["good"] & (cells["lcp_dim"] > 0)])
     if cells.empty:
         return None
@@ -51,7 +55,7 @@ def dimension(cells):
         out.append(
             Line(
                 " = ".join(labels),
-                *map(list, zip(*points)),
+                *map(list, zip(*points, strict=True)),
                 look_as=labels[0],
                 end_label=f"{merge(labels)}: {'p' if factor == '1 p' else factor}",
             )
@@ -76,7 +80,7 @@ def dimension(cells):
     )
 
 
-def merge(labels):
+def merge(labels: list[str]) -> str:
     """['position, 4 facets', 'velocity, 4 facets'] -> 'position, velocity' over '4 facets'"""
     tails = sorted({label.partition(", ")[2] for label in labels})
     if len(tails) == 1:
@@ -86,7 +90,7 @@ def merge(labels):
     return "\n".join(labels)
 
 
-def time_and_error(cells):
+def time_and_error(cells: pd.DataFrame) -> Chart:
     cells = ladder(cells)
     if cells.empty:
         return None
@@ -146,16 +150,18 @@ def time_and_error(cells):
     family = cells["problem_family"].iloc[0]
     return Chart(
         "time_and_error",
-        f"Solve time per step (median, 95 % interval) and error of the trajectory against contacts "
-        f"({family}). A cross is a run that was not solved or whose claim the judge did not confirm. Errors below {FLOOR:g} are drawn there.{shown}",
+        "Solve time per step (median, 95 % interval) and error of the trajectory against contacts"
+        f" ({family}). A cross is a run that was not solved or whose claim the judge did not"
+        f" confirm. Errors below {FLOOR:g} are drawn there.{shown}",
         panels,
         columns=len(panels),
         height=2.1,
     )
 
 
-def spread(cells):
-    """How far the formulations are apart at one step, in words: where their lines lie on each other."""
+def spread(cells: pd.DataFrame) -> str:
+    """How far the formulations are apart at one step, in words: where their lines lie on each
+    other."""
     good = cells[cells["good"]].groupby("step_s")["err_ref"]
     if good.max().max() < 1e-12:
         return "rounding only"
@@ -165,7 +171,7 @@ def spread(cells):
     return f"within {100 * (ratio - 1):.2g} %" if ratio < 2 else f"within a factor {ratio:.2g}"
 
 
-def error_against_step(cells, most=6):
+def error_against_step(cells: pd.DataFrame, most: int = 6) -> Chart | None:
     """One panel a scene, one line a formulation, over the steps that were run."""
     cells = cells[(cells["err_ref"] > 0) & (cells["step_s"] > 0)]
     counts = cells.groupby("problem_family")["step_s"].nunique()
@@ -197,8 +203,8 @@ def error_against_step(cells, most=6):
         )
     return Chart(
         "error_against_step",
-        "Error of the trajectory against the step, per scene; in brackets how far the formulations are apart at one step."
-        + shown,
+        "Error of the trajectory against the step, per scene; in brackets how far the formulations"
+        " are apart at one step." + shown,
         panels,
         columns=3,
         share_x=True,
@@ -206,8 +212,9 @@ def error_against_step(cells, most=6):
     )
 
 
-def summary(cells):
-    """Unknowns and time of a step against contacts for the first solver: the table of the README."""
+def summary(cells: pd.DataFrame) -> Table:
+    """Unknowns and time of a step against contacts for the first solver: the table of the
+    README."""
     cells = ladder(cells)
     if cells.empty:
         return None
@@ -224,15 +231,18 @@ def summary(cells):
             row.append(
                 "not run"
                 if one.empty
-                else f"{one['lcp_dim'].iloc[0]:g}, {si(one['t_total_step_s'].iloc[0], 's')}"
-                if one["good"].all()
-                else str(one["status"].iloc[0])
+                else (
+                    f"{one['lcp_dim'].iloc[0]:g}, {si(one['t_total_step_s'].iloc[0], 's')}"
+                    if one["good"].all()
+                    else str(one["status"].iloc[0])
+                )
             )
         rows.append(row)
     family, solver = cells["problem_family"].iloc[0], cells["solver"].iloc[0]
     return Table(
         "summary",
-        f"Unknowns of the LCP and time of a whole step against contacts ({family}, {solver}, median).",
+        f"Unknowns of the LCP and time of a whole step against contacts ({family}, {solver},"
+        " median).",
         ["contacts"] + labels,
         rows,
     )

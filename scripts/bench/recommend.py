@@ -5,12 +5,14 @@ import fnmatch
 import pathlib
 import sys
 
+import pandas as pd
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import accuracy, rows, style  # noqa: E402
 from bench.section import error, si  # noqa: E402
 
 
-def said(cell, column):
+def said(cell: pd.Series, column: str) -> str:
     """An error in words, with what its reference is worth where that is not a closed form."""
     if column != "err_ref" or not cell["converged"]:
         return error(cell[column])
@@ -22,7 +24,7 @@ def said(cell, column):
     )
 
 
-def why_not(fit, column, level):
+def why_not(fit: pd.DataFrame, column: str, level: float) -> str:
     if fit.empty:
         return "not measured"
     if column != "err_ref":
@@ -32,7 +34,7 @@ def why_not(fit, column, level):
     return f"the smallest error that finer steps keep is {error(fit['err_sure'].min())}"
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(
         prog="scripts/recommend",
         description="The cheapest verified combination for a scene and an error.",
@@ -61,12 +63,13 @@ def main():
     accuracy.NOISE = rows.noise(args.folder) or accuracy.NOISE
     match = [
         fnmatch.fnmatch(p, args.scene) or f == args.scene
-        for p, f in zip(cells["problem"], cells["problem_family"])
+        for p, f in zip(cells["problem"], cells["problem_family"], strict=True)
     ]
     found = cells[match]
     if found.empty:
         print(
-            f"--scene {args.scene}: no such scene in the rows; there are: {', '.join(sorted(set(cells['problem_family'])))}",
+            f"--scene {args.scene}: no such scene in the rows; there are:"
+            f" {', '.join(sorted(set(cells['problem_family'])))}",
             file=sys.stderr,
         )
         return 2
@@ -75,13 +78,15 @@ def main():
         best = accuracy.cheapest(group, args.error, column)
         if best is None:
             print(
-                f"{problem}: nothing confirmed reaches {args.error:g}; {why_not(accuracy.usable(group, column), column, args.error)}"
+                f"{problem}: nothing confirmed reaches {args.error:g};"
+                f" {why_not(accuracy.usable(group, column), column, args.error)}"
             )
             continue
         status = 0
         use = style.marked(best["combination"]) if sys.stdout.isatty() else best["combination"]
         print(
-            f"{problem}: {use}, h = {best['step_s']:g} s: {args.yardstick} error {said(best, column)}, {si(best['cost'], 's')}"
+            f"{problem}: {use}, h = {best['step_s']:g} s: {args.yardstick} error"
+            f" {said(best, column)}, {si(best['cost'], 's')}"
         )
         same = accuracy.ties(group, best, args.error, column)
         if same:

@@ -1,4 +1,5 @@
-"""reference [DIR] - the committed reference run and the README's words about it, from the rows under DIR."""
+"""reference [DIR] - the committed reference run and the README's words about it, from the rows
+under DIR."""
 
 import argparse
 import lzma
@@ -9,6 +10,7 @@ import shutil
 import sys
 
 import numpy as np
+import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import accuracy, chart, effects, paper, registry, rows, section, stability, style  # noqa: E402
@@ -19,7 +21,7 @@ BEGIN, END = "<!-- begin: scripts/reference -->\n", "<!-- end: scripts/reference
 EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
 
 
-def pack(source, target):
+def pack(source: pathlib.Path, target: pathlib.Path) -> None:
     """Rows and manifests of every campaign; packed rows have the same bytes for the same rows."""
     for old in target.glob("*/"):
         if old.is_dir() and old.name != "figures":
@@ -33,7 +35,7 @@ def pack(source, target):
                 shutil.copyfile(found.parent / name, out / name)
 
 
-def figures(cells, ladders, target):
+def figures(cells: pd.DataFrame, ladders: stability.Ladders, target: pathlib.Path) -> set[str]:
     """The pictures of the README."""
     own = paper.own(cells)
     stable = stability.section(ladders)
@@ -52,11 +54,13 @@ def figures(cells, ladders, target):
     return {one.name for one in filter(None, made)}
 
 
-def picture(name, title, have, words, at="reference/figures"):
+def picture(
+    name: str, title: str, have: set[str], words: str, at: str = "reference/figures"
+) -> str:
     return f"![{title}]({at}/{name}.png)\n\n{words}\n\n" if name in have else ""
 
 
-def advice_words(cells):
+def advice_words(cells: pd.DataFrame) -> str:
     """The answer as a table: what the first screen of the page says."""
     body = []
     for a in accuracy.advise(cells):
@@ -66,7 +70,10 @@ def advice_words(cells):
             [
                 a["situation"],
                 Cell(f"`{a['use']}`"),
-                f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step {a['step'] * 1e3:g} ms)",
+                (
+                    f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step"
+                    f" {a['step'] * 1e3:g} ms)"
+                ),
                 f"{a['reached']} of {a['scenes']}",
                 accuracy.rival_words(a["other"]),
             ]
@@ -91,22 +98,24 @@ def advice_words(cells):
     )
 
 
-def converged_words(own):
+def converged_words(own: pd.DataFrame) -> str:
     """How many scenes have no closed form, and what their references are worth."""
     found = accuracy.converged.references(own).values()
     if not found:
         return ""
     worst = max(found, key=lambda r: r.uncertainty)
     return (
-        f"{len(found)} scenes have no closed form: they are measured by a converged run of another method, uncertain by {min(r.uncertainty for r in found):.0e} to {worst.uncertainty:.0e} "
-        f"(`{worst.problem}`)."
+        f"{len(found)} scenes have no closed form: they are measured by a converged run of another"
+        f" method, uncertain by {min(r.uncertainty for r in found):.0e} to {worst.uncertainty:.0e}"
+        f" (`{worst.problem}`)."
     )
 
 
-def accuracy_words(cells):
+def accuracy_words(cells: pd.DataFrame) -> str:
     own = accuracy.own(cells)
     found = accuracy.scenes(own)
-    votes = {}  # formulation -> for each scene that it wins: did another formulation take the same time?
+    # formulation -> for each scene that it wins: did another formulation take the same time?
+    votes = {}
     for _, g in found:
         best = accuracy.cheapest(g, accuracy.LEVEL)
         if best is not None:
@@ -131,17 +140,20 @@ def accuracy_words(cells):
         if decades >= 1:
             tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
     price = (
-        f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)} scenes whose front spans a decade)"
+        f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)}"
+        " scenes whose front spans a decade)"
         if tenth
         else "no front spans a decade"
     )
     return (
-        f"What accuracy costs: left and low is better, grey is the front that nothing beats, in the hatched band the reference itself is uncertain. The cheapest way to an error below {accuracy.LEVEL:g} "
-        f"(m, m/s or rad) is {first} of {len(found)} scenes; {price}. " + converged_words(own)
+        "What accuracy costs: left and low is better, grey is the front that nothing beats, in the"
+        " hatched band the reference itself is uncertain. The cheapest way to an error below"
+        f" {accuracy.LEVEL:g} (m, m/s or rad) is {first} of {len(found)} scenes; {price}. "
+        + converged_words(own)
     )
 
 
-def stability_words(ladders):
+def stability_words(ladders: stability.Ladders) -> str:
     falls = stability.falls(ladders)
     stressors = {part for found in ladders.values() for part in found}
     fields = sum(of for _, of, _ in falls.values())
@@ -155,14 +167,16 @@ def stability_words(ladders):
     worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
     names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
     return (
-        f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every solver; a field counts the combinations that stand on every rung, its letter is what "
-        f"brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined {stands} stand to the end, most often {names}; the others end with "
+        f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every"
+        " solver; a field counts the combinations that stand on every rung, its letter is what"
+        f" brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined"
+        f" {stands} stand to the end, most often {names}; the others end with "
         + ", ".join(f"{word} ({n})" for word, n in worst)
         + "."
     )
 
 
-def effects_words(cells):
+def effects_words(cells: pd.DataFrame) -> str:
     found = list(effects.groups(cells[cells["campaign"].str.startswith("effects")]))
     ratios = {}
     for _, _, by in found:
@@ -176,14 +190,18 @@ def effects_words(cells):
     other = [r for _, _, r, same, _ in compared if not same]
     dearer = sum(r > 1 + noise for r in other)
     return (
-        f"What an effect is worth: time with everything on, with the effects that a pilot chose (`--effects auto:1e-6`), and with one declared effect dropped, over the time as declared. "
-        f"{len(compared) - len(other)} of {len(compared)} scenes declare all that costs: their work is the same with everything on, and tells the noise ({noise:.0%}). "
-        f"As declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} "
-        f"times the time (median), and the pilot saves something in {len(dropped)} scenes, at most a factor {1 / min(dropped, default=1):.2g}."
+        "What an effect is worth: time with everything on, with the effects that a pilot chose"
+        " (`--effects auto:1e-6`), and with one declared effect dropped, over the time as"
+        f" declared. {len(compared) - len(other)} of {len(compared)} scenes declare all that costs:"
+        f" their work is the same with everything on, and tells the noise ({noise:.0%}). As"
+        f" declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a"
+        f" run takes {np.median(ratios.get('-friction', [math.nan])):.2f} times the time (median),"
+        f" and the pilot saves something in {len(dropped)} scenes, at most a factor"
+        f" {1 / min(dropped, default=1):.2g}."
     )
 
 
-def dimension_words(cells):
+def dimension_words(cells: pd.DataFrame) -> str:
     """Whose unknowns are the normal impulses, of the formulations in these rows with friction."""
     few = [
         f"`{f}`"
@@ -194,22 +212,24 @@ def dimension_words(cells):
         return ""
     one = len(few) == 1
     return (
-        f"{' and '.join(few)} {'keeps' if one else 'keep'} the normal impulses only, so {'its' if one else 'their'} problem has as many unknowns as there are active contacts, "
-        "where a polyhedral cone with *nd* facets has *nd* + 2 times as many."
+        f"{' and '.join(few)} {'keeps' if one else 'keep'} the normal impulses only, so"
+        f" {'its' if one else 'their'} problem has as many unknowns as there are active contacts,"
+        " where a polyhedral cone with *nd* facets has *nd* + 2 times as many."
     )
 
 
-def measured_words(cells, manifests):
+def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
     return (
-        f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the machine named in the "
-        "manifests."
+        f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in"
+        f" quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
+        " machine named in the manifests."
     )
 
 
-def short_words(cells, have, manifests):
+def short_words(cells: pd.DataFrame, have: set[str], manifests: dict[str, dict]) -> str:
     """The README: which to take, and what accuracy costs."""
     return "".join(
         [
@@ -228,7 +248,9 @@ def short_words(cells, have, manifests):
     )
 
 
-def long_words(cells, ladders, have, manifests):
+def long_words(
+    cells: pd.DataFrame, ladders: stability.Ladders, have: set[str], manifests: dict[str, dict]
+) -> str:
     """results/README.md: all figures, each with what it says."""
     table = paper.summary(paper.own(cells))
     out = [
@@ -245,7 +267,7 @@ def long_words(cells, ladders, have, manifests):
     return "".join(out)
 
 
-def write_between(page, text):
+def write_between(page: pathlib.Path, text: str) -> None:
     """Replaces what stands between the markers of a page."""
     old = page.read_text(encoding="utf-8")
     page.write_text(
@@ -256,7 +278,7 @@ def write_between(page, text):
     )
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/reference", description=__doc__)
     parser.add_argument(
         "folder",

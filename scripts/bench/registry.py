@@ -1,8 +1,8 @@
 """What there is, as `lcpbench list` tells it: the only way by which scripts learn of components.
 
-A component's name, words, situation and traits stand in its C constant (CONTRIBUTING.md). Its place in
-the registry gives it a colour and a marker (style.py). Rows may hold names that this build does not
-know: they have no words, and the neutral look.
+A component's name, words, situation and traits stand in its C constant (CONTRIBUTING.md). Its place
+in the registry gives it a colour and a marker (style.py). Rows may hold names that this build does
+not know: they have no words, and the neutral look.
 """
 
 from __future__ import annotations

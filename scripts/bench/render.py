@@ -1,8 +1,13 @@
-"""render TRAJECTORY.csv [--out FOLDER] - stills, a contact sheet and a GIF: bodies, force arrows, stick and slip by colour."""
+"""render TRAJECTORY.csv [--out FOLDER] - stills, a contact sheet and a GIF: bodies, force arrows,
+stick and slip by colour."""
 
 import argparse
 import pathlib
 import sys
+from collections.abc import Callable, Iterable, Iterator
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 import numpy as np  # noqa: E402
@@ -23,7 +28,7 @@ class BadTrajectory(Exception):
     pass
 
 
-def rotation(q):
+def rotation(q: np.ndarray) -> np.ndarray:
     w, x, y, z = q
     return np.array(
         [
@@ -55,7 +60,12 @@ COLUMNS = [
 SHAPES = {"point", "sphere", "box", "rod", "disc", "polygon"}
 
 
-def read(path):
+Flat = Callable[[np.ndarray], np.ndarray]  # points in space -> points on the picture
+# depth, outline, colour, colour of its edge, depth over the picture (None: hides nothing)
+Face = tuple[float, np.ndarray, object, object, Callable[[np.ndarray], float] | None]
+
+
+def read(path: pathlib.Path) -> pd.DataFrame:
     """The rows of a trajectory file, or BadTrajectory with the reason."""
     try:
         data = pd.read_csv(
@@ -85,7 +95,7 @@ def read(path):
 class Run:
     """A trajectory file in memory: what there is, and the poses and forces at each time."""
 
-    def __init__(self, path):
+    def __init__(self, path: pathlib.Path) -> None:
         data = read(path)
         scene = data[data["kind"] == "scene"].iloc[0]
         self.title, self.dim = scene["name"], int(scene["word"])
@@ -118,7 +128,7 @@ class Run:
         self.size = max((self.radius(n) for n in self.names), default=1.0)
         self.look()
 
-    def radius(self, name):
+    def radius(self, name: str) -> float:
         return max(
             (
                 np.linalg.norm(p) + np.abs(corners(w, s, v)).max()
@@ -127,8 +137,9 @@ class Run:
             default=0.05,
         )
 
-    def look(self):
-        """What the bodies sweep over the run: in space (low, high) and on the picture (view: low and high corner)."""
+    def look(self) -> None:
+        """What the bodies sweep over the run: in space (low, high) and on the picture (view: low
+        and high corner)."""
         flat = (lambda p: p[:, :2]) if self.dim == 2 else projection()[0]
         space, seen = [], []
         for t in self.times[np.unique(np.linspace(0, len(self.times) - 1, 25).astype(int))]:
@@ -150,23 +161,23 @@ class Run:
         margin = 0.06 * np.max(high - low) + 0.25 * min(self.size, 0.3 * np.max(high - low))
         self.view = low - margin, high + margin
 
-    def mark(self):
+    def mark(self) -> float:
         """Size of arrow heads and contact points: smaller where bodies are small on the picture."""
         return float(np.clip(5.0 * self.size / np.max(self.view[1] - self.view[0]), 0.4, 1.0))
 
-    def ratio(self):
+    def ratio(self) -> float:
         """Height over width of the picture."""
         low, high = self.view
         return min(1.5, max(0.3, (high - low)[1] / (high - low)[0]))
 
-    def nearest(self, t):
+    def nearest(self, t: float) -> float:
         return self.times[np.argmin(np.abs(self.times - t))]
 
 
-# ---- the plane -------------------------------------------------------------------------------------------------------------
+# ---- the plane -----------------------------------------------------------------------------------
 
 
-def outline(word, size, vertices):
+def outline(word: str, size: np.ndarray, vertices: np.ndarray | None) -> np.ndarray:
     """Corner points of a planar shape in its own frame."""
     if vertices is not None:
         return vertices
@@ -181,7 +192,7 @@ def outline(word, size, vertices):
     return size[0] * np.column_stack([np.cos(a), np.sin(a)])
 
 
-def draw_plane(ax, run, t):
+def draw_plane(ax: Axes, run: Run, t: float) -> None:
     low, high = run.view
     span, middle = np.max(high - low), (low + high) / 2
     for foot, normal in run.planes:
@@ -212,7 +223,7 @@ def draw_plane(ax, run, t):
     frame_view(ax, run)
 
 
-def frame_view(ax, run):
+def frame_view(ax: Axes, run: Run) -> None:
     low, high = run.view
     half = np.maximum((high - low) / 2, [0.0, 0.3 * (high - low)[0] / 2])
     half = np.maximum(half, [half[1] / 1.5, 0.0])
@@ -220,7 +231,9 @@ def frame_view(ax, run):
     ax.set_ylim(*((low + high)[1] / 2 + half[1] * np.array([-1, 1])))
 
 
-def arrow(ax, here, force, color, mark, alpha=1.0):
+def arrow(
+    ax: Axes, here: np.ndarray, force: np.ndarray, color: str, mark: float, alpha: float = 1.0
+) -> None:
     if np.linalg.norm(force) > 1e-9:
         ax.annotate(
             "",
@@ -242,8 +255,9 @@ def arrow(ax, here, force, color, mark, alpha=1.0):
     )
 
 
-def arrows(run, t):
-    """Contact points with their force, scaled so that a large force is as long as the largest body; colour: the mode."""
+def arrows(run: Run, t: float) -> Iterator[tuple[np.ndarray, np.ndarray, str]]:
+    """Contact points with their force, scaled so that a large force is as long as the largest body;
+    colour: the mode."""
     for _, c in run.contacts[t].iterrows() if t in run.contacts else ():
         yield (
             c[POS].to_numpy(float),
@@ -252,10 +266,10 @@ def arrows(run, t):
         )
 
 
-# ---- space -----------------------------------------------------------------------------------------------------------------
+# ---- space ---------------------------------------------------------------------------------------
 
 
-def camera():
+def camera() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     azimuth, elevation = VIEW
     right = np.array([np.cos(azimuth), np.sin(azimuth), 0])
     away = np.array(
@@ -268,14 +282,15 @@ def camera():
     return right, np.cross(right, away), away
 
 
-def projection():
+def projection() -> tuple[Flat, np.ndarray]:
     """Points in space to points on the picture, and the direction away from the eye."""
     right, up, away = camera()
     return (lambda p: np.column_stack([p @ right, p @ up])), away
 
 
-def corners(word, size, vertices):
-    """Points whose hull holds the shape, in its own frame; a ball's are those of its bounding box."""
+def corners(word: str, size: np.ndarray, vertices: np.ndarray | None) -> np.ndarray:
+    """Points whose hull holds the shape, in its own frame; a ball's are those of its bounding
+    box."""
     if vertices is not None:
         return np.column_stack([vertices, np.zeros(len(vertices))])
     if word == "rod":
@@ -287,14 +302,15 @@ def corners(word, size, vertices):
     return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
 
 
-def shaded(tint, normal):
+def shaded(tint: np.ndarray, normal: np.ndarray) -> tuple[float, ...]:
     return tuple(
         np.clip(tint * (0.62 + 0.38 * max(0.0, float(np.dot(normal, LIGHT)))) * 1.06, 0, 1)
     )
 
 
-def hidden(faces, here, depth, size):
-    """Is the point, `depth` away, behind one of the faces drawn? `front` of a face: how far away it is at a point of the picture."""
+def hidden(faces: list[Face], here: np.ndarray, depth: float, size: float) -> bool:
+    """Is the point, `depth` away, behind one of the faces drawn? `front` of a face: how far away it
+    is at a point of the picture."""
     return any(
         front(here) < depth - 1e-3 * size and inside(here, points)
         for _, points, _, _, front in faces
@@ -302,22 +318,32 @@ def hidden(faces, here, depth, size):
     )
 
 
-def inside(here, points):
+def inside(here: np.ndarray, points: np.ndarray) -> bool:
     """Is the point inside a convex outline?"""
     side = np.roll(points, -1, axis=0) - points
     cross = side[:, 0] * (here[1] - points[:, 1]) - side[:, 1] * (here[0] - points[:, 0])
     return bool((cross > 0).all() or (cross < 0).all())
 
 
-def plane_front(points, normal, flat, away):
+def plane_front(
+    points: np.ndarray, normal: np.ndarray, flat: Flat, away: np.ndarray
+) -> Callable[[np.ndarray], float]:
     """Depth of the plane of a face over the picture."""
     on, depth = flat(points), points @ away
     slope = np.linalg.lstsq(np.column_stack([on, np.ones(len(on))]), depth, rcond=None)[0]
     return lambda here: float(slope[0] * here[0] + slope[1] * here[1] + slope[2])
 
 
-def ball(centre, radius, turn, flat, away, tint):
-    """A ball as seen from afar: discs of growing brightness towards the light, and a great circle that shows its turning."""
+def ball(
+    centre: np.ndarray,
+    radius: float,
+    turn: np.ndarray,
+    flat: Flat,
+    away: np.ndarray,
+    tint: np.ndarray,
+) -> list[Face]:
+    """A ball as seen from afar: discs of growing brightness towards the light, and a great circle
+    that shows its turning."""
     a = np.linspace(0, 2 * np.pi, 33)
     ring = np.column_stack([np.cos(a), np.sin(a)])
     middle, depth = flat(centre[None, :])[0], float(centre @ away)
@@ -346,8 +372,9 @@ def ball(centre, radius, turn, flat, away, tint):
     return out
 
 
-def mesh(word, size):
-    """Faces of a box, rod, disc or cylinder in its own frame, each an array of corners seen counter-clockwise from outside."""
+def mesh(word: str, size: np.ndarray) -> list[np.ndarray]:
+    """Faces of a box, rod, disc or cylinder in its own frame, each an array of corners seen
+    counter-clockwise from outside."""
     if word == "box":
         c = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size
         return [
@@ -366,7 +393,7 @@ def mesh(word, size):
     return tube(size[0], max(size[2], 0.04 * size[0]), axis=2)
 
 
-def tube(radius, half, axis):
+def tube(radius: float, half: float, axis: int) -> list[np.ndarray]:
     a = np.linspace(0, 2 * np.pi, 25)
     ring = radius * np.column_stack([np.cos(a), np.sin(a)])
     lift = (
@@ -391,7 +418,7 @@ def tube(radius, half, axis):
     ]
 
 
-def draw_space(ax, run, t):
+def draw_space(ax: Axes, run: Run, t: float) -> None:
     flat, away = projection()
     centre = (run.low + run.high) / 2
     span = np.max(run.high - run.low)
@@ -416,11 +443,13 @@ def draw_space(ax, run, t):
                     linewidth=0.5,
                     zorder=0.5,
                 )
-    faces = []  # depth, corners on the picture, colour of the face, colour of its outline, depth over the picture
+    # depth, corners on the picture, colour of the face, colour of its outline, depth over the
+    # picture
+    faces = []
     tint = np.array([int(FILL[i : i + 2], 16) / 255 for i in (1, 3, 5)])
     for _, body in run.bodies[t].iterrows():
         r, at = rotation(body[QUAT].to_numpy(float)), body[POS].to_numpy(float)
-        for word, size, pos, turn, vertices in run.shapes.get(body["name"], []):
+        for word, size, pos, turn, _ in run.shapes.get(body["name"], []):
             if word in ("sphere", "point"):
                 faces += ball(
                     at + pos @ r.T,
@@ -470,17 +499,17 @@ def draw_space(ax, run, t):
     frame_view(ax, run)
 
 
-# ---- pictures --------------------------------------------------------------------------------------------------------------
+# ---- pictures ------------------------------------------------------------------------------------
 
 
-def picture(ax, run, t):
+def picture(ax: Axes, run: Run, t: float) -> None:
     (draw_plane if run.dim == 2 else draw_space)(ax, run, t)
     ax.set_aspect("equal")
     ax.axis("off")
     ax.set_title(f"t = {t:.3g} s", fontsize=8, fontweight=400)
 
 
-def key(figure, run, times):
+def key(figure: Figure, run: Run, times: list[float]) -> None:
     """Names the colours that the pictures at these times show."""
     there = {c for t in times for c in (run.contacts[t]["word"] if t in run.contacts else ())}
     handles = [
@@ -497,7 +526,7 @@ def key(figure, run, times):
         figure.legend(handles=handles, loc="outside lower center", ncols=4, fontsize=7)
 
 
-def frame(run, t, width=4.2):
+def frame(run: Run, t: float, width: float = 4.2) -> Figure:
     figure, ax = plt.subplots(figsize=(width, width * run.ratio() + 0.6))
     picture(ax, run, t)
     figure.suptitle(run.title, fontsize=8)
@@ -505,7 +534,7 @@ def frame(run, t, width=4.2):
     return figure
 
 
-def raster(figure):
+def raster(figure: Figure) -> Image.Image:
     """The figure as an image of few colours."""
     figure.canvas.draw()
     image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB")
@@ -518,18 +547,18 @@ def raster(figure):
     return image.quantize(palette=palette, dither=Image.Dither.NONE)
 
 
-def strip(run, times):
+def strip(run: Run, times: Iterable[float]) -> Image.Image:
     """A small picture of a few moments side by side."""
     figure, axes = plt.subplots(
         1, len(times), figsize=(2.2 * len(times), 2.2 * run.ratio() + 0.5), dpi=110, squeeze=False
     )
-    for ax, t in zip(axes.flat, times):
+    for ax, t in zip(axes.flat, times, strict=True):
         picture(ax, run, t)
     key(figure, run, times)
     return raster(figure)
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(
         prog="scripts/render", description="Pictures of a run: stills, a contact sheet and a GIF."
     )
@@ -570,7 +599,7 @@ def main():
     )
     for ax in axes.flat[len(times) :]:
         ax.axis("off")
-    for ax, t in zip(axes.flat, times):
+    for ax, t in zip(axes.flat, times, strict=False):
         picture(ax, run, t)
     key(figure, run, times)
     style.save(figure, out, "sheet")

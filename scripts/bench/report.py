@@ -1,10 +1,13 @@
-"""report DIR [--out FOLDER] [--pdf] - the page and the LaTeX document of one or several campaigns."""
+"""report DIR [--out FOLDER] [--pdf] - the page and the LaTeX document of one or several
+campaigns."""
 
 import argparse
 import pathlib
 import shutil
 import subprocess
 import sys
+
+import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import (  # noqa: E402
@@ -26,7 +29,7 @@ from bench.section import Section  # noqa: E402
 LIMIT = 5_000_000  # bytes of the page
 
 
-def paper_section(cells):
+def paper_section(cells: pd.DataFrame) -> Section:
     own = paper.own(cells)
     charts = [c for c in (make(own) for make in paper.CHARTS) if c] if len(own) else []
     if not charts:
@@ -40,22 +43,30 @@ def paper_section(cells):
     )
 
 
-def accuracy_section(cells, calibrated):
+def accuracy_section(cells: pd.DataFrame, calibrated: list[dict]) -> Section:
     made = accuracy.section(cells)
     if made and calibrated:
         made.tables.append(calibration.table(calibrated))
     return made
 
 
-def stability_section(ladders, bounds):
+def stability_section(ladders: stability.Ladders, bounds: list[dict]) -> Section:
     made = stability.section(ladders)
     if made and bounds:
         made.tables.insert(1, limits.table(bounds))
     return made
 
 
-def gather(cells, manifests, ladders, bounds, calibrated, noise):
-    """Sections in the order of the questions; what this campaign cannot answer is named, not left out in silence."""
+def gather(
+    cells: pd.DataFrame,
+    manifests: dict[str, dict],
+    ladders: stability.Ladders,
+    bounds: list[dict],
+    calibrated: list[dict],
+    noise: float,
+) -> list[Section]:
+    """Sections in the order of the questions; what this campaign cannot answer is named, not left
+    out in silence."""
     makers = [
         ("claims", claims.section),
         ("paper", paper_section),
@@ -82,9 +93,9 @@ def gather(cells, manifests, ladders, bounds, calibrated, noise):
         Section(
             "failures",
             "Failures",
-            f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified, {refused} of them refusals where no solution exists, "
-            f"which is the right answer there; {sum(int(r[2]) for r in undefined.rows)} "
-            "were not defined or left out.",
+            f"{sum(int(r[2]) for r in bad.rows)} cells failed or were not verified, {refused} of"
+            " them refusals where no solution exists, which is the right answer there;"
+            f" {sum(int(r[2]) for r in undefined.rows)} were not defined or left out.",
             [],
             [t for t in (bad, undefined) if t.rows],
         )
@@ -99,14 +110,16 @@ def gather(cells, manifests, ladders, bounds, calibrated, noise):
         )
     )
     lead = (
-        "Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md explains the columns."
-        + (f" No rows for: {', '.join(absent)}." if absent else "")
+        "Every figure, table and verdict of this page is computed from the rows; results/FORMAT.md"
+        " explains the columns." + (f" No rows for: {', '.join(absent)}." if absent else "")
     )
     sections.append(Section("method", "Method", lead, [], page.method_tables(manifests)))
     return sections
 
 
-def facts(all_rows, cells, sections, title):
+def facts(
+    all_rows: pd.DataFrame, cells: pd.DataFrame, sections: list[Section], title: str
+) -> dict[str, str]:
     out = {
         "CampaignTitle": title,
         "NumRows": str(len(all_rows)),
@@ -119,7 +132,7 @@ def facts(all_rows, cells, sections, title):
     return out
 
 
-def main():
+def main() -> int:
     parser = argparse.ArgumentParser(
         prog="scripts/report",
         description="One HTML page and a LaTeX document from the rows under DIR.",
@@ -156,11 +169,16 @@ def main():
     ladders = stability.ladders(cells)
     sections = gather(cells, manifests, ladders, bounds, calibrated, noise)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
+    floor = ", measured as the same work under two names" if measured else " not measured"
+    commits = sorted({str(c)[:12] for c in cells.get("suite_commit", []) if c})
     counts = (
-        f"{len(all_rows)} rows are repetitions of {len(cells)} cells, each one problem with one formulation, solver and setting: {int(cells['good'].sum())} verified, {int((~defined['good']).sum())} failed or not verified "
-        f"(of these {int((cells['status'] == 'unverified').sum())} false claims), {len(cells) - len(defined)} not defined. "
-        f"Times closer than {noise - 1:.0%} are ties ({'noise floor, measured as the same work under two names' if measured else 'noise floor not measured'}). "
-        f"Commit {', '.join(sorted({str(c)[:12] for c in cells.get('suite_commit', []) if c})) or 'unknown'}."
+        f"{len(all_rows)} rows are repetitions of {len(cells)} cells, each one problem with one"
+        f" formulation, solver and setting: {int(cells['good'].sum())} verified,"
+        f" {int((~defined['good']).sum())} failed or not verified "
+        f"(of these {int((cells['status'] == 'unverified').sum())} false claims),"
+        f" {len(cells) - len(defined)} not defined. "
+        f"Times closer than {noise - 1:.0%} are ties"
+        f" (noise floor{floor}). Commit {', '.join(commits) or 'unknown'}."
     )
     advised = accuracy.scenes(accuracy.own(cells))
     cards = accuracy.advise(cells) if advised else []
@@ -199,7 +217,7 @@ def main():
     return build(out / "latex") if args.pdf else 0
 
 
-def build(folder, document="main.tex"):
+def build(folder: pathlib.Path, document: str = "main.tex") -> int:
     """Compiles a document of a folder; 0 when it came out."""
     if not shutil.which("latexmk"):
         print("report: no latexmk; run scripts/setup latex", file=sys.stderr)

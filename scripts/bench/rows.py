@@ -1,4 +1,5 @@
-"""Rows of a campaign: reads results.csv and manifest.json, and sums the repetitions of each cell up."""
+"""Rows of a campaign: reads results.csv and manifest.json, and sums the repetitions of each cell
+up."""
 
 import json
 import pathlib
@@ -14,6 +15,7 @@ TIMES = [
     "t_setup_s",
     "t_factor_s",
     "t_solve_s",
+    "t_share_s",
     "t_advance_s",
     "t_total_s",
     "t_step_max_s",
@@ -91,8 +93,9 @@ class BadRows(Exception):
     pass
 
 
-def load(folder):
-    """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an empty figure."""
+def load(folder: pathlib.Path | str) -> pd.DataFrame:
+    """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an
+    empty figure."""
     path = pathlib.Path(folder) / "results.csv"
     if (
         not path.exists() and path.with_name("results.csv.xz").exists()
@@ -121,7 +124,7 @@ def load(folder):
     return rows
 
 
-def load_all(folder):
+def load_all(folder: pathlib.Path | str) -> tuple[pd.DataFrame, dict[str, dict]]:
     """Rows and manifests of a campaign folder, or of every campaign folder below it (by name)."""
     folder = pathlib.Path(folder)
     if any(folder.glob("results.csv*")):
@@ -135,8 +138,9 @@ def load_all(folder):
     }
 
 
-def noise(folder):
-    """Ratio of times that is a tie: the A/A noise floor of small problems (doctor.json of the campaigns), at least 2 %; None if not measured."""
+def noise(folder: pathlib.Path | str) -> float | None:
+    """Ratio of times that is a tie: the A/A noise floor of small problems (doctor.json of the
+    campaigns), at least 2 %; None if not measured."""
     floors = []
     for path in sorted(pathlib.Path(folder).glob("**/doctor.json")):
         found = json.loads(path.read_text())
@@ -148,17 +152,17 @@ def noise(folder):
     return 1 + max(0.02, float(np.median(floors))) if floors else None
 
 
-def manifest(folder):
+def manifest(folder: pathlib.Path) -> dict:
     path = pathlib.Path(folder) / "manifest.json"
     return json.loads(path.read_text()) if path.exists() else {}
 
 
-def options(text):
+def options(text: str) -> dict[str, str]:
     """'facets=8,side=in' -> {'facets': '8', 'side': 'in'}"""
     return dict(part.split("=", 1) for part in str(text).split(",") if "=" in part)
 
 
-def formulation_label(name, opts):
+def formulation_label(name: str, opts: str) -> str:
     """Short name for a plot: 'velocity, 8 facets', 'regularized'."""
     o = options(opts)
     facets = o.pop("facets", None)
@@ -166,8 +170,8 @@ def formulation_label(name, opts):
     return label + (f" ({','.join(f'{k}={v}' for k, v in o.items())})" if o else "")
 
 
-def combination(form, form_opts, solver, solver_opts):
-    def one(name, opts):
+def combination(form: str, form_opts: str, solver: str, solver_opts: str) -> str:
+    def one(name: str, opts: str):
         return name + (f":{opts}" if opts else "")
 
     if not form:
@@ -175,20 +179,21 @@ def combination(form, form_opts, solver, solver_opts):
     return f"{one(form, form_opts)} + {one(solver, solver_opts)}"
 
 
-def sizes(cells):
-    """Contacts of each problem: the median over its good cells of the contacts posed at most, so that a run that fell apart
-    (and touched elsewhere) stands at the size of its problem."""
+def sizes(cells: pd.DataFrame) -> pd.Series:
+    """Contacts of each problem: the median over its good cells of the contacts posed at most, so
+    that a run that fell apart (and touched elsewhere) stands at the size of its problem."""
     posed = cells["n_active"].where(cells["n_active"] > 0, cells["n_contacts"])
     good = posed.where(cells["good"])
     by = good.groupby(cells["problem"]).transform("median")
     return by.fillna(posed.groupby(cells["problem"]).transform("median"))
 
 
-def cells(rows):
-    """One line per cell: worst status, verified only if every repetition is, median time with its interval.
+def cells(rows: pd.DataFrame) -> pd.DataFrame:
+    """One line per cell: worst status, verified only if every repetition is, median time with its
+    interval.
 
-    Times of rows that are not `ok` or not verified are not times of a solution: they stay in t_*_s for the record,
-    and `cost` (what comparisons use) is infinite there.
+    Times of rows that are not `ok` or not verified are not times of a solution: they stay in t_*_s
+    for the record, and `cost` (what comparisons use) is infinite there.
     """
     groups, kept = {}, [c for c in rows.columns if c not in TIMES]
     for row in rows.to_dict("records"):  # plain rows: a frame of each group would take a minute
@@ -215,7 +220,7 @@ def cells(rows):
     frame = pd.DataFrame(out)
     frame["label"] = [
         formulation_label(f, o)
-        for f, o in zip(frame["formulation"], frame.get("formulation_options", ""))
+        for f, o in zip(frame["formulation"], frame.get("formulation_options", ""), strict=False)
     ]
     frame["combination"] = [
         combination(*r)

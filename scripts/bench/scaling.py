@@ -2,6 +2,8 @@
 
 import math
 
+import pandas as pd
+
 from bench import stats
 from bench.chart import Chart, Panel, from_cells
 from bench.paper import variants
@@ -12,8 +14,9 @@ OWN = "scaling"
 PANELS = 9  # of the figure
 
 
-def ladders(cells):
-    """[(family, combination, its cells)] of every ladder of sizes that was asked for and is defined somewhere."""
+def ladders(cells: pd.DataFrame) -> list[tuple[str, str, pd.DataFrame]]:
+    """[(family, combination, its cells)] of every ladder of sizes that was asked for and is defined
+    somewhere."""
     some = cells[(cells["formulation"] != "") & ~cells["status"].isin(["unsupported", "skipped"])]
     return [
         (family, combo, g)
@@ -22,8 +25,9 @@ def ladders(cells):
     ]
 
 
-def ends(g):
-    """Why the ladder ends: the smallest problem that was not solved, and how; nothing when all were."""
+def ends(g: pd.DataFrame) -> Cell:
+    """Why the ladder ends: the smallest problem that was not solved, and how; nothing when all
+    were."""
     bad = g[~g["good"]]
     if bad.empty:
         return Cell("all sizes verified", "good")
@@ -38,7 +42,7 @@ def ends(g):
     )
 
 
-def exponent(good, column):
+def exponent(good: pd.DataFrame, column: str) -> tuple[float, float, float, float]:
     """Over the larger half of the sizes, or over all where that has too few for a fit."""
     fit = stats.fit_exponent(
         *good[good["p"] >= good["p"].median()][["p", column]].to_numpy(float).T
@@ -46,7 +50,7 @@ def exponent(good, column):
     return stats.fit_exponent(*good[["p", column]].to_numpy(float).T) if math.isnan(fit[0]) else fit
 
 
-def line(family, combo, g):
+def line(family: str, combo: str, g: pd.DataFrame) -> list[Cell | str]:
     good = g[g["good"]]
     fit, memory = exponent(good, "t_total_step_s"), exponent(good, "rss_peak_B")
     if good.empty:
@@ -64,7 +68,7 @@ def line(family, combo, g):
     ]
 
 
-def section(cells):
+def section(cells: pd.DataFrame) -> Section:
     own = cells[cells["campaign"].str.startswith(OWN)]
     cells = own if len(own) else cells
     table, lines = [], {}
@@ -88,13 +92,13 @@ def section(cells):
         return None
     panels = [
         Panel(
-            l,
+            each,
             title=f"{f.replace('_', ' ')}, {s}",
             xlabel="contacts",
             ylabel="time per step [ms]",
             xlog=10,
         )
-        for (f, s), l in sorted(lines.items())
+        for (f, s), each in sorted(lines.items())
     ]
     shown = (
         f" The first {PANELS} of {len(panels)} panels; the table has all."
@@ -107,23 +111,29 @@ def section(cells):
     return Section(
         "scaling",
         "Cost against contacts",
-        f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the larger half of the verified sizes (over all where the half has "
-        f"fewer than {SIZES_MIN}), with 95 % bootstrap intervals; memory is the peak of the whole process, some megabytes of which are there before it begins.",
-        [
-            Chart(
-                "scaling",
-                "Time per step against contacts; a cross is a size that was not solved." + shown,
-                panels[:PANELS],
-                columns=3,
-                height=1.95,
-            )
-        ]
-        if panels
-        else [],
+        f"To {largest:g} contacts in these rows. Exponents b of time per step = a p^b over the"
+        f" larger half of the verified sizes (over all where the half has fewer than {SIZES_MIN}),"
+        " with 95 % bootstrap intervals; memory is the peak of the whole process, some megabytes"
+        " of which are there before it begins.",
+        (
+            [
+                Chart(
+                    "scaling",
+                    "Time per step against contacts; a cross is a size that was not solved."
+                    + shown,
+                    panels[:PANELS],
+                    columns=3,
+                    height=1.95,
+                )
+            ]
+            if panels
+            else []
+        ),
         [
             Table(
                 "scaling",
-                "Fitted exponents, cost and memory at the largest verified size, and what ends the ladder.",
+                "Fitted exponents, cost and memory at the largest verified size, and what ends the"
+                " ladder.",
                 [
                     "scene",
                     "combination",

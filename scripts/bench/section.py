@@ -1,4 +1,5 @@
-"""What a report is made of: sections of text, charts and tables; each is written as HTML and as LaTeX."""
+"""What a report is made of: sections of text, charts and tables; each is written as HTML and as
+LaTeX."""
 
 import dataclasses
 import html
@@ -37,47 +38,42 @@ class Section:
     facts: dict = dataclasses.field(default_factory=dict)  # LaTeX macro -> text
 
 
-def as_cell(value):
+def as_cell(value: Cell | str) -> Cell:
     return value if isinstance(value, Cell) else Cell(str(value))
 
 
-def si(value, unit="", digits=3):
+PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+def si(value: float, unit: str = "", digits: int = 3) -> str:
     """0.00123, 's' -> '1.23 ms'; empty for what was not measured."""
     if value is None or not math.isfinite(value):
         return ""
     if value == 0:
         return f"0 {unit}".strip()
-    for factor, prefix in (
-        (1e9, "G"),
-        (1e6, "M"),
-        (1e3, "k"),
-        (1, ""),
-        (1e-3, "m"),
-        (1e-6, "µ"),
-        (1e-9, "n"),
-    ):
-        if abs(value) >= factor * 0.9995:
-            break
+    factor, prefix = next((p for p in PREFIXES if abs(value) >= p[0] * 0.9995), PREFIXES[-1])
     return f"{float(f'{value / factor:.{digits}g}'):g} {prefix}{unit}".strip()
 
 
-def error(value):
+def error(value: float) -> str:
     """An error for a table: 2 digits, a power of ten."""
     if value is None or not math.isfinite(value):
         return ""
     return "0" if value == 0 else f"{value:.1e}"
 
 
-def interval(mid, low, high, digits=3):
+def interval(mid: float, low: float, high: float, digits: int = 3) -> str:
     if not math.isfinite(mid):
         return ""
     return f"{mid:.{digits}g} [{low:.{digits}g}, {high:.{digits}g}]"
 
 
-def table_html(table):
+def table_html(table: Table) -> str:
     out = [
-        f'<p class="caption" id="caption-{table.name}">{html.escape(table.caption)}</p>'  # a caption inside would be as wide as the table, and cut
-        f'<div class="scroll"><table id="table-{table.name}" class="sortable" aria-describedby="caption-{table.name}"><thead><tr>'
+        # a caption inside would be as wide as the table, and cut
+        f'<p class="caption" id="caption-{table.name}">{html.escape(table.caption)}</p>'
+        f'<div class="scroll"><table id="table-{table.name}" class="sortable"'
+        f' aria-describedby="caption-{table.name}"><thead><tr>'
     ]
     out += [f"<th>{html.escape(h)}</th>" for h in table.header]
     out.append("</tr></thead><tbody>")
@@ -129,7 +125,7 @@ TEX = {
 }
 
 
-def tex(text):
+def tex(text: str) -> str:
     return "".join(TEX.get(c, c) for c in str(text)).replace("\n", " ")
 
 
@@ -139,8 +135,9 @@ SHORT, MANY = 20, 8  # characters of a column that need no wrapping; columns tha
 LINES, ACROSS = 62, 118  # lines of a page, characters of a line
 
 
-def fitting(rows, wraps):
-    """How many of the rows fit on a page when the long texts wrap in what the short columns leave."""
+def fitting(rows: list[list[Cell]], wraps: list[bool]) -> int:
+    """How many of the rows fit on a page when the long texts wrap in what the short columns
+    leave."""
     narrow = sum(
         max([len(as_cell(row[k]).text) for row in rows] + [0]) + 2
         for k, w in enumerate(wraps)
@@ -150,15 +147,17 @@ def fitting(rows, wraps):
     left = LINES
     for n, row in enumerate(rows):
         left -= max(
-            -(-max(len(as_cell(c).text), 1) // width) if w else 1 for c, w in zip(row, wraps)
+            -(-max(len(as_cell(c).text), 1) // width) if w else 1
+            for c, w in zip(row, wraps, strict=True)
         )
         if left < 0:
             return n
     return len(rows)
 
 
-def table_tex(table):
-    """A booktabs table; columns of long text wrap, a wide table is scaled, one longer than a page is cut and says so."""
+def table_tex(table: Table) -> str:
+    """A booktabs table; columns of long text wrap, a wide table is scaled, one longer than a page
+    is cut and says so."""
     keep = [i for i in range(len(table.header)) if i != table.code]
     rows = [[as_cell(row[i]) for i in keep] for row in table.rows]
     wraps = [max([len(row[k].text) for row in rows] + [0]) > SHORT for k in range(len(keep))]
@@ -198,7 +197,7 @@ def table_tex(table):
     return "\n".join(out) + "\n"
 
 
-def table_md(table):
+def table_md(table: Table) -> str:
     """A Markdown table, for the README."""
     lines = ["| " + " | ".join(table.header) + " |", "|" + "---|" * len(table.header)]
     lines += [

@@ -35,7 +35,8 @@ MARK = {
 }
 DEATHS = {"crash", "oom", "no_output", "flood"}  # ends of a process that are nobody's word
 DEEP = 1e-2  # penetration [m] that counts where the scene begins without any
-# What is turned up along a ladder whose problems differ in more than one number, and where it is mild: part -> (name, key)
+# What is turned up along a ladder whose problems differ in more than one number, and where it is
+# mild: part -> (name, key)
 MILD = {
     "near-parallel normals": ("beta_deg", lambda v: abs(math.log(math.tan(math.radians(v))))),
     "vanishing inertia": ("inertia", lambda v: -v),
@@ -58,13 +59,17 @@ ENDS = {
 }
 
 
-def said(part):
+def said(part: str) -> str:
     """What a stressor is, in the words of the campaign's file."""
     return registry.part_words("stability", part)
 
 
-def fall_words(found):
-    """'Passes 14 of 17 stress tests. Bodies at rest creep: tall stacks.', from one entry of falls()."""
+Fall = tuple[int, int, dict[str, list[str]]]  # stands, is defined, {word: [stressors]}
+
+
+def fall_words(found: Fall | None) -> str:
+    """'Passes 14 of 17 stress tests. Bodies at rest creep: tall stacks.', from one entry of
+    falls()."""
     if not found:
         return ""
     stands, of, fell = found
@@ -75,7 +80,7 @@ def fall_words(found):
     return " ".join([f"Passes {stands} of {of} stress tests."] + ends)
 
 
-def missed_word(missed):
+def missed_word(missed: str) -> str:
     """The worst kind among the missed predictions, from their names (column `missed`)."""
     kinds = [m.strip() for m in str(missed).split(",")]
     if any(m.startswith(("energy", "angular_momentum", "max_speed")) for m in kinds):
@@ -87,13 +92,14 @@ def missed_word(missed):
     return "misses"
 
 
-def unsolvable(cell):
-    """No motion of rigid bodies exists, and the contact is not compliant: only a refusal is right."""
+def unsolvable(cell: pd.Series | dict) -> bool:
+    """No motion of rigid bodies exists, and the contact is not compliant: only a refusal is
+    right."""
     scene = cell["problem"].partition(":")[0]
     return not registry.solvable(scene) and not registry.trait(cell["formulation"], "compliant")
 
 
-def refusals(cells):
+def refusals(cells: pd.DataFrame) -> pd.Series:
     """Which cells did what is right where no solution exists: they said so."""
     return pd.Series(
         [
@@ -107,7 +113,7 @@ def refusals(cells):
     )
 
 
-def word(cell):
+def word(cell: pd.Series | dict) -> tuple[str, str]:
     """One word for how a run ended, and the longer reason."""
     status = cell["status"]
     if status in ("unsupported", "skipped"):
@@ -125,19 +131,21 @@ def word(cell):
     if unsolvable(cell):
         return "misses", "gives an answer where none exists"
     if cell.get("n_predictions_missed", 0) > 0:
-        return missed_word(
-            cell.get("missed", "")
-        ), f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}"
+        return (
+            missed_word(cell.get("missed", "")),
+            f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}",
+        )
     if cell["part"] not in ("initial overlap",) and cell.get("penetration_m", 0) > DEEP:
         return "penetrates", f"{cell['penetration_m']:.2g} m"
     return "stands", ""
 
 
-def severity(part, cells):
-    """What is turned up along a ladder, and how far each of its cells is: (name, values, printed)."""
+def severity(part: str, cells: pd.DataFrame) -> tuple[str, list[float], list[str]]:
+    """What is turned up along a ladder, and how far each of its cells is: (name, values,
+    printed)."""
     options = [
         {**rows_.options(str(p).partition(":")[2]), **rows_.options(f)}
-        for p, f in zip(cells["problem"], cells["formulation_options"])
+        for p, f in zip(cells["problem"], cells["formulation_options"], strict=True)
     ]
     if part in MILD and MILD[part][0] == "h":
         return (
@@ -158,7 +166,7 @@ def severity(part, cells):
 class Ladder:
     """All rungs of one stressor for one formulation and one solver."""
 
-    def __init__(self, part, cells):
+    def __init__(self, part: str, cells: pd.DataFrame) -> None:
         name, values, printed = severity(part, cells)
         order = np.argsort(values, kind="stable")
         self.rungs = [
@@ -169,7 +177,7 @@ class Ladder:
         self.stands = sum(r[0] == "stands" for r in self.defined)
         self.first = next((r for r in self.defined if r[0] != "stands"), None)
 
-    def cell(self):
+    def cell(self) -> Cell:
         if not self.defined:
             return Cell("not defined: " + (self.rungs[0][1] or "for this combination"), "none")
         n = len(self.defined)
@@ -184,8 +192,12 @@ class Ladder:
         )
 
 
-def ladders(cells):
-    """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without solver have the solver ''."""
+Ladders = dict[tuple[str, str], dict[str, Ladder]]  # (formulation, solver) -> part -> Ladder
+
+
+def ladders(cells: pd.DataFrame) -> Ladders:
+    """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without
+    solver have the solver ''."""
     out = {}
     some = cells[
         cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")
@@ -197,13 +209,14 @@ def ladders(cells):
     return out
 
 
-def summed(found, part):
-    """A field of the overview: how many of the combinations that are defined stand on every rung; what brings most others down."""
-    found = [l[part] for l in found if part in l and l[part].defined]
+def summed(found: list[Ladder], part: str) -> tuple[str, float | None]:
+    """A field of the overview: how many of the combinations that are defined stand on every rung;
+    what brings most others down."""
+    found = [ladder[part] for ladder in found if part in ladder and ladder[part].defined]
     if not found:
         return "–", None
-    whole = sum(l.first is None for l in found)
-    fell = collections.Counter(l.first[0] for l in found if l.first is not None)
+    whole = sum(ladder.first is None for ladder in found)
+    fell = collections.Counter(ladder.first[0] for ladder in found if ladder.first is not None)
     letter = LETTERS[min(fell, key=lambda w: (-fell[w], list(LETTERS).index(w)))] if fell else ""
     return f"{whole}/{len(found)} {letter}".strip(), whole / len(found)
 
@@ -211,7 +224,7 @@ def summed(found, part):
 LEGEND = ", ".join(f"{letter} {name}" for name, letter in LETTERS.items())
 
 
-def overview(by, parts):
+def overview(by: Ladders, parts: list[str]) -> Heat:
     forms, solvers = (
         registry.by_formulation({f for f, _ in by}),
         registry.by_solver({s for _, s in by if s}),
@@ -221,7 +234,10 @@ def overview(by, parts):
             "formulations",
             [f if registry.uses_solver(f) else f"{f} (no solver)" for f in forms],
             [
-                [summed([l for (f, _), l in by.items() if f == form], p) for p in parts]
+                [
+                    summed([parts_of for (f, _), parts_of in by.items() if f == form], p)
+                    for p in parts
+                ]
                 for form in forms
             ],
         ),
@@ -229,21 +245,26 @@ def overview(by, parts):
             "solvers",
             solvers,
             [
-                [summed([l for (_, s), l in by.items() if s == solver], p) for p in parts]
+                [
+                    summed([parts_of for (_, s), parts_of in by.items() if s == solver], p)
+                    for p in parts
+                ]
                 for solver in solvers
             ],
         ),
     ]
     return Heat(
         "stability",
-        "What breaks first: combinations that stand on every rung of a stressor's ladder, of those that are defined, by formulation (top) and by "
-        f"solver (bottom); the letter is what brings most of the others down ({LEGEND}). Dark: all stand. Stressors from the mildest to the hardest.",
+        "What breaks first: combinations that stand on every rung of a stressor's ladder, of those"
+        " that are defined, by formulation (top) and by solver (bottom); the letter is what brings"
+        f" most of the others down ({LEGEND}). Dark: all stand. Stressors from the mildest to the"
+        " hardest.",
         parts,
         panels,
     )
 
 
-def map_of_all(by, parts):
+def map_of_all(by: Ladders, parts: list[str]) -> Heat:
     panels = []
     for form in sorted(
         registry.by_formulation({f for f, _ in by}), key=lambda f: not registry.uses_solver(f)
@@ -270,7 +291,8 @@ def map_of_all(by, parts):
         )
     return Heat(
         "stability_all",
-        f"The whole map: every formulation with every solver. Dark: stands on every rung; otherwise what the first failing rung does: {LEGEND}.",
+        "The whole map: every formulation with every solver. Dark: stands on every rung; otherwise"
+        f" what the first failing rung does: {LEGEND}.",
         parts,
         panels,
         across=3,
@@ -278,16 +300,17 @@ def map_of_all(by, parts):
     )
 
 
-def falls(by):
-    """(formulation, solver) -> (stressors it stands, stressors that are defined, {word: [stressors]}), from ladders()."""
+def falls(by: Ladders) -> dict[tuple[str, str], Fall]:
+    """(formulation, solver) -> (stressors it stands, stressors that are defined, {word:
+    [stressors]}), from ladders()."""
     out = {}
     for key, by_part in by.items():
-        defined = {p: l for p, l in by_part.items() if l.defined}
+        defined = {p: ladder for p, ladder in by_part.items() if ladder.defined}
         fell = {}
         for part, ladder in sorted(defined.items()):
             if ladder.first is not None:
                 fell.setdefault(ladder.first[0], []).append(part)
-        out[key] = (sum(l.first is None for l in defined.values()), len(defined), fell)
+        out[key] = (sum(ladder.first is None for ladder in defined.values()), len(defined), fell)
     return out
 
 
@@ -304,7 +327,7 @@ UNITS = {
 }
 
 
-def turned_up(ladder):
+def turned_up(ladder: Ladder) -> str:
     """'mass_ratio: 1 to 1e+06', or the problems themselves where they are of different kinds."""
     name, first, last = ladder.rungs[0][2], ladder.rungs[0][3], ladder.rungs[-1][3]
     if name == "problem":
@@ -312,7 +335,7 @@ def turned_up(ladder):
     return f"{name}: {first} to {last} {UNITS.get(name, '')}".strip()
 
 
-def stressors_table(by, parts):
+def stressors_table(by: Ladders, parts: list[str]) -> Table:
     """What each stressor turns up, and how far it went in these rows."""
     rows = []
     for part in parts:
@@ -321,8 +344,8 @@ def stressors_table(by, parts):
             [
                 part,
                 said(part),
-                "; ".join(dict.fromkeys(turned_up(l) for l in found)),
-                str(max(len(l.rungs) for l in found)),
+                "; ".join(dict.fromkeys(turned_up(ladder) for ladder in found)),
+                str(max(len(ladder.rungs) for ladder in found)),
             ]
         )
     return Table(
@@ -333,21 +356,28 @@ def stressors_table(by, parts):
     )
 
 
-def why_missing(form, solver, part):
+def why_missing(form: str, solver: str, part: str) -> str:
     """The reason of a field that no cell was planned for."""
     if part == "stiffness":
         return f"not defined: {form} has no stiffness to turn up"
     return f"not run: {form} with {solver or 'no solver'} is not in this campaign's part"
 
 
-def section(by):
+def section(by: Ladders) -> Section:
     """The map, from ladders()."""
     if not by:
         return None
     parts = sorted(
         {p for found in by.values() for p in found},
         key=lambda p: (
-            -np.mean([l[p].first is None for l in by.values() if p in l and l[p].defined] or [0]),
+            -np.mean(
+                [
+                    parts_of[p].first is None
+                    for parts_of in by.values()
+                    if p in parts_of and parts_of[p].defined
+                ]
+                or [0]
+            ),
             p,
         ),
     )
@@ -370,16 +400,19 @@ def section(by):
     return Section(
         "stability",
         "What breaks first",
-        f"Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and what the first failing one does: {', '.join(LETTERS)}. To die is to "
-        "crash, to run out of memory or to end without a result; to fail honestly is to say that it was not solved. "
-        f"Of {fields} fields: {counts}. A tooltip names the rung, the reason and the command. Penetration counts above {DEEP:g} m; where no solution exists "
-        f"({', '.join(refusing)}), only a refusal stands.",
+        "Each stressor is a ladder of ever harder rungs. A field says how many rungs stand and"
+        f" what the first failing one does: {', '.join(LETTERS)}. To die is to crash, to run out of"
+        " memory or to end without a result; to fail honestly is to say that it was not solved. Of"
+        f" {fields} fields: {counts}. A tooltip names the rung, the reason and the command."
+        f" Penetration counts above {DEEP:g} m; where no solution exists ({', '.join(refusing)}),"
+        " only a refusal stands.",
         [overview(by, parts), map_of_all(by, parts)],
         [
             stressors_table(by, parts),
             Table(
                 "stability",
-                f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a word.",
+                f"Stability map: {len(by)} combinations, {len(parts)} stressors, no field without a"
+                " word.",
                 ["formulation", "solver"] + parts,
                 table,
                 paper=False,

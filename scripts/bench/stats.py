@@ -1,18 +1,22 @@
 """Statistics of benchmark rows: medians with intervals, profiles, Pareto fronts, fitted exponents.
 
-A failure is an infinite cost: it stays in every denominator and never gets a time (PAR-k penalties are applied only
-where a function says so). Random draws come from a fixed seed, so that every number repeats.
+A failure is an infinite cost: it stays in every denominator and never gets a time (PAR-k penalties
+are applied only where a function says so). Random draws come from a fixed seed, so that every
+number repeats.
 """
 
+import itertools
 import math
+from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 SEED = 20240229
 LEVEL = 0.95
 
 
-def median_interval(x, level=LEVEL):
+def median_interval(x: ArrayLike, level: float = LEVEL) -> tuple[float, float, float]:
     """Median with its order-statistic interval (binomial, distribution-free): (median, low, high).
 
     With fewer than 6 samples no interval of 95 % exists; the range is given instead.
@@ -33,8 +37,11 @@ def median_interval(x, level=LEVEL):
     return float(np.median(x)), float(low), float(high)
 
 
-def geometric_mean_shifted(cost, shift, limit=None, penalty=10.0):
-    """exp(mean(log(cost + shift))) - shift; a failure (inf) costs penalty * limit (PAR-k), inf without a limit."""
+def geometric_mean_shifted(
+    cost: ArrayLike, shift: float, limit: float | None = None, penalty: float = 10.0
+) -> float:
+    """exp(mean(log(cost + shift))) - shift; a failure (inf) costs penalty * limit (PAR-k), inf
+    without a limit."""
     cost = np.asarray(cost, float)
     if limit is not None:
         cost = np.where(np.isfinite(cost), cost, penalty * limit)
@@ -45,8 +52,9 @@ def geometric_mean_shifted(cost, shift, limit=None, penalty=10.0):
     return float(np.exp(np.mean(np.log(cost + shift))) - shift)
 
 
-def ratios(cost):
-    """cost[problem, solver] -> ratio to the best solver of each problem; inf where a solver failed."""
+def ratios(cost: ArrayLike) -> np.ndarray:
+    """cost[problem, solver] -> ratio to the best solver of each problem; inf where a solver
+    failed."""
     cost = np.asarray(cost, float)
     best = np.min(cost, axis=1, keepdims=True)
     out = np.full(cost.shape, math.inf)
@@ -57,25 +65,34 @@ def ratios(cost):
     return out
 
 
-def relative_profile(cost, tau, noise=1.0):
+def relative_profile(cost: ArrayLike, tau: ArrayLike, noise: float = 1.0) -> np.ndarray:
     """Dolan & More (2002): share of all problems that solver s solves within tau times the best.
 
-    cost[problem, solver], inf = failure; tau >= 1. Ratios up to `noise` count as ties, so the value at tau = 1 is
-    the share of wins with ties. Problems nobody solved stay in the denominator. Returns [len(tau), solver].
+    cost[problem, solver], inf = failure; tau >= 1. Ratios up to `noise` count as ties, so the value
+    at tau = 1 is the share of wins with ties. Problems nobody solved stay in the denominator.
+    Returns [len(tau), solver].
     """
     r = ratios(cost)
     r = np.where(r <= noise, 1.0, r)
     return np.mean(r[None, :, :] <= np.asarray(tau, float)[:, None, None], axis=1)
 
 
-def absolute_profile(cost, t):
-    """Share of all problems solved within t: does not change when a solver joins. Returns [len(t), solver]."""
+def absolute_profile(cost: ArrayLike, t: ArrayLike) -> np.ndarray:
+    """Share of all problems solved within t: does not change when a solver joins. Returns [len(t),
+    solver]."""
     cost = np.asarray(cost, float)
     return np.mean(cost[None, :, :] <= np.asarray(t, float)[:, None, None], axis=1)
 
 
-def profile_band(profile, cost, families, draws=400, level=LEVEL):
-    """Bootstrap band of profile(cost) by resampling whole families (rows of one family are not independent)."""
+def profile_band(
+    profile: Callable[[np.ndarray], np.ndarray],
+    cost: ArrayLike,
+    families: ArrayLike,
+    draws: int = 400,
+    level: float = LEVEL,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Bootstrap band of profile(cost) by resampling whole families (rows of one family are not
+    independent)."""
     rng = np.random.default_rng(SEED)
     families = np.asarray(families)
     names = sorted(set(families.tolist()))
@@ -88,7 +105,7 @@ def profile_band(profile, cost, families, draws=400, level=LEVEL):
     return np.quantile(samples, tail, axis=0), np.quantile(samples, 1 - tail, axis=0)
 
 
-def pareto_front(error, time):
+def pareto_front(error: ArrayLike, time: ArrayLike) -> list[int]:
     """Indices of the points that no other point beats in both error and time, by falling error."""
     error, time = np.asarray(error, float), np.asarray(time, float)
     front, best = [], math.inf
@@ -99,7 +116,9 @@ def pareto_front(error, time):
     return front
 
 
-def fit_exponent(n, cost, level=LEVEL, draws=2000):
+def fit_exponent(
+    n: ArrayLike, cost: ArrayLike, level: float = LEVEL, draws: int = 2000
+) -> tuple[float, float, float, float]:
     """cost ~ a n^b by least squares in logarithms: (b, low, high, a). Interval: pairs bootstrap.
 
     Needs three distinct sizes; otherwise all NaN.
@@ -110,7 +129,7 @@ def fit_exponent(n, cost, level=LEVEL, draws=2000):
     if len(set(x.tolist())) < 3:
         return (math.nan,) * 4
 
-    def slope(x, y):
+    def slope(x: np.ndarray, y: np.ndarray):
         dx = x - np.mean(x)
         return np.sum(dx * (y - np.mean(y))) / np.sum(dx * dx)
 
@@ -126,21 +145,27 @@ def fit_exponent(n, cost, level=LEVEL, draws=2000):
     return float(b), float(np.quantile(found, tail)), float(np.quantile(found, 1 - tail)), a
 
 
-def observed_order(h, error):
-    """Order p of error ~ h^p from a ladder of steps (median of the successive slopes); NaN with fewer than two."""
+def observed_order(h: ArrayLike, error: ArrayLike) -> float:
+    """Order p of error ~ h^p from a ladder of steps (median of the successive slopes); NaN with
+    fewer than two."""
     pairs = sorted(
-        (float(a), float(b)) for a, b in zip(h, error) if a > 0 and b > 0 and math.isfinite(b)
+        (float(a), float(b))
+        for a, b in zip(h, error, strict=True)
+        if a > 0 and b > 0 and math.isfinite(b)
     )
     slopes = [
         math.log(e1 / e0) / math.log(h1 / h0)
-        for (h0, e0), (h1, e1) in zip(pairs, pairs[1:])
+        for (h0, e0), (h1, e1) in itertools.pairwise(pairs)
         if h1 > h0
     ]
     return float(np.median(slopes)) if slopes else math.nan
 
 
-def paired_ratio(a, b, draws=2000, level=LEVEL):
-    """Geometric mean of a/b over pairs solved by both, with its bootstrap interval: (ratio, low, high, pairs)."""
+def paired_ratio(
+    a: ArrayLike, b: ArrayLike, draws: int = 2000, level: float = LEVEL
+) -> tuple[float, float, float, int]:
+    """Geometric mean of a/b over pairs solved by both, with its bootstrap interval: (ratio, low,
+    high, pairs)."""
     a, b = np.asarray(a, float), np.asarray(b, float)
     keep = np.isfinite(a) & np.isfinite(b) & (a > 0) & (b > 0)
     r = np.log(a[keep] / b[keep])

@@ -1,12 +1,15 @@
-"""One look for every figure: column widths, colours that colour-blind readers and grey printers can tell apart, and
-bytes that repeat. A component has the same colour and marker wherever it is drawn; both follow from its place in
-the registry, so that a new one has its own without a word here."""
+"""One look for every figure: column widths, colours that colour-blind readers and grey printers can
+tell apart, and bytes that repeat. A component has the same colour and marker wherever it is drawn;
+both follow from its place in the registry, so that a new one has its own without a word here."""
 
 import os
 import pathlib
 import re
+from collections.abc import Sequence
 
 import matplotlib
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from bench import registry
 
@@ -15,11 +18,12 @@ import matplotlib.pyplot as plt  # noqa: E402
 
 COLUMN, PAGE = 3.49, 7.16  # widths of one and two columns [in]
 
-# Okabe & Ito (2008), black and yellow replaced by grey and wine, which have darker and lighter shades: three rounds of eight
+# Okabe & Ito (2008), black and yellow replaced by grey and wine, which have darker and lighter
+# shades: three rounds of eight
 HUES = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#6E6E6E", "#882255"]
 SHADES = [(0, 0.0), (0, 0.45), (255, 0.5)]  # towards black or white, and how far
 MARKERS = ["o", "s", "^", "D", "v", "P", "X", "<", ">", "h"]
-GLYPHS = dict(zip(MARKERS, "●■▲◆▼✚✖◀▶⬢"))  # the markers where text is all there is
+GLYPHS = dict(zip(MARKERS, "●■▲◆▼✚✖◀▶⬢", strict=True))  # the markers where text is all there is
 DASHES = [
     "-",
     (0, (5, 1.5)),
@@ -73,15 +77,16 @@ matplotlib.rcParams.update(
 )
 
 
-def colour_at(i):
+def colour_at(i: int) -> str:
     """The colour of the i-th of a registry."""
     hue, (target, share) = HUES[i % len(HUES)], SHADES[i // len(HUES) % len(SHADES)]
     parts = [int(hue[k : k + 2], 16) for k in (1, 3, 5)]
     return "#" + "".join(f"{round(v + (target - v) * share):02X}" for v in parts)
 
 
-def code(name):
-    """(place in its registry, colour, marker) of a component; options and a sign before the name do not matter."""
+def code(name: str) -> tuple[int, str, str]:
+    """(place in its registry, colour, marker) of a component; options and a sign before the name do
+    not matter."""
     base = name.split(":")[0].lstrip("+-")
     for kind, first in KINDS.items():
         names = list(registry.listed(kind))
@@ -91,8 +96,9 @@ def code(name):
     return 0, NEUTRAL, MARKERS[sum(map(ord, base)) % len(MARKERS)]
 
 
-def look(name, variant=0):
-    """Keyword arguments of plot() for a component; variants of one name differ in dashes and in the filling of the marker."""
+def look(name: str, variant: int = 0) -> dict:
+    """Keyword arguments of plot() for a component; variants of one name differ in dashes and in the
+    filling of the marker."""
     i, colour, marker = code(name)
     out = {"color": colour, "marker": marker, "linestyle": DASHES[(i + variant) % len(DASHES)]}
     if variant % 2:
@@ -102,17 +108,19 @@ def look(name, variant=0):
     return out
 
 
-def glyph(name):
+def glyph(name: str) -> str:
     """The marker of a component as a character."""
     return GLYPHS[code(name)[2]]
 
 
-def swatch(name):
+def swatch(name: str) -> str:
     """The marker of a component in its colour, for the page."""
-    return f'<i class="look" style="color:{code(name)[1]}">{glyph(name)}\ufe0e</i>'  # the character, not a picture of it
+    return (  # the character, not a picture of it
+        f'<i class="look" style="color:{code(name)[1]}">{glyph(name)}\ufe0e</i>'
+    )
 
 
-def marked(combination):
+def marked(combination: str) -> str:
     """A combination with the marker of each part before it, in its colour, for a terminal."""
     parts = []
     for part in combination.split(" + "):
@@ -130,13 +138,15 @@ UNVERIFIED = {
 }
 
 
-def mark_unverified(ax, x, y, color):
-    """Rows whose claim the judge did not confirm: a large cross in the colour of their maker, never a filled point."""
+def mark_unverified(ax: Axes, x: Sequence[float], y: Sequence[float], color: str) -> None:
+    """Rows whose claim the judge did not confirm: a large cross in the colour of their maker, never
+    a filled point."""
     ax.plot(x, y, color=color, **UNVERIFIED)
 
 
-def label_ends(ax, ends, gap=8.0):
-    """Names at the right ends of lines instead of a legend. ends: [(x, y, text, colour)]; moved apart to `gap` points."""
+def label_ends(ax: Axes, ends: list[tuple[float, float, str, str]], gap: int = 8.0) -> None:
+    """Names at the right ends of lines instead of a legend. ends: [(x, y, text, colour)]; moved
+    apart to `gap` points."""
     ax.figure.canvas.draw()
     todo = sorted(ends, key=lambda e: ax.transData.transform((e[0], e[1]))[1])
     last = -1e9
@@ -154,18 +164,20 @@ def label_ends(ax, ends, gap=8.0):
             color=color,
             fontsize=7,
             annotation_clip=False,
-            arrowprops=None
-            if moved - at < 2
-            else {"arrowstyle": "-", "lw": 0.4, "color": color, "shrinkA": 0, "shrinkB": 1},
+            arrowprops=(
+                None
+                if moved - at < 2
+                else {"arrowstyle": "-", "lw": 0.4, "color": color, "shrinkA": 0, "shrinkB": 1}
+            ),
         )
 
 
-def _escaped(text):
+def _escaped(text: str):
     """What TeX would take for its own; formulas of the ticks stay. Twice is as good as once."""
     return text if "$" in text else re.sub(r"(?<!\\)([_&#])", r"\\\1", text)
 
 
-def save(figure, folder, name, pgf=False):
+def save(figure: Figure, folder: pathlib.Path, name: str, pgf: bool = False) -> None:
     """NAME.pdf and NAME.png (and NAME.pgf), the same bytes each time."""
     folder = pathlib.Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -182,7 +194,9 @@ def save(figure, folder, name, pgf=False):
                 "pgf.rcfonts": False,
                 "font.family": "sans-serif",
                 "axes.unicode_minus": False,
-                "pgf.preamble": r"\usepackage[T1]{fontenc}\usepackage[utf8]{inputenc}\usepackage{lmodern}\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}",
+                "pgf.preamble": (
+                    r"\usepackage[T1]{fontenc}\usepackage[utf8]{inputenc}\usepackage{lmodern}\DeclareUnicodeCharacter{03C4}{\ensuremath{\tau}}"
+                ),
             }
         ):
             for text in figure.findobj(
