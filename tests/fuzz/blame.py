@@ -1,9 +1,10 @@
 """tests/fuzz/blame.py - whose fault is it that a libFuzzer target ended: a library's, or ours?
 
-A library is to blame only if every stack of the report begins in it, the sanitizer's own frames, the C library and the
-allocator left out. Everything that cannot be told, a report without a stack included, is ours. So is what only the caller can do
-wrong: memory that jansson or libyaml handed out and that was never given back, or used after it was (libhdf5 hands out numbers,
-no memory: what it loses, it lost itself), and memory of ours that a library was asked to write beyond.
+A library is to blame only if every stack of the report begins in it, the sanitizer's own frames,
+the C library and the allocator left out. Everything that cannot be told, a report without a stack
+included, is ours. So is what only the caller can do wrong: memory that jansson or libyaml handed
+out and that was never given back, or used after it was (libhdf5 hands out numbers, no memory: what
+it loses, it lost itself), and memory of ours that a library was asked to write beyond.
 """
 
 import collections
@@ -18,7 +19,8 @@ LIBRARIES = {
 }
 FRAME = re.compile(r"^ +#(\d+) 0x[0-9a-f]+ +(?:in )?(.*)$")
 HEADLINE = re.compile(r"(?:==\d+==)? ?(ERROR: .*)|.*?(runtime error: .*)")
-# No frame of a reader: linked into the target without line numbers (sanitizer, libFuzzer), the C library, the loader.
+# No frame of a reader: linked into the target without line numbers (sanitizer, libFuzzer), the C
+# library, the loader.
 RUNTIME = re.compile(
     r"^(fuzzer::|__asan|__lsan|__ubsan|__sanitizer|__interceptor_)|/compiler-rt/|\(\S*/fuzz_\w+\+0x|/(libc|libm|libpthread|ld-linux[\w-]*)\.so|"
     r"sysdeps/|/(libgcc_s|libstdc\+\+)\.so"

@@ -15,10 +15,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   }
   const char *path = fuzz_file(data, size, ".dat");
   for (int facets = 0; path != NULL && facets <= 4; facets += 4) {
-    known_lcp k;
+    import_posed p;
     base_error err = {0};
-    if (import_problem(path, facets, &k, &err) == BASE_OK) {
-      known_lcp_free(&k);
+    if (import_pose(path, facets, &p, &err) == BASE_OK) {
+      import_posed_free(&p);
     }
   }
   return 0;
