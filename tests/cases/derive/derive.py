@@ -10,6 +10,7 @@ import math
 import pathlib
 import sys
 from collections.abc import Callable, Iterator
+from typing import NamedTuple
 
 SCENES = pathlib.Path(__file__).resolve().parents[1] / "regressions" / "scenes"
 G = 9.81
@@ -73,6 +74,13 @@ def falls() -> Iterator[Answer]:
     yield "heavy_on_light_1e8", "contact_force l floor", (1e8 + 1) * G
     yield "heavy_on_light_1e8", "contact_force H l", 1e8 * G
     yield "heavy_on_light_1e8", "window_min H.y", 0.4
+    for variable, value in (("b.x", 0.3 * math.cos(0.5)), ("b.y", 0.3 * math.sin(0.5))):
+        yield "rail_floor", f"state {variable}", value  # the rail carries it, nothing rubs
+    yield "rail_down", "state b.z", 0.1
+    yield "rail_down", "contact_force b floor", G
+    yield "lock_slide", "state b.x", 1 / (2 * 0.5 * G)
+    yield "lock_belt", "contact_force b floor", 0.5 * G
+    yield "loop_falls", "contact_force_sum a floor b floor d floor", 4 * 0.2 * G
     for scene in ("two_rods_fall", "two_rods_fall_nc"):
         for body in ("a", "c"):
             yield scene, f"state {body}.y", 0
@@ -113,7 +121,7 @@ def dzhanibekov() -> Iterator[Answer]:
     yield "dzhanibekov", "window_max b.omega", w * math.sqrt(share)
 
 
-# ---- a box that slides and spins on four corners -------------------------------------------------
+# ---- bodies that slide and spin on feet ----------------------------------------------------------
 
 
 def solved(matrix: list[Vector], right: Vector) -> Vector:
@@ -129,46 +137,91 @@ def solved(matrix: list[Vector], right: Vector) -> Vector:
     return [row[-1] / row[i] for i, row in enumerate(rows)]
 
 
-def slide_spin() -> Iterator[Answer]:
-    """The limit of equal linear springs under the corners, ever stiffer: their forces are
+class Feet(NamedTuple):
+    """A rigid body on points: where they are, how high its centre stands, what moves it."""
+
+    points: list[tuple[float, float]]
+    height: float
+    mass: float
+    inertia: float
+    start: Vector  # x and y velocity, spin
+    push: Vector  # x and y force, torque
+
+
+SLIDERS = {
+    "slide_spin": Feet(
+        [(x, y) for x in (-0.3, 0.3) for y in (-0.2, 0.2)],
+        0.1,
+        1.0,
+        (0.3**2 + 0.2**2) / 3,
+        [1.5, 0.4, 5],
+        [0, 0, 0],
+    ),
+    "feet3": Feet(
+        [(0.4, 0.0), (-0.2, 0.35), (-0.2, -0.35)], 0.3, 5.0, 0.6, [1.5, 0.4, 5], [0, 0, 0]
+    ),
+    "feet4": Feet(
+        [(x, y) for x in (-0.4, 0.4) for y in (-0.3, 0.3)], 0.3, 5.0, 0.6, [1.5, 0.4, 5], [0, 0, 0]
+    ),
+    "feet8": Feet(
+        [(x, y) for x in (-0.45, -0.15, 0.15, 0.45) for y in (-0.3, 0.3)],
+        0.3,
+        5.0,
+        0.6,
+        [1.5, 0.4, 5],
+        [0, 0, 0],
+    ),
+    "feet4_pushed": Feet(
+        [(x, y) for x in (-0.4, 0.4) for y in (-0.3, 0.3)],
+        0.3,
+        5.0,
+        0.6,
+        [0.3, -0.2, 0.5],
+        [24, 15, 1.5],
+    ),
+}
+
+
+def sliders() -> Iterator[Answer]:
+    """The limit of equal linear springs under the feet, ever stiffer: their forces are
     N = a + b x + c y, and a, b, c follow from balance of height, pitch and roll with the friction
-    mu N against the slip of each corner. All N stay positive and all corners slip, which the code
-    asserts. (Springs of Hertz' law, N = (a + b x + c y)^1.5, end at 0.5584 rad/s.)"""
-    mu, half_x, half_y, half_z = 0.4, 0.3, 0.2, 0.1
-    inertia = (half_x**2 + half_y**2) / 3
+    mu N against the slip of each foot. All N stay positive and all feet slip, which the code
+    asserts. (Springs of Hertz' law, N = (a + b x + c y)^1.5, end `slide_spin` at 0.5584 rad/s.)"""
+    for name, body in SLIDERS.items():
+        end = runge_kutta(sliding(body), [0, 0, 0, *body.start], 0.3, 1000)
+        yield name, "state b0.omega.z", end[5]
+        yield name, "state b0.x", end[0]
+        yield name, "state b0.y", end[1]
+
+
+def sliding(body: Feet) -> Callable[[Vector], Vector]:
+    mu, up = 0.4, body.height
 
     def motion(s: Vector) -> Vector:
         _, _, angle, vx, vy, spin = s
         cos, sin = math.cos(angle), math.sin(angle)
-        corner = [
-            (cos * x - sin * y, sin * x + cos * y)
-            for x in (-half_x, half_x)
-            for y in (-half_y, half_y)
-        ]
-        slip = [(vx - spin * y, vy + spin * x) for x, y in corner]
+        foot = [(cos * x - sin * y, sin * x + cos * y) for x, y in body.points]
+        slip = [(vx - spin * y, vy + spin * x) for x, y in foot]
         unit = [(x / math.hypot(x, y), y / math.hypot(x, y)) for x, y in slip]
-        assert min(math.hypot(*u) for u in slip) > 0.1
-        shape = [(1.0, x, y) for x, y in corner]
+        assert min(math.hypot(*u) for u in slip) > 0.01
+        shape = [(1.0, x, y) for x, y in foot]
         balance = [
-            (1.0, y - half_z * mu * u[1], half_z * mu * u[0] - x)
-            for (x, y), u in zip(corner, unit, strict=True)
+            (1.0, y - up * mu * u[1], up * mu * u[0] - x)
+            for (x, y), u in zip(foot, unit, strict=True)
         ]
         matrix = [
             [sum(b[row] * f[k] for b, f in zip(balance, shape, strict=True)) for k in range(3)]
             for row in range(3)
         ]
-        plane = solved(matrix, [G, 0, 0])
+        plane = solved(matrix, [body.mass * G, 0, 0])
         normal = [dot(plane, list(f)) for f in shape]
         assert min(normal) > 0
         force = [(-mu * n * u[0], -mu * n * u[1]) for n, u in zip(normal, unit, strict=True)]
-        torque = sum(x * f[1] - y * f[0] for (x, y), f in zip(corner, force, strict=True))
-        total = [sum(f[k] for f in force) for k in (0, 1)]
-        return [vx, vy, spin, *total, torque / inertia]
+        torque = sum(x * f[1] - y * f[0] for (x, y), f in zip(foot, force, strict=True))
+        total = [(body.push[k] + sum(f[k] for f in force)) / body.mass for k in (0, 1)]
+        return [vx, vy, spin, *total, (body.push[2] + torque) / body.inertia]
 
-    end = runge_kutta(motion, [0, 0, 0, 1.5, 0.4, 5], 0.3, 1000)
-    yield "slide_spin", "state b0.omega.z", end[5]
-    yield "slide_spin", "state b0.x", end[0]
-    yield "slide_spin", "state b0.y", end[1]
+    return motion
 
 
 # ---- a ball that slides into an oblique wall -----------------------------------------------------
@@ -245,7 +298,7 @@ def label(check: dict) -> str:
 def main() -> int:
     wrong = 0
     scenes = {path.stem: json.loads(path.read_text()) for path in SCENES.glob("*.json")}
-    families = (pendulums, falls, early_touch_light, dzhanibekov, slide_spin, late_oblique)
+    families = (pendulums, falls, early_touch_light, dzhanibekov, sliders, late_oblique)
     for scene, name, value in (answer for family in families for answer in family()):
         checks = [c for c in scenes[scene]["checks"] if label(c) == name]
         for check in checks or [{"value": math.nan}]:
