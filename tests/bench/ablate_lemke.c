@@ -1,9 +1,10 @@
 /* ablate_lemke.c - what scripts/ablate_lemke runs: lemke on small problems (beside the plain tableau), on the contact LCPs,
- * on the problems that were hard once, and in four scenes.
+ * on many contacts of few bodies, on the problems that were hard once, on the cases with known answers, on the LCPs of another
+ * code and in the first 40 steps of four scenes.
  *
- * usage: ablate_lemke CASES [REPETITIONS [GROUP...]]
- * CASES is tests/cases; groups: small contact hard scenes, all by default. CSV on stdout, one row per item: CPU seconds are
- * the median of the repetitions, those of a scene count what its solver took. After every row ablate_mark() is called: there
+ * usage: ablate_lemke [REPETITIONS [GROUP...]]
+ * Groups: small contact large bodies parallel hard cases data scenes, all by default; large are the contact LCPs of 1000 unknowns. CSV on stdout, one row per item: CPU seconds are the
+ * median of the repetitions, those of a scene count what its solver took. After every row ablate_mark() is called: there
  * callgrind dumps the instructions of lcp_instance_prepare, lcp_instance_solve and tableau_lemke. */
 #include "harness/measure/registry.h"
 #include "harness/measure/series.h"
@@ -13,14 +14,18 @@
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "problems/families/family.h"
+#include "problems/read/case_file.h"
 #include "problems/read/scene_file.h"
+#include "tests/support/few_bodies.h"
+#include "tests/support/files.h"
 #include "tests/support/tableau_lemke.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPS_MAX = 101 };
+enum { REPS_MAX = 101, N_MOST = 1000, STEPS = 40 };
 
 void ablate_mark(void);
 __attribute__((noinline)) void ablate_mark(void) {
@@ -36,16 +41,31 @@ static void print_row(const char *group, const char *name, const char *method, b
                       const char *outcome, const lcp_work *w, const char *variant, double rho,
                       double *seconds, int reps) {
   qsort(seconds, (size_t)reps, sizeof *seconds, compare);
-  printf("%s,%s,%s,%d,%s,%ld,%ld,%ld,%ld,%s,%.1e,%.9f\n", group, name, method, right, outcome,
+  printf("%s,\"%s\",%s,%d,%s,%ld,%ld,%ld,%ld,%s,%.1e,%.9f\n", group, name, method, right, outcome,
          w->pivots, w->factorizations, w->refinements, w->fallbacks, variant, rho,
          seconds[reps / 2]);
   (void)fflush(stdout);
   ablate_mark();
 }
 
-/* Cold, `reps` times, each from set-up on. Right is a verified solution or a proof of infeasibility. */
-static base_status run_lemke(const char *group, const char *name, const lcp_problem *p, int reps,
-                             base_error *err) {
+/* Right is a verified solution or a proof of infeasibility; of a case without either, what it calls an honest end. */
+static bool is_right(const lcp_case *c, lcp_outcome outcome, lcp_certificate_kind proof,
+                     double rho) {
+  switch (outcome) {
+  case LCP_SOLVED:
+    return rho <= LCP_VERIFY_EXACT;
+  case LCP_INFEASIBLE:
+    return proof == LCP_CERT_FARKAS;
+  case LCP_RAY:
+    return c != NULL && ((c->correct | c->honest_failure) & CASE_UNSOLVED_RAY) != 0;
+  default:
+    return c != NULL && ((c->correct | c->honest_failure) & CASE_NOT_CONVERGED) != 0;
+  }
+}
+
+/* Cold, `reps` times, each from set-up on. known: what a case file knows of the problem, or NULL. */
+static base_status run_lemke(const char *group, const char *name, const lcp_problem *p,
+                             const lcp_case *known, int reps, base_error *err) {
   solver_choice c;
   lcp_instance *k = NULL;
   lcp_result res;
@@ -69,8 +89,7 @@ static base_status run_lemke(const char *group, const char *name, const lcp_prob
   }
   s = (s == BASE_OK) ? lcp_judge(p, z, &v, err) : s;
   if (s == BASE_OK) {
-    const bool right = (res.outcome == LCP_SOLVED && v.rho <= 1e-9) ||
-                       (res.outcome == LCP_INFEASIBLE && res.certificate.kind == LCP_CERT_FARKAS);
+    const bool right = is_right(known, res.outcome, res.certificate.kind, v.rho);
     print_row(group, name, "lemke", right, lcp_outcome_name(res.outcome), &res.work, res.variant,
               v.rho, seconds, reps);
   }
@@ -112,15 +131,15 @@ static base_status run_tableau(const char *group, const char *name, const lcp_pr
   return s;
 }
 
-static base_status run_pair(const char *cases, const char *folder, const char *group,
-                            const char *name, bool tableau, int reps, base_error *err) {
-  char m_path[1024];
-  char q_path[1024];
+static base_status run_pair(const char *folder, const char *group, const char *name, bool tableau,
+                            int reps, base_error *err) {
+  char m_name[160];
+  char q_name[160];
   lcp_file_problem f;
-  (void)snprintf(m_path, sizeof m_path, "%s/%s/%s.M.mtx", cases, folder, name);
-  (void)snprintf(q_path, sizeof q_path, "%s/%s/%s.q.mtx", cases, folder, name);
-  BASE_TRY(lcp_read_mtx(m_path, q_path, &f, err));
-  base_status s = run_lemke(group, name, &f.p, reps, err);
+  (void)snprintf(m_name, sizeof m_name, "cases/%s/%s.M.mtx", folder, name);
+  (void)snprintf(q_name, sizeof q_name, "cases/%s/%s.q.mtx", folder, name);
+  BASE_TRY(lcp_read_mtx(tests_file(m_name), tests_file(q_name), &f, err));
+  base_status s = run_lemke(group, name, &f.p, NULL, reps, err);
   if (s == BASE_OK && tableau) {
     s = run_tableau(group, name, &f.p, reps, err);
   }
@@ -131,7 +150,7 @@ static base_status run_pair(const char *cases, const char *folder, const char *g
 static base_status run_family(const char *text, int reps, base_error *err) {
   known_lcp k;
   BASE_TRY(lcp_family_load(text, &k, err));
-  base_status s = run_lemke("small", text, &k.p, reps, err);
+  base_status s = run_lemke("small", text, &k.p, NULL, reps, err);
   if (s == BASE_OK) {
     s = run_tableau("small", text, &k.p, reps, err);
   }
@@ -139,7 +158,7 @@ static base_status run_family(const char *text, int reps, base_error *err) {
   return s;
 }
 
-static base_status small(const char *cases, int reps, base_error *err) {
+static base_status small(int reps, base_error *err) {
   static const char *const family[] = {"stack:n=6",     "stack:n=20",     "stack:n=60",
                                        "box_stack:n=2", "random_spd:n=6", "random_spd:n=40"};
   static const char *const file[] = {"column_n10", "column_n30", "boxstack_n12", "boxstack_n32",
@@ -149,25 +168,32 @@ static base_status small(const char *cases, int reps, base_error *err) {
     BASE_TRY(run_family(family[i], reps, err));
   }
   for (int i = 0; i < BASE_COUNT(file); ++i) {
-    BASE_TRY(run_pair(cases, "contact_lcps", "small", file[i], true, reps, err));
+    BASE_TRY(run_pair("contact_lcps", "small", file[i], true, reps, err));
   }
   return BASE_OK;
 }
 
-static base_status contact(const char *cases, int reps, base_error *err) {
+static base_status contact(int reps, base_error *err) {
   static const char *const file[] = {
-      "boxstack_n12", "boxstack_n32", "boxstack_n100", "boxstack_n300", "boxstack_n1000",
-      "column_n10",   "column_n30",   "column_n100",   "column_n300",   "column_n1000",
-      "fbox4_p4",     "fbox4_p20",    "fbox4_p80",     "fbox4_p200",    "fbox8_p4",
-      "fbox8_p20",    "frand4_p5",    "frand4_p20",    "frand4_p80",    "frand8_p5",
-      "frand8_p20",   "pd_n10",       "pd_n30",        "pd_n100",       "pd_n300"};
+      "boxstack_n12", "boxstack_n32", "boxstack_n100", "boxstack_n300", "column_n10", "column_n30",
+      "column_n100",  "column_n300",  "fbox4_p4",      "fbox4_p20",     "fbox4_p80",  "fbox8_p4",
+      "fbox8_p20",    "frand4_p5",    "frand4_p20",    "frand4_p80",    "frand8_p5",  "frand8_p20",
+      "pd_n10",       "pd_n30",       "pd_n100",       "pd_n300"};
   for (int i = 0; i < BASE_COUNT(file); ++i) {
-    BASE_TRY(run_pair(cases, "contact_lcps", "contact", file[i], false, reps, err));
+    BASE_TRY(run_pair("contact_lcps", "contact", file[i], false, reps, err));
   }
   return BASE_OK;
 }
 
-static base_status hard(const char *cases, int reps, base_error *err) {
+static base_status large(int reps, base_error *err) {
+  static const char *const file[] = {"boxstack_n1000", "column_n1000", "fbox4_p200"};
+  for (int i = 0; i < BASE_COUNT(file); ++i) {
+    BASE_TRY(run_pair("contact_lcps", "large", file[i], false, reps, err));
+  }
+  return BASE_OK;
+}
+
+static base_status hard(int reps, base_error *err) {
   static const char *const file[] = {
       "infeasible_ray_1195", "scaled10_1616", "scaled10_4069", "scaled10_4410", "scaled10_4428",
       "scaled10_5400",       "scaled_1105",   "scaled_1864",   "scaled_1904",   "scaled_2038",
@@ -177,13 +203,77 @@ static base_status hard(const char *cases, int reps, base_error *err) {
       "subset_sum:n=4,largest=9", "kostreva:variant=2", "murty:n=10", "fathi:n=10",
       "random_copositive:n=40",   "random_psd:n=60"};
   for (int i = 0; i < BASE_COUNT(file); ++i) {
-    BASE_TRY(run_pair(cases, "regressions/lcp", "hard", file[i], false, reps, err));
+    BASE_TRY(run_pair("regressions/lcp", "hard", file[i], false, reps, err));
   }
   for (int i = 0; i < BASE_COUNT(family); ++i) {
     known_lcp k;
     BASE_TRY(lcp_family_load(family[i], &k, err));
-    const base_status s = run_lemke("hard", family[i], &k.p, reps, err);
+    const base_status s = run_lemke("hard", family[i], &k.p, NULL, reps, err);
     known_lcp_free(&k);
+    BASE_TRY(s);
+  }
+  return BASE_OK;
+}
+
+/* Contacts parallel up to 1e-9 or 1e-12, of which some problem was lost to every pair of tolerances. */
+static base_status parallel(int reps, base_error *err) {
+  static const char *const file[] = {"masses_239", "parallel_89"};
+  for (int i = 0; i < BASE_COUNT(file); ++i) {
+    BASE_TRY(run_pair("regressions/lcp", "parallel", file[i], false, reps, err));
+  }
+  return BASE_OK;
+}
+
+/* In the factored form, which is where sifting is. */
+static base_status bodies(int reps, base_error *err) {
+  static const struct {
+    const char *name;
+    int bodies, contacts, facets;
+  } item[] = {{"1 body, 400 contacts", 1, 400, 0},
+              {"1 body, 100 contacts, 4 facets", 1, 100, 4},
+              {"20 bodies, 500 contacts", 20, 500, 0},
+              {"8 bodies, 80 contacts, 4 facets", 8, 80, 4}};
+  for (int i = 0; i < BASE_COUNT(item); ++i) {
+    known_lcp k;
+    BASE_TRY(few_bodies(&k, item[i].bodies, item[i].contacts, item[i].facets, 1, err));
+    const base_status s = run_lemke("bodies", item[i].name, &k.p, NULL, reps, err);
+    known_lcp_free(&k);
+    BASE_TRY(s);
+  }
+  return BASE_OK;
+}
+
+/* Group A of the case file, without the problems that are to be refused, and without the largest two: column_n1000 is of
+ * their kind. */
+static base_status cases(int reps, base_error *err) {
+  case_file f;
+  BASE_TRY(case_file_read(tests_file("cases/cases.json"), &f, err));
+  base_status s = BASE_OK;
+  for (int i = 0; i < f.n_lcp && s == BASE_OK; ++i) {
+    const lcp_case *c = &f.lcp[i];
+    if (c->id[0] == 'A' && c->shape_error[0] == '\0' && c->n <= N_MOST &&
+        lcp_problem_check(&c->k.p, NULL) == BASE_OK) {
+      s = run_lemke("cases", c->id, &c->k.p, c, reps, err);
+    }
+  }
+  case_file_free(&f);
+  return s;
+}
+
+/* LCPs of another code. */
+static base_status data(int reps, base_error *err) {
+  static const char *const file[] = {"lcp_CPS_1",     "lcp_CPS_2",
+                                     "lcp_CPS_3",     "lcp_Pang_isolated_sol",
+                                     "lcp_exp_murty", "lcp_inf_sol_perturbed",
+                                     "lcp_mmc",       "lcp_ortiz",
+                                     "lcp_tobenna",   "lcp_trivial"};
+  for (int i = 0; i < BASE_COUNT(file); ++i) {
+    char name[64];
+    lcp_file_problem f;
+    (void)snprintf(name, sizeof name, "data/lcp/%s.dat", file[i]);
+    BASE_TRY(lcp_read_siconos(tests_file(name), &f, err));
+    const base_status s = run_lemke("data", file[i], &f.p, NULL, reps, err);
+    lcp_file_problem_free(&f);
     BASE_TRY(s);
   }
   return BASE_OK;
@@ -205,7 +295,7 @@ static base_status run_scene(const char *text, int reps, base_error *err) {
                            .form = &f,
                            .solver = &c,
                            .h = spec.h[0],
-                           .duration = spec.duration};
+                           .duration = fmin(spec.duration, STEPS * spec.h[0])};
     s = simulate(&q, &record, &r, err);
     seconds[k] = r.time.setup + r.time.solve;
     series_close(&record);
@@ -221,7 +311,7 @@ static base_status run_scene(const char *text, int reps, base_error *err) {
   return s;
 }
 
-static base_status scenes_group(int reps, base_error *err) {
+static base_status run_scenes(int reps, base_error *err) {
   static const char *const name[] = {"stack", "wall", "walking_foot", "gripper"};
   for (int i = 0; i < BASE_COUNT(name); ++i) {
     BASE_TRY(run_scene(name[i], reps, err));
@@ -230,26 +320,32 @@ static base_status scenes_group(int reps, base_error *err) {
 }
 
 static bool asked(int argc, char **argv, const char *group) {
-  bool found = argc <= 3;
-  for (int i = 3; i < argc; ++i) {
+  bool found = argc <= 2;
+  for (int i = 2; i < argc; ++i) {
     found = found || strcmp(argv[i], group) == 0;
   }
   return found;
 }
 
 int main(int argc, char **argv) {
+  static const struct {
+    const char *name;
+    base_status (*run)(int reps, base_error *err);
+  } group[] = {{"small", small},   {"contact", contact},   {"large", large},
+               {"bodies", bodies}, {"parallel", parallel}, {"hard", hard},
+               {"cases", cases},   {"data", data},         {"scenes", run_scenes}};
   int reps = 1;
   base_error err = {0};
-  if (argc < 2 || (argc > 2 && !base_parse_int(argv[2], &reps)) || reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "usage: ablate_lemke CASES [REPETITIONS, 1 to %d [GROUP...]]\n", (int)REPS_MAX);
+  if ((argc > 1 && !base_parse_int(argv[1], &reps)) || reps < 1 || reps > REPS_MAX) {
+    fprintf(stderr, "usage: ablate_lemke [REPETITIONS, 1 to %d [GROUP...]]\n", (int)REPS_MAX);
     return 2;
   }
   printf("group,item,method,right,outcome,pivots,factorizations,refinements,fallbacks,variant,rho,"
          "cpu_s\n");
-  base_status s = asked(argc, argv, "small") ? small(argv[1], reps, &err) : BASE_OK;
-  s = (s == BASE_OK && asked(argc, argv, "contact")) ? contact(argv[1], reps, &err) : s;
-  s = (s == BASE_OK && asked(argc, argv, "hard")) ? hard(argv[1], reps, &err) : s;
-  s = (s == BASE_OK && asked(argc, argv, "scenes")) ? scenes_group(reps, &err) : s;
+  base_status s = BASE_OK;
+  for (int g = 0; g < BASE_COUNT(group) && s == BASE_OK; ++g) {
+    s = asked(argc, argv, group[g].name) ? group[g].run(reps, &err) : BASE_OK;
+  }
   if (s != BASE_OK) {
     fprintf(stderr, "ablate_lemke: %s\n", err.text);
   }

@@ -1,4 +1,5 @@
-"""What the tests of GNU parallel and of Slurm share: 200 cells, and what must come out of them whoever started the shards."""
+"""What the tests of GNU parallel and of Slurm share: 200 cells, and what must come out of them
+whoever started the shards."""
 
 import os
 import subprocess

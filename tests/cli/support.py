@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import pathlib
+import resource
 import subprocess
 import sys
 import tempfile
@@ -32,7 +33,8 @@ def run(*args, exe=LCPBENCH, code=0, timeout=120, cwd=None, **env):
     )
     if code is not None and done.returncode != code:
         raise AssertionError(
-            f"{' '.join(map(str, args))}: exit {done.returncode}, want {code}\n{done.stdout}{done.stderr}"
+            f"{' '.join(map(str, args))}: exit {done.returncode}, want"
+            f" {code}\n{done.stdout}{done.stderr}"
         )
     return done
 
@@ -58,11 +60,34 @@ def rows(folder):
 
 # what may differ between two measurements of the same cell: times, and what the machine was doing
 TIMES = set(
-    """t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_advance_s t_total_s t_step_s t_step_max_s t_step_p50_s
-t_step_p95_s t_step_p99_s share_1ms share_4ms share_16ms t_cpu_s n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults
-load1 throttled canary_s started_utc order""".split()
+    """t_contacts_s t_assemble_s t_setup_s t_factor_s t_solve_s t_share_s t_advance_s t_total_s
+t_step_s t_step_max_s t_step_p50_s t_step_p95_s t_step_p99_s share_1ms share_4ms share_16ms t_cpu_s
+n_inner rss_peak_B host cpu_set freq_MHz ctx_invol major_faults load1 throttled canary_s started_utc
+order""".split()
 )
 TIME_FLAGS = {"outlier", "remeasured", "canary_drift", "first_run"}
+
+
+def limited(words, size, why="File too large"):
+    """The one line that lcpbench says where no file may grow beyond size bytes (`ulimit -f`): a
+    full disk, as far as it can tell, and a signal that would kill what does not know SIGXFSZ."""
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    done = subprocess.run(
+        [LCPBENCH, *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=dict(os.environ, OPENBLAS_NUM_THREADS="1"),
+        preexec_fn=limit,
+        timeout=60,
+    )
+    lines = done.stderr.strip().splitlines()
+    assert done.returncode == 2 and len(lines) == 1 and why in lines[0], (words, done)
+    assert done.stdout == "", done.stdout
+    return lines[0]
 
 
 def untimed(row):
@@ -86,6 +111,14 @@ def campaign(folder, text, name="t.yaml"):
     path = pathlib.Path(folder) / name
     path.write_text(text)
     return path
+
+
+def one_of(tests):
+    """Runs the function that the command line names: a test of the clock is a meson test of its
+    own, for quiet.py judges one at a time."""
+    (test,) = (t for t in tests if t.__name__ == sys.argv[1])
+    with tempfile.TemporaryDirectory() as folder:
+        test(pathlib.Path(folder))
 
 
 def tap(tests):

@@ -1,4 +1,5 @@
-"""The table of known answers, every line of it within what is allowed; and the table shows a miss as one."""
+"""The table of known answers, every line of it within what is allowed; and the table shows a miss
+as one."""
 
 import pathlib
 import subprocess

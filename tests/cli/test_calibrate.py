@@ -1,4 +1,5 @@
-"""Calibration: what it finds keeps the error, is not slower than the rule of thumb, and its command repeats it."""
+"""Calibration: what it finds keeps the error, is not slower than the rule of thumb, and its command
+repeats it."""
 
 import json
 import shlex
@@ -98,9 +99,46 @@ def bad_input_is_named(_):
 def what_cannot_be_calibrated_is_refused_before_a_run(_):
     """These took 902 simulations and ended with exit code 3."""
     for scene in ("sphere_pile", "vise", "granular_column"):
-        one_line_error("calibrate", scene, "--error", "1e-3", names=[scene, "predicts nothing", "--yardstick physical"], timeout=10)
-    one_line_error("calibrate", "stack:n=10", "--error", "1", "--solver", "enumerate", names=["n = 40, at most 16"], timeout=10)
-    assert run_json("calibrate", "vise", "--error", "10", "--yardstick", "physical", "--evaluations", 1, code=None)["simulations"] > 0
+        one_line_error(
+            "calibrate",
+            scene,
+            "--error",
+            "1e-3",
+            names=[scene, "predicts nothing", "--yardstick physical"],
+            timeout=10,
+        )
+    one_line_error(
+        "calibrate",
+        "stack:n=10",
+        "--error",
+        "1",
+        "--solver",
+        "enumerate",
+        names=["n = 40, at most 16"],
+        timeout=10,
+    )
+    assert (
+        run_json(
+            "calibrate",
+            "vise",
+            "--error",
+            "10",
+            "--yardstick",
+            "physical",
+            "--evaluations",
+            1,
+            code=None,
+        )["simulations"]
+        > 0
+    )
 
 
-tap([reaches_and_repeats, a_poor_start_is_left, out_of_reach_is_said, bad_input_is_named, what_cannot_be_calibrated_is_refused_before_a_run])
+tap(
+    [
+        reaches_and_repeats,
+        a_poor_start_is_left,
+        out_of_reach_is_said,
+        bad_input_is_named,
+        what_cannot_be_calibrated_is_refused_before_a_run,
+    ]
+)

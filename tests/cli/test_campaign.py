@@ -1,4 +1,5 @@
-"""Campaigns: plan, filters, resume, shards, rerun commands, stale rows, locale, readers' conventions."""
+"""Campaigns: plan, filters, resume, shards, rerun commands, stale rows, locale, readers'
+conventions."""
 
 import csv
 import json
@@ -12,7 +13,6 @@ import time
 from support import (
     FAULTY,
     LCPBENCH,
-    SANITIZED,
     TESTS,
     campaign,
     diagonal,
@@ -244,7 +244,8 @@ def g6_one_bit_invalidates_its_cells_only(d):
 
 
 def g6_other_shared_code_invalidates_all(d):
-    """Rows of a build whose solvers are the same, but whose matrices, residuals or step loop are not, count as unmeasured."""
+    """Rows of a build whose solvers are the same, but whose matrices, residuals or step loop are
+    not, count as unmeasured."""
     c = campaign(d, SMALL)
     run("run", c, "--out", d / "o", "--quiet")
     text = (d / "o/results.csv").read_text()
@@ -265,7 +266,8 @@ def g6_other_shared_code_invalidates_all(d):
 
 
 def kinds_of_cells(d):
-    """A campaign with a cell of every kind: scenes, with other effects, started warm, of other steps; files and families."""
+    """A campaign with a cell of every kind: scenes, with other effects, started warm, of other
+    steps; files and families."""
     matrix(d / "a.x", "2")
     more = """
   - name: variants
@@ -296,8 +298,8 @@ def verdicts_come_from_stored_answers(d):
     empty = len({r["cell_id"] for r in rows(d / "o") if not r["solution_hash"]})
     done = run("verify", d / "o")
     assert (
-        f"{n - empty} cells verified ({n - empty} from stored answers, 0 run again), 0 differ, {empty} without"
-        in done.stdout
+        f"{n - empty} cells verified ({n - empty} from stored answers, 0 run again), 0 differ,"
+        f" {empty} without" in done.stdout
     ), done.stdout
     text = (d / "o/results.csv").read_text()
 
@@ -385,7 +387,8 @@ def commands_rerun_their_cells(d):
 
 
 def histories_come_from_twins(d):
-    """--trace writes a history per cell from a run that is not timed, and the timed rows name it."""
+    """--trace writes a history per cell from a run that is not timed, and the timed rows name
+    it."""
     c = campaign(d, SMALL + (FILES % d).split("parts:")[1].replace('"%s/*.M.mtx", ' % d, ""))
     run("run", c, "--out", d / "plain", "--quiet")
     assert not (d / "plain/traces").exists() and {r["trace"] for r in rows(d / "plain")} == {""}
@@ -413,6 +416,23 @@ def histories_come_from_twins(d):
     assert all((d / "o" / r["trace"]).exists() for r in rows(d / "o"))
 
 
+def abba_runs_forth_and_back(d):
+    text = SMALL[: SMALL.index("sampling")] + (
+        "sampling: {processes: 4, samples: 1, max_samples: 1, order: abba}\n"
+        "parts: [{name: a, problems: ['random_spd:n={5,6,7}'], solvers: [lemke, pgs, apgd]}]\n"
+    )
+    run("run", campaign(d, text), "--out", d / "o", "--quiet")
+    forth = {}
+    for r in sorted(rows(d / "o"), key=lambda r: int(r["order"])):
+        forth.setdefault((r["problem"], int(r["process"])), []).append(r["solver"])
+    assert len(forth) == 12 and all(len(v) == 3 for v in forth.values())
+    for (problem, process), solvers in forth.items():
+        assert solvers == (forth[problem, 0] if process % 2 == 0 else forth[problem, 0][::-1]), (
+            problem,
+            process,
+        )
+
+
 def interrupted_runs_flush_and_go_on(d):
     text = SMALL.replace("projected_gradient", "'faulty_steady:seconds=0.2'").replace(
         "velocity:facets={4,8}", "normal"
@@ -425,13 +445,15 @@ def interrupted_runs_flush_and_go_on(d):
             stderr=subprocess.PIPE,
             text=True,
         )
-        time.sleep(1.0)
+        while not (d / "o/results.csv").exists():
+            assert p.poll() is None, p.communicate()
+            time.sleep(0.02)
         p.send_signal(number)
         p.communicate(timeout=30)
         assert p.returncode == code, (number, p.returncode)
         assert (d / "o/manifest.json").exists()
         rows(d / "o")
-    shutil.rmtree(d / "o")
+        shutil.rmtree(d / "o")
 
 
 def status_counts(d):
@@ -440,34 +462,9 @@ def status_counts(d):
     one_line_error("status", d / "nothing", names=["results.csv"])
 
 
-def large_tables_are_compared_at_once(d):
-    """Ten thousand rows paired and judged in seconds (it took time cubic in the cells)."""
-    run("run", campaign(d, SMALL), "--out", d / "o", "--quiet")
-    header, *lines = (d / "o/results.csv").read_text().splitlines()
-    (d / "big").mkdir()
-    with open(d / "big/results.csv", "w") as to:
-        to.write(header + "\n")
-        for k in range(140):
-            for line, r in zip(lines, csv.DictReader([header, *lines])):
-                to.write(
-                    line.replace(r["cell_id"], f"{k:04d}{r['cell_id'][4:]}").replace(
-                        r["problem"], f"{r['problem']}+{k}"
-                    )
-                    + "\n"
-                )
-    from_ = time.time()
-    out = run("compare", d / "big", d / "big").stdout.splitlines()
-    took = time.time() - from_
-    print(f"# {len(lines) * 140} rows, {len(out) - 2} pairs in {took:.1f} s")
-    assert (
-        len(out) - 2 == 18 * 140
-        and all("no difference" in line for line in out[:-2])
-        and (SANITIZED or took < 20)
-    )
-
-
 def progress_is_plain_where_nobody_watches(d):
-    """One line each with done/total, percent, time left, the cell and its verdict; no escape codes; nothing under --quiet."""
+    """One line each with done/total, percent, time left, the cell and its verdict; no escape codes;
+    nothing under --quiet."""
     c = campaign(d, SMALL)
     lines = run("run", c, "--out", d / "o", "--filter", "solver=lemke").stderr.splitlines()
     assert lines and "\x1b" not in "".join(lines) and "\r" not in "".join(lines)
@@ -480,25 +477,25 @@ def progress_is_plain_where_nobody_watches(d):
     assert re.match(r"\[(1[89]|2\d|3\d)/36\] ", lines[0]), lines[0]
 
 
-def smoke_is_quick_and_explained(d):
-    """Under a minute, and a row that is not ok says why."""
-    from_ = time.time()
+def smoke_is_explained(d):
+    """A row that is not ok says why."""
     run("run", "smoke", "--out", d / "o", "--quiet", timeout=300)
-    took = time.time() - from_
     got = rows(d / "o")
     explained = {"unsupported", "max_iter", "time_limit", "stalled", "near"}
     strange = [
         r for r in got if r["status"] != "ok" and (r["status"] not in explained or not r["note"])
     ]
-    print(f"# {len(got)} rows in {took:.1f} s, {len(strange)} unexplained")
+    print(f"# {len(got)} rows, {len(strange)} unexplained")
     assert len({r["cell_id"] for r in got}) > 50 and not strange, strange[:1]
-    assert SANITIZED or took < 60, took
 
 
 def paper_prints_its_plan(d):
     """Cells, what is done, and how long the rest will take: by earlier rows where there are any."""
     last = run("run", "paper", "--dry-run", "--out", d / "o").stdout.splitlines()[-1]
-    form = r"(\d+) cells, (\d+) processes: (\d+) done, (\d+) to do; about (\d+) s \((\S+) s by earlier rows, (\d+) processes of .* at most (\d+) s"
+    form = (
+        r"(\d+) cells, (\d+) processes: (\d+) done, (\d+) to do; about (\d+) s \((\S+) s by earlier"
+        r" rows, (\d+) processes of .* at most (\d+) s"
+    )
     m = re.fullmatch(form, last)
     assert (
         m and int(m[1]) > 100 and m[2] == m[4] == m[7] and 0 < int(m[5]) < int(m[8]) and m[6] == "0"
@@ -516,7 +513,8 @@ def paper_prints_its_plan(d):
 
 
 def merged_folders_keep_their_answers(d):
-    """verify works on the merged folder, without a solver; canaries, histories and the noisiest doctor come along."""
+    """verify works on the merged folder, without a solver; canaries, histories and the noisiest
+    doctor come along."""
     c = campaign(d, SMALL.replace("inner: 0.0001s", "inner: 0.0001s, doctor: 1s"))
     run("run", c, "--out", d / "s1", "--quiet", "--shard", "1/2", "--trace")
     run("run", c, "--out", d / "s2", "--quiet", "--shard", "2/2", "--trace")
@@ -549,12 +547,12 @@ tap(
         verdicts_come_from_stored_answers,
         commands_rerun_their_cells,
         histories_come_from_twins,
+        abba_runs_forth_and_back,
         interrupted_runs_flush_and_go_on,
         status_counts,
-        smoke_is_quick_and_explained,
+        smoke_is_explained,
         paper_prints_its_plan,
         merged_folders_keep_their_answers,
-        large_tables_are_compared_at_once,
         progress_is_plain_where_nobody_watches,
     ]
 )

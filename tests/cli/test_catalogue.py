@@ -1,4 +1,5 @@
-"""The committed catalogue of scenes says what the program says, and has a picture of every scene."""
+"""The committed catalogue of scenes says what the program says, and has a picture of every
+scene."""
 
 import pathlib
 import subprocess

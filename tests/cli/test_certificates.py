@@ -1,5 +1,5 @@
-"""Certificates from the command line: what any solver claims of an unsolvable problem is written, read back and checked in
-rational arithmetic by `lcpbench verify`, which refuses planted ones."""
+"""Certificates from the command line: what any solver claims of an unsolvable problem is written,
+read back and checked in rational arithmetic by `lcpbench verify`, which refuses planted ones."""
 
 import json
 
@@ -120,9 +120,23 @@ def planted_certificates_are_refused(d):
 
 def solve_and_verify_say_the_same(d):
     """Of every kind: what `solve` says of the certificate is what `verify` finds in the file."""
-    cases = [write_problem(d, case) for case in catalogue().values() if case["kind"] in ("infeasible", "unsolvable")][:6]
-    families = ["murty:n=8", "fathi:n=8", "csizmadia:n=8", "random_spd:n=20", "random_psd:n=40", "random_p:n=12", "random_psd:n=80", "box_stack", "stack:n=3",
-                "random_copositive:n=10"]
+    cases = [
+        write_problem(d, case)
+        for case in catalogue().values()
+        if case["kind"] in ("infeasible", "unsolvable")
+    ][:6]
+    families = [
+        "murty:n=8",
+        "fathi:n=8",
+        "csizmadia:n=8",
+        "random_spd:n=20",
+        "random_psd:n=40",
+        "random_p:n=12",
+        "random_psd:n=80",
+        "box_stack",
+        "stack:n=3",
+        "random_copositive:n=10",
+    ]
     kinds = set()
     for problem in (*families, *cases):
         for solver in ("lemke", "ppm", "block_pivoting", "murty", "enumerate", "newton"):
@@ -136,12 +150,22 @@ def solve_and_verify_say_the_same(d):
             if said["certificate"] is None:
                 continue
             v = holds(problem, path)
-            assert (said["certificate"], said["certificate_holds"], said["certificate_exact"], said["certificate_why"]) == \
-                (v["certificate"], v["holds"], v["exact"], v["why"]), (problem, solver, said, v)
+            assert (
+                said["certificate"],
+                said["certificate_holds"],
+                said["certificate_exact"],
+                said["certificate_why"],
+            ) == (v["certificate"], v["holds"], v["exact"], v["why"]), (problem, solver, said, v)
             kinds.add((v["certificate"], v["holds"], v["exact"]))
     assert {("basis", True, True), ("basis", True, False), ("farkas", True, True)} <= kinds, kinds
     o = run_json("solve", "random_spd:n=5", "--solver", "pgs")
     assert o["certificate"] is None and o["certificate_holds"] is None, o
 
 
-tap([unsolvable_cases_end_with_certificates_that_hold, planted_certificates_are_refused, solve_and_verify_say_the_same])
+tap(
+    [
+        unsolvable_cases_end_with_certificates_that_hold,
+        planted_certificates_are_refused,
+        solve_and_verify_say_the_same,
+    ]
+)

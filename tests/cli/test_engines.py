@@ -1,6 +1,7 @@
-"""More than one machine: 200 cells through GNU parallel and through a Slurm array, killed in the middle and started again, merge
-to the cells and verdicts of the built-in runner. Here an sbatch that runs each array index stands in for Slurm; scripts/test_slurm
-does the same with a Slurm of its own."""
+"""More than one machine: 200 cells through GNU parallel and through a Slurm array, killed in the
+middle and started again, merge to the cells and verdicts of the built-in runner. Here an sbatch
+that runs each array index stands in for Slurm; scripts/test_slurm does the same with a Slurm of its
+own."""
 
 import os
 import pathlib

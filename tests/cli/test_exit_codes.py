@@ -1,4 +1,5 @@
 """Every exit code that README.md lists occurs, and no other."""
+
 import pathlib
 import re
 import resource
@@ -10,14 +11,23 @@ from support import FAULTY, LCPBENCH, SANITIZED, campaign, diagonal, run, tap
 
 README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 SEEN: set[int] = set()
-SLOW = ("name: slow\nlimits: {time: 20s, grace: 0.2s}\nsampling: {processes: 9, samples: 1, max_samples: 1}\n"
-        "parts: [{name: a, problems: ['%s'], solvers: ['faulty_sleeper:seconds=0.3']}]\n")
+SLOW = (
+    "name: slow\nlimits: {time: 20s, grace: 0.2s}\nsampling: {processes: 9, samples: 1,"
+    " max_samples: 1}\nparts: [{name: a, problems: ['%s'], solvers:"
+    " ['faulty_sleeper:seconds=0.3']}]\n"
+)
 
 
 def ends(words: tuple, code: int, exe: str = LCPBENCH, **how) -> str:
     """Exit code and one line on stderr where it is no verdict; what was printed."""
-    done = subprocess.run([exe, *map(str, words)], stderr=subprocess.PIPE, text=True, check=False,
-                          timeout=60, **({"stdout": subprocess.PIPE} | how))
+    done = subprocess.run(
+        [exe, *map(str, words)],
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+        timeout=60,
+        **({"stdout": subprocess.PIPE} | how),
+    )
     assert done.returncode == code, (words, done.returncode, done.stderr)
     assert code not in (1, 2) or done.stderr.count("\n") == 1, (words, done.stderr)
     SEEN.add(code)
@@ -25,8 +35,13 @@ def ends(words: tuple, code: int, exe: str = LCPBENCH, **how) -> str:
 
 
 def done_is_0(_):
-    for words in (("list", "solvers"), ("--help",), ("--version",), ("solve", "murty:n=4", "--solver", "lemke"),
-                  ("simulate", "incline", "--formulation", "velocity", "--solver", "lemke")):
+    for words in (
+        ("list", "solvers"),
+        ("--help",),
+        ("--version",),
+        ("solve", "murty:n=4", "--solver", "lemke"),
+        ("simulate", "incline", "--formulation", "velocity", "--solver", "lemke"),
+    ):
         ends(words, 0)
 
 
@@ -42,8 +57,12 @@ def internal_errors_are_1(_):
 
 
 def bad_input_is_2(d):
-    for words in (("fly",), ("solve", "murty", "--solver", "nosuch"), ("status", d / "none"),
-                  ("solve", "murty", "--solver", "lemke", "--z", d / "none" / "z")):
+    for words in (
+        ("fly",),
+        ("solve", "murty", "--solver", "nosuch"),
+        ("status", d / "none"),
+        ("solve", "murty", "--solver", "lemke", "--z", d / "none" / "z"),
+    ):
         ends(words, 2)
 
 
@@ -53,8 +72,11 @@ def honest_failure_is_3(d):
     ends(("solve", d / "a.M.mtx", "--solver", "lemke", "--certificate", d / "proof"), 3)
     ends(("verify", "random_spd:n=1", "--certificate", d / "proof"), 3)
     ends(("solve", "random_spd:n=9", "--solver", "pgs:max_iter=1"), 3)
-    c = campaign(d, "name: s\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"
-                    "parts: [{name: a, problems: ['random_spd:n=9'], solvers: ['pgs:max_iter=1']}]\n")
+    c = campaign(
+        d,
+        "name: s\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"
+        "parts: [{name: a, problems: ['random_spd:n=9'], solvers: ['pgs:max_iter=1']}]\n",
+    )
     run("run", c, "--out", d / "o", "--quiet")
     ends(("run", c, "--out", d / "o", "--quiet", "--strict"), 3)
 
@@ -62,8 +84,9 @@ def honest_failure_is_3(d):
 def stopped(words: tuple, number: int) -> int:
     """Exit code after the signal; later and later, until it has met a program that listens."""
     for wait in (0.3, 0.6, 1.2, 2.4, 4.8):
-        with subprocess.Popen([FAULTY, *map(str, words)], stdout=subprocess.DEVNULL,
-                              stderr=subprocess.PIPE) as process:
+        with subprocess.Popen(
+            [FAULTY, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        ) as process:
             time.sleep(wait)
             process.send_signal(number)
             process.communicate(timeout=30)
@@ -75,8 +98,10 @@ def stopped(words: tuple, number: int) -> int:
 def stopped_is_4_or_130(d):
     c = campaign(d, SLOW % diagonal(d, 3))
     case = d / "case.json"
-    case.write_text('{"id": "s", "dim": 2, "T": 400, "hs": [1e-4], "bodies": [{"name": "b", "mass": 1.0, '
-                    '"shape": {"type": "disc", "r": 0.1}, "pos": [0, 1]}]}')
+    case.write_text(
+        '{"id": "s", "dim": 2, "T": 400, "hs": [1e-4], "bodies": [{"name": "b", "mass": 1.0, '
+        '"shape": {"type": "disc", "r": 0.1}, "pos": [0, 1]}]}'
+    )
     check = ("check", case, "--formulation", "velocity", "--solver", "lemke")
     for number, code in ((signal.SIGTERM, 4), (signal.SIGINT, 130)):
         for words in (("run", c, "--out", d / f"o{code}", "--quiet"), check):
@@ -92,5 +117,13 @@ def the_table_lists_them_all(_):
     assert listed == {int(code) for code in re.findall(r"\b\d+\b", told)}, told
 
 
-tap([done_is_0, internal_errors_are_1, bad_input_is_2, honest_failure_is_3, stopped_is_4_or_130,
-     the_table_lists_them_all])
+tap(
+    [
+        done_is_0,
+        internal_errors_are_1,
+        bad_input_is_2,
+        honest_failure_is_3,
+        stopped_is_4_or_130,
+        the_table_lists_them_all,
+    ]
+)

@@ -2,20 +2,18 @@
 
 import csv
 import json
-import os
-import resource
 import signal
 import subprocess
 import time
 
 from support import (
     FAULTY,
-    LCPBENCH,
     SANITIZED,
     TESTS,
     Skip,
     campaign,
     diagonal,
+    limited,
     one_line_error,
     rows,
     run,
@@ -67,7 +65,8 @@ def shipped_campaigns_measure_the_noise_floor(d):
 
 
 def the_noise_floor_is_of_this_machine(d):
-    """A folder that comes from another class of machine: measured anew, the other's floor is kept and counts for its rows."""
+    """A folder that comes from another class of machine: measured anew, the other's floor is kept
+    and counts for its rows."""
     if SANITIZED:
         raise Skip("noise is not measured with sanitizers")
     c = small(d, ", doctor: 0.1s")
@@ -118,7 +117,9 @@ def reruns_are_planned(d):
     text = (d / "o/results.csv").read_text().splitlines(keepends=True)
     (d / "o/results.csv").write_text(
         "".join(
-            line for line, r in zip(text, [{"process": ""}, *rows(d / "o")]) if r["process"] != "1"
+            line
+            for line, r in zip(text, [{"process": ""}, *rows(d / "o")], strict=True)
+            if r["process"] != "1"
         )
     )
     plan = run("run", c, "--out", d / "o", "--dry-run").stdout.splitlines()
@@ -129,7 +130,8 @@ def reruns_are_planned(d):
 
 
 def merging_does_not_mix_with_what_is_there(d):
-    """OUT is another folder, without rows; refused before anything is written. What an interrupted merge left does no harm."""
+    """OUT is another folder, without rows; refused before anything is written. What an interrupted
+    merge left does no harm."""
     c = small(d)
     for k in (1, 2):
         run("run", c, "--out", d / f"s{k}", "--quiet", "--shard", f"{k}/2", "--trace")
@@ -164,7 +166,8 @@ def merging_does_not_mix_with_what_is_there(d):
 
 
 def every_row_is_verified(d):
-    """Not the first of a cell alone: one falsified repetition of one process is found, by stored answers and by running again."""
+    """Not the first of a cell alone: one falsified repetition of one process is found, by stored
+    answers and by running again."""
     run("run", small(d), "--out", d / "o", "--quiet")
     path = d / "o/results.csv"
     lines = path.read_text().splitlines(keepends=True)
@@ -234,7 +237,8 @@ def answers_cut_by_the_clock_are_told_apart(d):
 
 
 def twins_that_die_are_run_once(d):
-    """Not for every process, nor by the next session; with their rows they are forgotten. Each process is held against its twin."""
+    """Not for every process, nor by the next session; with their rows they are forgotten. Each
+    process is held against its twin."""
     c = campaign(
         d,
         SMALL.replace("[lemke, pgs]", "[lemke, faulty_quit, faulty_fickle]").replace(
@@ -272,33 +276,9 @@ def twins_that_die_are_run_once(d):
     assert index("--filter", "solver=lemke") == [f for f in first if f[1] == "lemke"]
 
 
-def limited(words, size, why="File too large"):
-    """Runs lcpbench where no file may grow beyond size bytes: a full disk, as far as it can tell."""
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
-    env = dict(os.environ, OPENBLAS_NUM_THREADS="1")
-    done = subprocess.run(
-        [LCPBENCH, *map(str, words)],
-        capture_output=True,
-        text=True,
-        env=env,
-        preexec_fn=limit,
-        timeout=60,
-    )
-    lines = done.stderr.strip().splitlines()
-    assert done.returncode == 2 and len(lines) == 1 and why in lines[0], (
-        words,
-        done.returncode,
-        done.stderr,
-    )
-    return lines[0]
-
-
 def full_disks_lose_nothing(d):
-    """One line that names the file; what was measured is there, and the same command goes on. A cell whose answers find no room is no
-    failed cell."""
+    """One line that names the file; what was measured is there, and the same command goes on. A
+    cell whose answers find no room is no failed cell."""
     c = small(d)
     run("run", c, "--out", d / "whole", "--quiet")
     want = {(r["cell_id"], r["process"], r["rep"]) for r in rows(d / "whole")}
@@ -311,8 +291,10 @@ def full_disks_lose_nothing(d):
     ) == len(want)
     long = campaign(
         d,
-        SMALL.split("parts:")[0] % ""
-        + "parts: [{name: p, problems: ['stack:n=10,duration=2'], formulations: [velocity], solvers: [lemke]}]\n",
+        SMALL.split("parts:")[0]
+        % ""
+        + "parts: [{name: p, problems: ['stack:n=10,duration=2'], formulations: [velocity],"
+        " solvers: [lemke]}]\n",
         "long.yaml",
     )
     assert "p/solutions/" in limited(("run", long, "--out", d / "p", "--quiet"), 16384)
@@ -341,7 +323,8 @@ def full_disks_lose_nothing(d):
 
 
 def strict_counts_all_sessions(d):
-    """--strict tells of a failed cell also when nothing was left to measure; status tells what the whole cell came to."""
+    """--strict tells of a failed cell also when nothing was left to measure; status tells what the
+    whole cell came to."""
     c = campaign(d, SMALL.replace("[lemke, pgs]", "[lemke, 'pgs:max_iter=1']") % "")
     for _ in range(2):
         done = run("run", c, "--out", d / "o", "--quiet", "--strict", code=3)
@@ -381,14 +364,15 @@ def compare_takes_times_of_one_class_of_machine(d):
     got = rows(d / "o")
     far = [
         line.replace(r["t_total_s"], "1000").replace(r["host_class"], "another processor")
-        for line, r in zip(lines, got)
+        for line, r in zip(lines, got, strict=True)
     ]
     path.write_text("".join([header, *lines, *far]))
     assert run("compare", d / "o", d / "o").stdout.splitlines()[0] == before
 
 
 def campaigns_do_not_mix(d):
-    """A folder holds one campaign in one form: another one is refused before anything changes. Rows measured again are set aside."""
+    """A folder holds one campaign in one form: another one is refused before anything changes. Rows
+    measured again are set aside."""
     c = small(d)
     run("run", c, "--out", d / "o", "--quiet")
     before = {p: p.read_bytes() for p in (d / "o").rglob("*") if p.is_file()}

@@ -179,8 +179,8 @@ def steps_longer_than_the_run_are_refused(d):
     one_line_error("calibrate", "slide", "--error", "1", "--step", "1e9", names=["1e+09 s"])
     # in a campaign it is a row with its reason
     (d / "c.yaml").write_text(
-        "name: c\nsampling: {processes: 1, samples: 1, max_samples: 1}\nparts: [{name: a, problems: [incline], formulations: [velocity], "
-        "solvers: [lemke], steps: [5], durations: [0.1]}]\n"
+        "name: c\nsampling: {processes: 1, samples: 1, max_samples: 1}\nparts: [{name: a, problems:"
+        " [incline], formulations: [velocity], solvers: [lemke], steps: [5], durations: [0.1]}]\n"
     )
     run("run", d / "c.yaml", "--out", d / "o", "--quiet")
     (row,) = csv.DictReader((d / "o/results.csv").read_text().splitlines())
@@ -322,7 +322,8 @@ def check_errors(d):
 
 
 def check_skips_no_case_for_want_of_anything(d):
-    """Every case of tests/cases is run; a skip is the model's or the solver's limit, never a missing shape, effect or load."""
+    """Every case of tests/cases is run; a skip is the model's or the solver's limit, never a
+    missing shape, effect or load."""
     if SANITIZED:
         raise Skip("a thousand processes: too slow with sanitizers")
     o = run_json("check", CASES, "--formulation", "velocity", "--solver", "lemke", "--json")
@@ -425,7 +426,8 @@ def lists_are_bare_names(d):
 
 
 def scenes_are_described_in_full(d):
-    """What a tool needs to offer every scene: parameters with ranges and units, effects, observables, sourced predictions."""
+    """What a tool needs to offer every scene: parameters with ranges and units, effects,
+    observables, sourced predictions."""
     effects = set(run("list", "effects").stdout.split())
     situations = run("list", "situations").stdout.split()
     assert not next(
@@ -466,8 +468,9 @@ def scenes_are_described_in_full(d):
 def solve_prints_one_object(d):
     o = run_json("solve", problem(d), "--solver", "lemke", "--z", d / "z.mtx")
     for key in (
-        "problem n nnz storage solver options status claimed verified rho res_natural res_natural_rel res_comp "
-        "n_iter n_pivot n_factor n_matvec t_setup_s t_factor_s t_solve_s certificate"
+        "problem n nnz storage solver options status claimed verified rho res_natural"
+        " res_natural_rel res_comp n_iter n_pivot n_factor n_matvec t_setup_s t_factor_s t_solve_s"
+        " certificate"
     ).split():
         assert key in o, key
     assert o["status"] == "ok" and o["verified"] is True and o["n"] == 2
@@ -493,9 +496,10 @@ def simulate_prints_one_object(d):
         d / "t.csv",
     )
     for key in (
-        "scene parameters formulation solver step_s steps status observables predictions lcp_dim_max n_contact_max n_solves "
-        "n_pivot n_iter res_natural_max res_ncp_max penetration_max_m energy_defect_J effects_declared effects_seen "
-        "t_assemble_s t_solve_s t_total_s"
+        "scene parameters formulation solver step_s steps status observables predictions"
+        " lcp_dim_max n_contact_max n_solves n_pivot n_iter res_natural_max res_ncp_max"
+        " penetration_max_m energy_defect_J effects_declared effects_seen t_assemble_s t_solve_s"
+        " t_total_s"
     ).split():
         assert key in o, key
     assert o["status"] == "ok" and o["predictions"] and all(p["ok"] for p in o["predictions"])
@@ -605,7 +609,8 @@ def export_reads_back(d):
 
 
 def friction_stays_physical(d):
-    """A friction problem on facets is judged on the true cone too: more facets, less error; rolling included."""
+    """A friction problem on facets is judged on the true cone too: more facets, less error; rolling
+    included."""
     seeds = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds"
     for seed in ("rolling", "fc2d_dense", "global"):
         exact = run_json("solve", seeds / f"{seed}.dat", "--solver", "nsgs:tol=1e-12")
@@ -632,8 +637,8 @@ def friction_stays_physical(d):
         "solve", f"{d}/oblique.dat:facets=4", "--facets", "8", "--solver", "lemke", names=["twice"]
     )
     (d / "c.yaml").write_text(
-        f"name: c\nparts:\n  - name: p\n    problems: ['{d}/*.dat:facets={{4,8}}', '{d}/*.dat']\n    solvers: [lemke, nsgs]\n"
-        "sampling: {processes: 1, samples: 1, max_samples: 1}\n"
+        f"name: c\nparts:\n  - name: p\n    problems: ['{d}/*.dat:facets={{4,8}}', '{d}/*.dat']\n  "
+        "  solvers: [lemke, nsgs]\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"
     )
     run("run", d / "c.yaml", "--out", d / "out")
     rows = list(csv.DictReader((d / "out" / "results.csv").read_text().splitlines()))
@@ -650,8 +655,16 @@ def friction_stays_physical(d):
 
 
 def steps_are_dumped(d):
-    """Problems of chosen steps: consecutive, read back with the same answer, bit for bit; cones too."""
-    scene = ("simulate", "stack:n=2", "--formulation", "velocity:facets=4", "--solver", "lemke")
+    """Problems of chosen steps: consecutive, read back with the same answer, bit for bit; cones
+    too. The answer that is dumped is the solver's where no other is chosen."""
+    scene = (
+        "simulate",
+        "stack:n=2",
+        "--formulation",
+        "velocity:facets=4,distribution=extreme",
+        "--solver",
+        "lemke",
+    )
     run(*scene, "--dump-steps", "2:4", "--out", d / "seq")
     index = [line.split(",") for line in (d / "seq" / "index.csv").read_text().splitlines()]
     assert index[0] == "step,solve,n,nnz,status,problem,answer".split(",") and [
@@ -665,7 +678,7 @@ def steps_are_dumped(d):
         "simulate",
         "stack:n=2",
         "--formulation",
-        "coulomb",
+        "coulomb:distribution=extreme",
         "--solver",
         "nsgs",
         "--dump-step",
@@ -704,39 +717,29 @@ def steps_are_dumped(d):
     assert "cones of 2, 3 or 5 rows" in box.stderr
 
 
-def mechanisms_are_refused_where_they_are_not_simulated(d):
-    """A formulation without joints says so: a pendulum that falls freely is no answer."""
-    for formulation in ("event", "penalty"):
-        o = run_json("simulate", "chain", "--formulation", formulation, "--solver", "lemke", code=3)
-        assert o["status"] == "unsupported" and "does not simulate joints" in o["note"], o["note"]
-        free = (
-            "simulate",
-            "chain",
-            "--formulation",
-            formulation,
-            "--solver",
-            "lemke",
-            "--duration",
-            "0.01",
-        )
-        o = run_json(*free, "--effects=-joints", code=None)  # asked for: the bodies alone
+def moments_are_refused_where_they_are_not_simulated(d: pathlib.Path) -> None:
+    """A formulation without rolling and torsion says so: a ball that never stops is no answer."""
+    for formulation in ("event", "penalty", "acceleration"):
+        ball = ("simulate", "billiard", "--formulation", formulation, "--solver", "lemke")
+        o = run_json(*ball, code=3)
+        assert o["status"] == "unsupported", o["note"]
+        assert "does not simulate rolling torsion" in o["note"], o["note"]
+        free = (*ball, "--duration", "0.01", "--effects=-rolling,-torsion")
+        o = run_json(*free, code=None)  # asked for: the ball without them
         assert o["status"] == "ok", o["note"]
-    o = run_json(
-        "simulate",
-        "chain",
-        "--formulation",
-        "velocity",
-        "--solver",
-        "lemke",
-        "--duration",
-        "0.01",
-        code=None,
-    )
-    assert o["status"] == "ok", o["note"]
+
+
+def mechanisms_are_simulated(d: pathlib.Path) -> None:
+    """Joints hold in every formulation: a pendulum that falls freely is no answer."""
+    for formulation in ("velocity", "event", "penalty", "acceleration"):
+        chain = ("simulate", "chain", "--formulation", formulation, "--solver", "lemke")
+        o = run_json(*chain, "--duration", "0.01", code=None)
+        assert o["status"] == "ok", o["note"]
 
 
 def generalised_coordinates_are_refused_where_bodies_are_needed(d: pathlib.Path) -> None:
-    """These formulations read the state of bodies, which such a scene has not: it ended in a crash."""
+    """These formulations read the state of bodies, which such a scene has not: it ended in a
+    crash."""
     for formulation in ("event", "penalty", "acceleration"):
         for scene in ("woodpecker", "slider_crank"):
             arguments = ("--formulation", formulation, "--solver", "lemke", "--duration", "0.01")
@@ -745,7 +748,8 @@ def generalised_coordinates_are_refused_where_bodies_are_needed(d: pathlib.Path)
 
 
 def what_is_not_computed_is_empty(d):
-    """A compliant or event-driven step is not held against the cone of a time step: no number, and no 0."""
+    """A compliant or event-driven step is not held against the cone of a time step: no number, and
+    no 0."""
     cone = ("res_ncp_max", "res_ncp_rel_max", "res_cone_rel_max", "dissipation_gap_max_J")
     scene = ("simulate", "drop", "--solver", "lemke", "--formulation")
     o = run_json(*scene, "penalty", code=None)
@@ -797,7 +801,8 @@ tap(
         solve_reports_infeasible,
         simulate_prints_one_object,
         dimensions_of_the_three_formulations,
-        mechanisms_are_refused_where_they_are_not_simulated,
+        moments_are_refused_where_they_are_not_simulated,
+        mechanisms_are_simulated,
         what_is_not_computed_is_empty,
         generalised_coordinates_are_refused_where_bodies_are_needed,
         environment_gives_options,

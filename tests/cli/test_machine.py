@@ -1,7 +1,7 @@
-"""Where a process runs and how fast the CPU goes meanwhile: pinned, bound to a node where the system permits, followed where it tells."""
+"""Where a process runs and how fast the CPU goes meanwhile: pinned, bound to a node where the
+system permits, followed where it tells."""
 
 import csv
-import ctypes
 import os
 import pathlib
 import subprocess
@@ -37,7 +37,8 @@ def children(pid):
 
 
 def memory_is_bound_where_it_can_be(d):
-    """Column mem_node tells the node, and the pages of the process are bound to it; unpinned processes are not bound."""
+    """Column mem_node tells the node, and the pages of the process are bound to it; unpinned
+    processes are not bound."""
     c = campaign(d, TEXT % (diagonal(d, 4), 0.3))
     p = subprocess.Popen(
         [FAULTY, "run", str(c), "--out", str(d / "o"), "--quiet"],

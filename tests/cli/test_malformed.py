@@ -1,12 +1,13 @@
-"""Ten malformed files of every format: exit code 2, nothing on stdout, one line that names the file and the rule.
+"""Ten malformed files of every format: exit code 2, nothing on stdout, one line that names the file
+and the rule.
 
-Each is one edit of a good file (tests/fuzz/seeds), which must be accepted as it is. FCLIB files: tests/unit/test_import_hostile.c;
-certificates: tests/unit/test_certificate.c; trajectories: tests/python/test_render.py."""
+Each is one edit of a good file (tests/fuzz/seeds), which must be accepted as it is. FCLIB files:
+tests/unit/test_import_hostile.c; certificates: tests/unit/test_certificate.c; trajectories:
+tests/python/test_render.py."""
 
 import pathlib
-import subprocess
 
-from support import LCPBENCH, one_line_error, run, tap
+from support import one_line_error, run, tap
 
 SEEDS = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds"
 CUT = object()  # the second half is missing

@@ -1,4 +1,5 @@
-"""Contacts in another order: another path to the same motion, recorded, repeatable, and an experiment of its own."""
+"""Contacts in another order: another path to the same motion, recorded, repeatable, and an
+experiment of its own."""
 
 import json
 import pathlib
@@ -22,7 +23,8 @@ parts:
 
 
 def orders_are_experiments(d):
-    """Each a cell of its own, whose command gives it back; other work for the same motion; stored answers are judged in their order."""
+    """Each a cell of its own, whose command gives it back; other work for the same motion; stored
+    answers are judged in their order."""
     c = campaign(d, TEXT)
     run("run", c, "--out", d / "o", "--quiet")
     got = rows(d / "o")

@@ -1,16 +1,27 @@
 """Files that the program writes: whole or not at all where they are files, untouched in kind where
 they are devices, pipes and links; `-` is standard output; what does not fit is told in one line."""
+
 import json
 import os
 import pathlib
-import resource
+import signal
 import stat
 import subprocess
 import threading
+import time
 
-from support import LCPBENCH, Skip, one_line_error, run, run_json, tap
+from support import LCPBENCH, Skip, limited, one_line_error, run, run_json, tap
 
-SCENE = ("simulate", "slide", "--formulation", "velocity", "--solver", "lemke", "--duration", "0.05")
+SCENE = (
+    "simulate",
+    "slide",
+    "--formulation",
+    "velocity",
+    "--solver",
+    "lemke",
+    "--duration",
+    "0.05",
+)
 SOLVE = ("solve", "murty:n=4", "--solver", "lemke")
 # every option that writes a file, with the command that it belongs to and how the file begins
 OUTPUTS = (
@@ -97,10 +108,17 @@ def devices_are_written_to_and_stay_devices(d):
         run(*words, option, null)
         one_line_error(*words, option, full, names=[full, "No space left on device"])
     assert (device(null), device(full)) == before
-    one_line_error("export", friction(d), "--format", "fclib", "--out", null, names=[null, "regular"])
-    one_line_error("export", "murty:n=4", "--format", "mtx", "--out", null, names=[null, "two files"])
-    for words in (("run", "smoke", "--out", null), (*SCENE, "--dump-step", "1", "--out", null),
-                  ("doctor", "--seconds", "0.1", "--out", null)):
+    one_line_error(
+        "export", friction(d), "--format", "fclib", "--out", null, names=[null, "regular"]
+    )
+    one_line_error(
+        "export", "murty:n=4", "--format", "mtx", "--out", null, names=[null, "two files"]
+    )
+    for words in (
+        ("run", "smoke", "--out", null),
+        (*SCENE, "--dump-step", "1", "--out", null),
+        ("doctor", "--seconds", "0.1", "--out", null),
+    ):
         one_line_error(*words, names=[null, "not a folder"])
     assert (device(null), device(full)) == before
 
@@ -134,10 +152,14 @@ def descriptors_are_appended_to(d):
     log.write_text("first\n")
     with open(log, "a", encoding="utf-8") as f:
         words = [LCPBENCH, *SOLVE, "--z", f"/dev/fd/{f.fileno()}"]
-        subprocess.run(words, check=True, stdout=subprocess.DEVNULL, pass_fds=[f.fileno()], timeout=60)
+        subprocess.run(
+            words, check=True, stdout=subprocess.DEVNULL, pass_fds=[f.fileno()], timeout=60
+        )
         f.write("last\n")
     lines = log.read_text().splitlines()
-    assert lines[0] == "first" and lines[1].startswith("%%MatrixMarket") and lines[-1] == "last", lines
+    assert lines[0] == "first" and lines[1].startswith("%%MatrixMarket") and lines[-1] == "last", (
+        lines
+    )
 
 
 def dash_is_standard_output(d):
@@ -145,18 +167,30 @@ def dash_is_standard_output(d):
     for words, option, head in OUTPUTS:
         for name in ("-", "/dev/stdout"):
             done = run(*words, option, name)
-            assert done.stdout.startswith(head) and "\n{" not in done.stdout, (option, done.stdout[:80])
+            assert done.stdout.startswith(head) and "\n{" not in done.stdout, (
+                option,
+                done.stdout[:80],
+            )
             assert "status" in json.loads(done.stderr), (option, done.stderr[:80])
     exported = run("export", friction(d), "--format", "siconos", "--out", "-")
     assert exported.stdout.startswith("3\n") and exported.stderr == ""
     assert not list(pathlib.Path(".").glob("-")) and not pathlib.Path("-").exists()
     one_line_error(*SCENE, "--trajectory", "-", "--trace", "-", names=["--trajectory", "--trace"])
-    one_line_error(*SCENE, "--trajectory", "-", "--trace", "/dev/stdout", names=["--trajectory", "--trace"])
-    one_line_error(*SCENE, "--trajectory", d / "x", "--trace", d / "x", names=["--trajectory", "--trace"])
-    one_line_error("export", "murty:n=4", "--format", "mtx", "--out", "-", names=["--out -", "two files"])
+    one_line_error(
+        *SCENE, "--trajectory", "-", "--trace", "/dev/stdout", names=["--trajectory", "--trace"]
+    )
+    one_line_error(
+        *SCENE, "--trajectory", d / "x", "--trace", d / "x", names=["--trajectory", "--trace"]
+    )
+    one_line_error(
+        "export", "murty:n=4", "--format", "mtx", "--out", "-", names=["--out -", "two files"]
+    )
     one_line_error("export", friction(d), "--format", "fclib", "--out", "-", names=["regular"])
-    for words in (("run", "smoke", "--out", "-"), (*SCENE, "--dump-step", "1", "--out", "-"),
-                  ("submit", "smoke", "--engine", "slurm", "--out", "-")):
+    for words in (
+        ("run", "smoke", "--out", "-"),
+        (*SCENE, "--dump-step", "1", "--out", "-"),
+        ("submit", "smoke", "--engine", "slurm", "--out", "-"),
+    ):
         one_line_error(*words, names=["-", "folder"])
     # a file that is called so
     done = subprocess.run([LCPBENCH, *SOLVE, "--z", "./-"], cwd=d, capture_output=True, check=True)
@@ -165,7 +199,9 @@ def dash_is_standard_output(d):
     with open(d / "both", "w", encoding="utf-8") as both:
         words = [LCPBENCH, *map(str, SOLVE), "--z", str(d / "both")]
         done = subprocess.run(words, stdout=both, stderr=subprocess.PIPE, text=True, check=False)
-    assert done.returncode == 2 and "standard output" in done.stderr and done.stderr.count("\n") == 1
+    assert (
+        done.returncode == 2 and "standard output" in done.stderr and done.stderr.count("\n") == 1
+    )
 
 
 def places_that_cannot_be_written_are_named(d):
@@ -181,19 +217,6 @@ def places_that_cannot_be_written_are_named(d):
         (d / "sealed").chmod(0o444)
         one_line_error(*SOLVE, "--z", d / "sealed", names=["sealed", "Permission denied"])
     assert not left_behind(d)
-
-
-def limited(words: tuple, size: int) -> str:
-    """Runs lcpbench under `ulimit -f`, where the kernel would kill what does not know SIGXFSZ."""
-    def limit() -> None:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-
-    done = subprocess.run([LCPBENCH, *map(str, words)], capture_output=True, text=True, check=False,
-                          preexec_fn=limit, timeout=60)
-    lines = done.stderr.strip().splitlines()
-    assert done.returncode == 2 and len(lines) == 1, (words, done.returncode, done.stderr)
-    assert done.stdout == "", done.stdout
-    return lines[0]
 
 
 def files_that_may_not_grow_are_told(d):
@@ -223,8 +246,45 @@ def dumps_follow_links_too(d):
     assert (d / "new" / "deeper" / "index.csv").exists()
 
 
-tap([files_are_replaced_whole, links_stay_and_their_target_is_written,
-     devices_are_written_to_and_stay_devices, pipes_are_written_to, descriptors_are_appended_to,
-     dash_is_standard_output, places_that_cannot_be_written_are_named,
-     files_that_may_not_grow_are_told, a_reader_that_leaves_ends_the_program_silently,
-     dumps_follow_links_too])
+def written_now(p: subprocess.Popen) -> bool:
+    """Has p opened a file that is not whole yet?"""
+    try:
+        links = [os.readlink(fd) for fd in pathlib.Path(f"/proc/{p.pid}/fd").iterdir()]
+    except FileNotFoundError:  # one was closed meanwhile
+        return False
+    assert p.poll() is None, "it ended before it was killed"
+    return any("(deleted)" in link or link.endswith(".tmp") for link in links)
+
+
+def a_killed_program_leaves_nothing(d):
+    """The file has no name until it is whole: no signal, not even SIGKILL, leaves a part of it."""
+    scene = [w if w != "slide" else "stack:n=30" for w in SCENE]
+    for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+        out = d / f"t{sent}.csv"
+        p = subprocess.Popen(
+            [LCPBENCH, *scene, "--step", "0.00001", "--trajectory", out],
+            stdout=subprocess.DEVNULL,
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        )
+        while not written_now(p):
+            time.sleep(0.001)
+        p.send_signal(sent)
+        assert p.wait() == -sent, (sent, p.returncode)
+        assert not list(d.iterdir()), (sent, list(d.iterdir()))
+
+
+tap(
+    [
+        files_are_replaced_whole,
+        links_stay_and_their_target_is_written,
+        devices_are_written_to_and_stay_devices,
+        pipes_are_written_to,
+        descriptors_are_appended_to,
+        dash_is_standard_output,
+        places_that_cannot_be_written_are_named,
+        files_that_may_not_grow_are_told,
+        a_reader_that_leaves_ends_the_program_silently,
+        dumps_follow_links_too,
+        a_killed_program_leaves_nothing,
+    ]
+)

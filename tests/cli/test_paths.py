@@ -1,6 +1,7 @@
 """Files under any name, and names that are no files: the command of a row reruns through a shell
 whatever the path is made of, pipes and folders are refused at once, a byte-order mark is no
 content, and no message moves a cursor."""
+
 import json
 import os
 import pathlib
@@ -12,11 +13,36 @@ M = "%%MatrixMarket matrix coordinate real general\n2 2 2\n1 1 2\n2 2 3\n"
 Q = "%%MatrixMarket matrix array real general\n2 1\n-1\n1\n"
 DAT = "2\n0\n2\n2\n2 2\n2 0\n0 3\n-1 1\n"
 DISC = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1], "vel": [0, 1]}
-SCENE = {"id": "s", "dim": 2, "T": 0.02, "bodies": [DISC],
-         "checks": [{"type": "state", "var": "b.y", "t": 0.02, "value": 1.02, "tol": {"abs": 1e-9}}]}
-NAMES = ("new\nline", "it's", "two  words", "--dash", "-", "tab\t", "$(touch pwned)", "`touch pwned`",
-         'dou"ble', "back\\slash", "\x1b[31mred", "100%s", "a;b&c", "#hash", "*", "[1]", "caf\u00e9", "~",
-         "\n", "'\n'", "%\n\\n")
+SCENE = {
+    "id": "s",
+    "dim": 2,
+    "T": 0.02,
+    "bodies": [DISC],
+    "checks": [{"type": "state", "var": "b.y", "t": 0.02, "value": 1.02, "tol": {"abs": 1e-9}}],
+}
+NAMES = (
+    "new\nline",
+    "it's",
+    "two  words",
+    "--dash",
+    "-",
+    "tab\t",
+    "$(touch pwned)",
+    "`touch pwned`",
+    'dou"ble',
+    "back\\slash",
+    "\x1b[31mred",
+    "100%s",
+    "a;b&c",
+    "#hash",
+    "*",
+    "[1]",
+    "caf\u00e9",
+    "~",
+    "\n",
+    "'\n'",
+    "%\n\\n",
+)
 SIM = ("--formulation", "velocity", "--solver", "lemke")
 
 
@@ -33,15 +59,28 @@ def shell(command: str, cwd: pathlib.Path) -> dict:
     if not (bin_dir / "lcpbench").exists():
         (bin_dir / "lcpbench").symlink_to(LCPBENCH)
     env = dict(os.environ, PATH=f"{bin_dir}:{os.environ['PATH']}")
-    done = subprocess.run(["sh", "-c", command], cwd=cwd, env=env, capture_output=True, text=True,
-                          check=False, timeout=60)
+    done = subprocess.run(
+        ["sh", "-c", command],
+        cwd=cwd,
+        env=env,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
     assert done.returncode == 0 and done.stderr == "", (command, done.returncode, done.stderr)
     return json.loads(done.stdout)
 
 
 def lcpbench_in(cwd: pathlib.Path, *words: str) -> subprocess.CompletedProcess:
-    done = subprocess.run([LCPBENCH, *map(str, words)], cwd=cwd, capture_output=True, text=True,
-                          check=False, timeout=120)
+    done = subprocess.run(
+        [LCPBENCH, *map(str, words)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
     assert done.returncode == 0, (words, done.returncode, done.stdout, done.stderr)
     return done
 
@@ -52,9 +91,11 @@ def commands_rerun_whatever_the_path(d):
     scenes = [f"{n}.json" for n in NAMES]
     for i, name in enumerate(scenes):
         (d / name).write_text(json.dumps(dict(SCENE, id=f"s{i}")))
-    text = ("name: odd\nsampling: {processes: 1, samples: 1, max_samples: 1, inner: 0.0001s}\nparts:\n"
-            "  - {name: a, problems: ['*.M.mtx'], solvers: [lemke]}\n"
-            "  - {name: b, problems: ['./*.json'], formulations: [velocity], solvers: [lemke]}\n")
+    text = (
+        "name: odd\nsampling: {processes: 1, samples: 1, max_samples: 1, inner: 0.0001s}\nparts:\n"
+        "  - {name: a, problems: ['*.M.mtx'], solvers: [lemke]}\n"
+        "  - {name: b, problems: ['./*.json'], formulations: [velocity], solvers: [lemke]}\n"
+    )
     campaign(d, text)
     lcpbench_in(d, "run", "t.yaml", "--out", "out", "--quiet")
     got = rows(d / "out")
@@ -76,8 +117,11 @@ def commands_of_calibrate_rerun_too(d):
     for i, name in enumerate(("it's new\nline.json", "two words.json")):
         scene = dict(SCENE, id=f"s{i}")
         (d / name).write_text(json.dumps(scene))
-        found = json.loads(lcpbench_in(d, "calibrate", name, "--error", "1", "--step", "0.01",
-                                       "--evaluations", "1").stdout)
+        found = json.loads(
+            lcpbench_in(
+                d, "calibrate", name, "--error", "1", "--step", "0.01", "--evaluations", "1"
+            ).stdout
+        )
         assert shell(found["best"]["command"], d)["scene"] == scene["id"]
 
 
@@ -113,12 +157,20 @@ def inputs(path: object, beside: pathlib.Path) -> list[tuple]:
     by_end = {
         ".M.mtx": [("solve", path, "--solver", "lemke")],
         ".mtx": [("solve", beside / "g.M.mtx", "--q", path, "--solver", "lemke")],
-        ".dat": [("solve", path, "--solver", "lemke"), ("export", path, "--format", "siconos", "--out", beside / "o")],
+        ".dat": [
+            ("solve", path, "--solver", "lemke"),
+            ("export", path, "--format", "siconos", "--out", beside / "o"),
+        ],
         ".hdf5": [("solve", path, "--solver", "nsgs")],
         ".json": [("check", path), ("simulate", path, *SIM), ("calibrate", path, "--error", "1")],
-        ".yaml": [("check", path), ("simulate", path, *SIM), ("run", path, "--dry-run"),
-                  ("submit", path, "--engine", "parallel", "--dry-run", "--out", beside / "s")],
-        ".txt": [("verify", beside / "g.M.mtx", "--certificate", path)]}
+        ".yaml": [
+            ("check", path),
+            ("simulate", path, *SIM),
+            ("run", path, "--dry-run"),
+            ("submit", path, "--engine", "parallel", "--dry-run", "--out", beside / "s"),
+        ],
+        ".txt": [("verify", beside / "g.M.mtx", "--certificate", path)],
+    }
     return next(words for end, words in by_end.items() if path.endswith(end))
 
 
@@ -148,10 +200,18 @@ def pipes_and_folders_are_no_input(d):
 
 def byte_order_marks_are_no_content(d):
     mark = b"\xef\xbb\xbf"
-    texts = {"g.M.mtx": M, "g.q.mtx": Q, "l.dat": DAT, "s.json": json.dumps(SCENE),
-             "s.yaml": json.dumps(SCENE), "c.txt": "lcpbench certificate 1\nkind basis\nn 2\n0 1 0.5\n1 0 0\n",
-             "t.yaml": "name: t\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"
-                       "parts: [{name: a, problems: ['%s/g.M.mtx'], solvers: [lemke]}]\n" % d}
+    texts = {
+        "g.M.mtx": M,
+        "g.q.mtx": Q,
+        "l.dat": DAT,
+        "s.json": json.dumps(SCENE),
+        "s.yaml": json.dumps(SCENE),
+        "c.txt": "lcpbench certificate 1\nkind basis\nn 2\n0 1 0.5\n1 0 0\n",
+        "t.yaml": (
+            "name: t\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"
+            "parts: [{name: a, problems: ['%s/g.M.mtx'], solvers: [lemke]}]\n" % d
+        ),
+    }
     for name, text in texts.items():
         (d / name).write_bytes(mark + text.encode())
     assert run_json("solve", d / "g.M.mtx", "--solver", "lemke")["status"] == "ok"
@@ -176,23 +236,45 @@ def messages_are_one_plain_line(d):
     """Whatever was typed, or stands in a file, no message holds a control character."""
     evil = "\x1b[2J\x07\n\r\x9b1m\x7f\u009b"
     (d / "bad.json").write_text(json.dumps(dict(SCENE, **{evil: 1})))
-    (d / "bad.yaml").write_text('name: x\nparts: [{name: a, problems: ["\\e[2J"], solvers: ["\\e[31m"]}]\n')
+    (d / "bad.yaml").write_text(
+        'name: x\nparts: [{name: a, problems: ["\\e[2J"], solvers: ["\\e[31m"]}]\n'
+    )
     (d / "bad.M.mtx").write_text(M.replace("1 1 2", "1 1 \x1b[2J"))
     (d / "bad.q.mtx").write_text(Q)
-    cases = ((evil,), ("list", evil), ("solve", evil, "--solver", "lemke"), ("solve", "murty", "--solver", evil),
-             ("solve", "murty:" + evil + "=1", "--solver", "lemke"), ("solve", "murty", "--solver", "lemke", "--" + evil),
-             ("solve", "murty", "--solver", "lemke", "--tol", evil), ("solve", f"{d}/{evil}.dat", "--solver", "lemke"),
-             ("solve", "murty", "--solver", "lemke", "--z", f"{d}/none/{evil}"),
-             ("simulate", evil, *SIM), ("simulate", "incline", "--formulation", evil, "--solver", "lemke"),
-             ("simulate", "incline", *SIM, "--effects", evil), ("simulate", "incline", *SIM, "--step", evil),
-             ("simulate", d / "bad.json", *SIM), ("solve", d / "bad.M.mtx", "--solver", "lemke"),
-             ("check", f"{d}/{evil}.json"), ("run", evil), ("run", d / "bad.yaml", "--dry-run"),
-             ("run", "smoke", "--dry-run", "--filter", evil), ("status", f"{d}/{evil}"), ("verify", f"{d}/{evil}"),
-             ("compare", evil, evil), ("compare", d, d, "--column", evil), ("merge", evil, "--out", d / "m"),
-             ("export", "murty", "--format", evil, "--out", d / "x"), ("submit", "smoke", "--engine", evil),
-             ("doctor", "--out", f"/proc/{evil}", "--seconds", "0.01"), ("calibrate", evil, "--error", "1"))
+    cases = (
+        (evil,),
+        ("list", evil),
+        ("solve", evil, "--solver", "lemke"),
+        ("solve", "murty", "--solver", evil),
+        ("solve", "murty:" + evil + "=1", "--solver", "lemke"),
+        ("solve", "murty", "--solver", "lemke", "--" + evil),
+        ("solve", "murty", "--solver", "lemke", "--tol", evil),
+        ("solve", f"{d}/{evil}.dat", "--solver", "lemke"),
+        ("solve", "murty", "--solver", "lemke", "--z", f"{d}/none/{evil}"),
+        ("simulate", evil, *SIM),
+        ("simulate", "incline", "--formulation", evil, "--solver", "lemke"),
+        ("simulate", "incline", *SIM, "--effects", evil),
+        ("simulate", "incline", *SIM, "--step", evil),
+        ("simulate", d / "bad.json", *SIM),
+        ("solve", d / "bad.M.mtx", "--solver", "lemke"),
+        ("check", f"{d}/{evil}.json"),
+        ("run", evil),
+        ("run", d / "bad.yaml", "--dry-run"),
+        ("run", "smoke", "--dry-run", "--filter", evil),
+        ("status", f"{d}/{evil}"),
+        ("verify", f"{d}/{evil}"),
+        ("compare", evil, evil),
+        ("compare", d, d, "--column", evil),
+        ("merge", evil, "--out", d / "m"),
+        ("export", "murty", "--format", evil, "--out", d / "x"),
+        ("submit", "smoke", "--engine", evil),
+        ("doctor", "--out", f"/proc/{evil}", "--seconds", "0.01"),
+        ("calibrate", evil, "--error", "1"),
+    )
     for words in cases:
-        done = subprocess.run([LCPBENCH, *map(str, words)], capture_output=True, check=False, timeout=60)
+        done = subprocess.run(
+            [LCPBENCH, *map(str, words)], capture_output=True, check=False, timeout=60
+        )
         text = done.stderr.decode("utf-8")  # and it is UTF-8
         assert done.returncode == 2 and text.endswith("\n"), (words, done.returncode, text)
         assert not [c for c in text[:-1] if ord(c) < 32 or 127 <= ord(c) < 160], (words, text)
@@ -202,10 +284,21 @@ def names_that_are_not_utf8_are_told(d):
     path = os.fsencode(d) + b"/caf\xe9.dat"
     with open(path, "w", encoding="utf-8") as f:
         f.write(DAT)
-    done = subprocess.run([LCPBENCH, "solve", path, "--solver", "lemke"], capture_output=True, check=True)
+    done = subprocess.run(
+        [LCPBENCH, "solve", path, "--solver", "lemke"], capture_output=True, check=True
+    )
     assert json.loads(done.stdout)["problem"].endswith("caf\\xe9.dat")
 
 
-tap([commands_rerun_whatever_the_path, commands_of_calibrate_rerun_too,
-     names_that_no_line_holds_are_refused, options_end_at_two_dashes, pipes_and_folders_are_no_input,
-     byte_order_marks_are_no_content, messages_are_one_plain_line, names_that_are_not_utf8_are_told])
+tap(
+    [
+        commands_rerun_whatever_the_path,
+        commands_of_calibrate_rerun_too,
+        names_that_no_line_holds_are_refused,
+        options_end_at_two_dashes,
+        pipes_and_folders_are_no_input,
+        byte_order_marks_are_no_content,
+        messages_are_one_plain_line,
+        names_that_are_not_utf8_are_told,
+    ]
+)

@@ -1,4 +1,5 @@
-"""results.csv under a German locale and in the hands of pandas and R: the same numbers, the same names, the same types."""
+"""results.csv under a German locale and in the hands of pandas and R: the same numbers, the same
+names, the same types."""
 
 import csv
 import json
@@ -24,9 +25,11 @@ parts:
     solvers: [lemke, "pgs:max_iter=1"]
 """
 WORDS = (
-    "campaign part cell_id problem_family problem problem_sha256 formulation formulation_options formulation_config model solver "
-    "solver_options solver_config solver_variant solver_version start contact_order effects effects_auto cache storage status status_claimed note flags "
-    "err_quantity err_source end_quantity missed effects_seen solution_hash host host_class trace started_utc suite_commit build_hash base_hash command"
+    "campaign part cell_id problem_family problem problem_sha256 formulation formulation_options"
+    " formulation_config model solver solver_options solver_config solver_variant solver_version"
+    " start contact_order effects effects_auto cache storage status status_claimed note flags"
+    " err_quantity err_source end_quantity missed effects_seen solution_hash host host_class trace"
+    " started_utc suite_commit build_hash base_hash command"
 ).split()
 BOOLEANS = "quick verified throttled suite_dirty".split()
 
@@ -73,7 +76,8 @@ def g8_same_rows_under_a_german_locale(d):
 
 
 def g8_bytes_keep_the_rules(d):
-    """RFC 4180 without the CR, UTF-8, one line a row, one header, plain names, numbers that parse."""
+    """RFC 4180 without the CR, UTF-8, one line a row, one header, plain names, numbers that
+    parse."""
     path = measured(d)
     text = path.read_bytes()
     got = rows(path.parent)
@@ -111,14 +115,18 @@ PANDAS = """
 import json, sys
 import pandas as pd
 d = pd.read_csv(sys.argv[1])
-print(json.dumps({"n": len(d), "names": list(d.columns), "numeric": [c for c in d if pd.api.types.is_numeric_dtype(d[c])],
-                  "bool": [c for c in d if pd.api.types.is_bool_dtype(d[c])], "empty": [c for c in d if d[c].isna().all()],
-                  "t": [repr(float(x)) for x in d["t_total_s"]], "rho": [repr(float(x)) for x in d["rho"]]}))
+print(json.dumps({"n": len(d), "names": list(d.columns),
+                  "numeric": [c for c in d if pd.api.types.is_numeric_dtype(d[c])],
+                  "bool": [c for c in d if pd.api.types.is_bool_dtype(d[c])],
+                  "empty": [c for c in d if d[c].isna().all()],
+                  "t": [repr(float(x)) for x in d["t_total_s"]],
+                  "rho": [repr(float(x)) for x in d["rho"]]}))
 """
 
 
 def agree(path, got, booleans=True):
-    """What a reader found against the bytes: names, types, every number to the last bit. R 4.2 keeps true and false as text."""
+    """What a reader found against the bytes: names, types, every number to the last bit. R 4.2
+    keeps true and false as text."""
     with open(path, newline="") as f:
         want = list(csv.DictReader(f))
     assert got["n"] == len(want) and got["names"] == list(want[0])
@@ -129,7 +137,7 @@ def agree(path, got, booleans=True):
         if all(r[name] for r in want):
             assert name in got["bool"], f"{name} was not read as true and false"
     for column, key in (("t_total_s", "t"), ("rho", "rho")):
-        for text, value in zip((r[column] for r in want), got[key]):
+        for text, value in zip((r[column] for r in want), got[key], strict=True):
             assert (
                 (value.lower() in ("nan", "na")) if text == "" else float(text) == float(value)
             ), (column, text, value)

@@ -40,7 +40,7 @@ def compare(found, names):
 
 def lcps_are_solved(d):
     problems = sorted((FOLDER / "lcp").glob("*.M.mtx"))
-    assert len(problems) == 20
+    assert len(problems) == 22
     found = {}
     for path in problems:
         name = path.name.removesuffix(".M.mtx")
@@ -71,7 +71,7 @@ def scenes_come_out_right(d):
     if SANITIZED:
         raise Skip("a thousand steps of many formulations: too slow with sanitizers")
     scenes = sorted((FOLDER / "scenes").glob("*.json"))
-    assert len(scenes) == 14
+    assert len(scenes) == 24
     found = {}
     for path in scenes:
         checks = json.loads(path.read_text())["checks"]

@@ -1,5 +1,6 @@
-"""A real Slurm on one machine (scripts/test_slurm starts it): an array killed in the middle and submitted again, and a task that
-meets its time limit, both end with the rows of the built-in runner."""
+"""A real Slurm on one machine (scripts/test_slurm starts it): an array killed in the middle and
+submitted again, and a task that meets its time limit, both end with the rows of the built-in
+runner."""
 
 import re
 import subprocess
@@ -31,7 +32,8 @@ def wait_until(what, seconds, why):
 
 
 def array_killed_once(d):
-    """SIGKILL for everything of the running task, the rest of the array cancelled; the same command again finishes it."""
+    """SIGKILL for everything of the running task, the rest of the array cancelled; the same command
+    again finishes it."""
     words = submit_words(d, built_in(d), "slurm")
     p = start(words)
     wait_until(
@@ -76,7 +78,8 @@ parts:
 
 
 def limit_requeues(d):
-    """A task longer than its limit: SIGTERM comes before the end, the rows are flushed, the task is queued again and goes on."""
+    """A task longer than its limit: SIGTERM comes before the end, the rows are flushed, the task is
+    queued again and goes on."""
     c = campaign(d, LONG % diagonal(d, 3))
     run(
         "submit",

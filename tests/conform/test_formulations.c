@@ -186,15 +186,16 @@ static void check_traits(const lcp_problem *p) {
   free(M);
 }
 
-/* What moments of friction a contact asks for and the formulation has only forces of is refused. */
+/* Moments of friction that a contact asks for and that the formulation declares to lack are refused. */
 static bool refused(const formulation *f, formulation_run *run, rig *r) {
   base_error err = {0};
-  bool moments = false;
+  unsigned moments = 0;
   const contact_set *c = rig_set(r);
   for (int i = 0; i < c->n_contact; i++) {
-    moments = moments || c->rows[i].torsion > 0 || c->rows[i].rolling > 0;
+    moments |= (c->rows[i].torsion > 0 ? EFFECT_TORSION : 0u) |
+               (c->rows[i].rolling > 0 ? EFFECT_ROLLING : 0u);
   }
-  if (!moments || (f->model & FORM_ACCELERATION) == 0) {
+  if ((moments & f->lacks) == 0) {
     return false;
   }
   assert_int_equal(formulation_begin(run, c, FORM_COLD, &err), BASE_EUNSUPPORTED);

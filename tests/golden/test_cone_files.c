@@ -5,6 +5,7 @@
 #include "lcp/lcp_instance.h"
 #include "problems/import/import.h"
 #include "tests/support/files.h"
+#include "tests/support/imported.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -47,7 +48,7 @@ static void solve_file(const char *path, const entry *e) {
   lcp_instance *run;
   lcp_result res;
   lcp_verdict v;
-  check_ok(import_problem(path, 0, &k, &err), &err);
+  check_ok(imported_problem(path, 0, &k, &err), &err);
   double *z = calloc((size_t)k.p.M.n + 1, sizeof *z);
   assert_non_null(z);
   const lcp_capacity cap = lcp_problem_capacity(&k.p);

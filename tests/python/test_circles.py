@@ -1,4 +1,5 @@
-"""scripts/check_circles.py finds planted circles: two files that call each other, and a room used from below."""
+"""scripts/check_circles.py finds planted circles: two files that call each other, and a room used
+from below."""
 
 import json
 import pathlib

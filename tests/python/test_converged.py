@@ -1,4 +1,5 @@
-"""References from converged runs: what they are worth, whom they judge, and that neither luck nor an unresolved error reaches a level."""
+"""References from converged runs: what they are worth, whom they judge, and that neither luck nor
+an unresolved error reaches a level."""
 
 import math
 import pathlib

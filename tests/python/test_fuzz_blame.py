@@ -1,4 +1,5 @@
-"""Who is to blame for a fault that fuzzing found: recorded reports, OWNER.KIND.txt, and what cannot be told."""
+"""Who is to blame for a fault that fuzzing found: recorded reports, OWNER.KIND.txt, and what cannot
+be told."""
 
 import pathlib
 import sys

@@ -1,4 +1,5 @@
-"""One colour and one marker for a component in every figure, told apart by colour-blind readers too."""
+"""One colour and one marker for a component in every figure, told apart by colour-blind readers
+too."""
 
 import itertools
 import pathlib

@@ -1,5 +1,5 @@
-"""No script names a component: what a solver, a formulation or a scene is called stands in its own file,
-in one list of meson, in campaigns, and in scripts/experiments.toml, and nowhere else."""
+"""No script names a component: what a solver, a formulation or a scene is called stands in its own
+file, in one list of meson, in campaigns, and in scripts/experiments.toml, and nowhere else."""
 
 import ast
 import pathlib
@@ -21,7 +21,8 @@ def names() -> set[str]:
 
 
 def python_literals(text: str) -> list[tuple[int, str]]:
-    """Every string of a program that is no docstring, with its line; the fixed parts of f-strings too."""
+    """Every string of a program that is no docstring, with its line; the fixed parts of f-strings
+    too."""
     tree = ast.parse(text)
     said = {
         id(node.body[0].value)
@@ -80,8 +81,10 @@ def literals(path: pathlib.Path) -> list[tuple[int, str]]:
 
 
 def uses(literal: str, known: set[str]) -> list[str]:
-    """Names of components that a literal uses as such: alone, with options, in a combination or a list, in
-    backquotes, after an option of lcpbench, or beside the word for its kind. A word of prose is no use."""
+    """Names of components that a literal uses as such: alone, with options, in a combination or a
+    list, in backquotes, after an option of lcpbench, or beside the word for its kind. A word of
+    prose is no use.
+    """
     a_name = "|".join(sorted(map(re.escape, known), key=len, reverse=True))
     kind = r"(?:formulations?|solvers?|scenes?|runs?)"
     patterns = (
@@ -169,7 +172,9 @@ class Names(unittest.TestCase):
             "j.py": 'run("simulate --solver ppm")\n',
         }
         clean = {
-            "k.py": '"""With pgs on stack:n=3."""\nX = "the position of the event, a row of bodies"\n',
+            "k.py": (
+                '"""With pgs on stack:n=3."""\nX = "the position of the event, a row of bodies"\n'
+            ),
             "l": "#!/bin/sh\n# lemke on stack:n=2\necho lemke_dense tests/bench_lemke\n",
             "m.js": "/* pgs */ const row = 1;\n",
         }

@@ -23,7 +23,8 @@ limits: {time: 20s, memory: 2G, grace: 1s}
 sampling: {processes: 1, samples: 1, max_samples: 1, inner: 1e-9s}
 parts:
   - name: steps
-    problems: ["slide:speed=1,angle_deg=22.5", "gripper:duration=0.1", "bounce:duration=0.6", "incline:theta_deg=40,duration=0.1"]
+    problems: ["slide:speed=1,angle_deg=22.5", "gripper:duration=0.1", "bounce:duration=0.6",
+               "incline:theta_deg=40,duration=0.1"]
     formulations: ["velocity:facets={4,16}", "regularized:ratio={10,1000}"]
     solvers: [lemke]
     steps: [0.01, 0.0025]
@@ -52,7 +53,8 @@ SAME = {
 
 class Pipes(unittest.TestCase):
     def test_a_reader_that_has_seen_enough_gets_no_traceback(self) -> None:
-        """`scripts/recommend ... | head`: more lines than a pipe holds, to a reader that closes it at once."""
+        """`scripts/recommend ... | head`: more lines than a pipe holds, to a reader that closes it
+        at once."""
         words = [sys.executable, "-c", "import bench\nwhile True:\n    print('x' * 1000)"]
         with subprocess.Popen(
             words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT / "scripts"

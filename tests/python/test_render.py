@@ -1,4 +1,5 @@
-"""Trajectories that are no trajectories are refused in one line; a real one becomes stills, a sheet and an animation."""
+"""Trajectories that are no trajectories are refused in one line; a real one becomes stills, a sheet
+and an animation."""
 
 import os
 import pathlib
@@ -72,7 +73,7 @@ def test_malformed():
         "other table": "a,b\n1,2\n",
         "no scene": "\n".join(line for line in lines if ",scene," not in line),
         "two scenes": "\n".join([*lines, lines[1]]),
-        "dimension": good.replace(f",scene,pile3,2,", ",scene,pile3,4,", 1),
+        "dimension": good.replace(",scene,pile3,2,", ",scene,pile3,4,", 1),
         "no bodies": "\n".join(line for line in lines if ",body," not in line),
         "a word for a number": good.replace(
             lines[first], lines[first].replace(lines[first].split(",")[4], "left", 1)

@@ -1,4 +1,5 @@
-"""The report on made-up rows: the same bytes twice, self-contained, honest about failures, and alive in a browser."""
+"""The report on made-up rows: the same bytes twice, self-contained, honest about failures, and
+alive in a browser."""
 
 import contextlib
 import csv
@@ -35,10 +36,11 @@ from bench import (  # noqa: E402
 )
 
 HEADER = (
-    "schema campaign part cell_id rep problem_family problem formulation formulation_options solver solver_options step_s "
-    "duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim t_assemble_s t_solve_s t_total_s n_steps status "
-    "status_claimed verified note rho res_ncp_rel penetration_m energy_drift_rel err_ref err_worst n_predictions "
-    "n_predictions_missed workspace_B command missed err_quantity"
+    "schema campaign part cell_id rep problem_family problem formulation formulation_options solver"
+    " solver_options step_s duration_s start effects tol n_bodies n_dof n_contacts n_active lcp_dim"
+    " t_assemble_s t_solve_s t_total_s n_steps status status_claimed verified note rho res_ncp_rel"
+    " penetration_m energy_drift_rel err_ref err_worst n_predictions n_predictions_missed"
+    " workspace_B command missed err_quantity"
 ).split()
 
 
@@ -76,7 +78,10 @@ def cell(campaign, problem, form, opts, solver, step, p, dim, seconds, error, **
         "n_predictions_missed": 0,
         "workspace_B": 8 * dim * dim,
         "cell_id": f"{campaign}|{problem}|{form}|{opts}|{solver}|{step}",
-        "command": f"lcpbench simulate '{problem}' --formulation '{form}' --solver '{solver}' --step '{step}'",
+        "command": (
+            f"lcpbench simulate '{problem}' --formulation '{form}' --solver '{solver}' --step"
+            f" '{step}'"
+        ),
     }
     base.update(more)
     return [dict(base, rep=r) for r in range(3)]
@@ -474,7 +479,8 @@ class Judged(unittest.TestCase):
         self.assertEqual((found["both"], found["reached"]), (2, 3))
         self.assertEqual(
             accuracy.rival_words(found),
-            "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there on 3 of 5",
+            "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there"
+            " on 3 of 5",
         )
         apart = accuracy.rival(won, "event", {"d": {"cost": 1.0}}, 1)
         self.assertEqual(
@@ -539,7 +545,8 @@ class Page(unittest.TestCase):
         cls.tmp.cleanup()
 
     def browse(self, where=""):
-        """Headless, without a network; the DOM after the scripts ran, and what they complained about."""
+        """Headless, without a network; the DOM after the scripts ran, and what they complained
+        about."""
         return subprocess.run(
             [
                 "chromium",
@@ -576,9 +583,9 @@ class Page(unittest.TestCase):
         root = self.folder / "project"
         root.mkdir()
         (root / "results").mkdir()
-        pages = [root / "README.md", root / "results" / "README.md"]
-        for page in pages:
-            page.write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
+        documents = [root / "README.md", root / "results" / "README.md"]
+        for document in documents:
+            document.write_text(f"before\n{reference.BEGIN}stale\n{reference.END}after\n")
         with (
             mock.patch.object(
                 sys, "argv", ["reference", str(self.folder / "runs"), "--out", str(root)]
@@ -586,8 +593,8 @@ class Page(unittest.TestCase):
             contextlib.redirect_stdout(io.StringIO()),
         ):
             self.assertEqual(reference.main(), 0)
-        for page in pages:
-            text = page.read_text()
+        for document in documents:
+            text = document.read_text()
             self.assertTrue(
                 text.startswith("before\n" + reference.BEGIN)
                 and text.endswith(reference.END + "after\n")
@@ -595,9 +602,9 @@ class Page(unittest.TestCase):
             self.assertNotIn("stale", text)
             self.assertIn("`regularized + lemke`", text)
             drawn = re.findall(r"!\[[^]]*\]\(([^)]*)\)", text)
-            self.assertTrue(drawn, page)
+            self.assertTrue(drawn, document)
             for name in drawn:
-                self.assertTrue((page.parent / name).exists(), name)
+                self.assertTrue((document.parent / name).exists(), name)
         packed = rows.load(root / "results/reference/all")
         self.assertTrue(packed.equals(rows.load(self.folder / "runs/all")))
 

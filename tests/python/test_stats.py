@@ -18,7 +18,8 @@ class Median(unittest.TestCase):
         self.assertEqual(stats.median_interval([3, 1, 2]), (2, 1, 3))
 
     def test_interval_of_ten_samples_leaves_out_one_on_each_side(self):
-        # P(Binomial(10, 1/2) <= 1) = 11/1024 = 1.1 % <= 2.5 %, <= 2: 5.5 %: the 2nd and the 9th value
+        # P(Binomial(10, 1/2) <= 1) = 11/1024 = 1.1 % <= 2.5 %, <= 2: 5.5 %: the 2nd and the 9th
+        # value
         self.assertEqual(stats.median_interval(range(1, 11)), (5.5, 2, 9))
 
     def test_nothing_measured_is_nan_not_zero(self):

@@ -55,7 +55,7 @@ bool imported_is_fclib(const imported_file *f) {
 void imported_reads(const imported_file *f, const char *path) {
   known_lcp k;
   base_error err = {0};
-  check_ok(import_problem(path, 0, &k, &err), &err);
+  check_ok(imported_problem(path, 0, &k, &err), &err);
   check_ok(lcp_problem_check(&k.p, &err), &err);
   if (k.p.M.n != f->n || k.p.n_block != f->n_block || lcp_problem_sets(&k.p) != f->sets) {
     fail_msg("%s: n = %d, %d blocks, sets %x", f->name, k.p.M.n, k.p.n_block,
@@ -148,4 +148,13 @@ void imported_round_trip(const imported_file *f, const char *path) {
   }
   friction_free(&a);
   friction_free(&b);
+}
+
+base_status imported_problem(const char *path, int facets, known_lcp *out, base_error *err) {
+  import_posed both;
+  memset(out, 0, sizeof *out);
+  BASE_TRY(import_pose(path, facets, &both, err));
+  *out = both.posed;
+  known_lcp_free(&both.cone);
+  return BASE_OK;
 }

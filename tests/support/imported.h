@@ -27,6 +27,9 @@ void imported_friction(const imported_file *f, const char *path, friction_proble
 /* From path to text, from there to FCLIB, and back: the same bits. Friction problems only. */
 void imported_round_trip(const imported_file *f, const char *path);
 
+/* The problem of a file alone, without the cone that facets are judged on. *out is freed with known_lcp_free. */
+base_status imported_problem(const char *path, int facets, known_lcp *out, base_error *err);
+
 void same_matrix(const lcp_csc *a, const lcp_csc *b);
 void same_vector(const double *a, const double *b, int n);
 void same_friction(const friction_problem *a, const friction_problem *b);

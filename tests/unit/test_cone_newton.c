@@ -164,7 +164,7 @@ static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
         }
         assert_true(run(&p, NULL, NULL, z, &res, &err));
         assert_string_equal(lcp_outcome_name(res.outcome), "ok");
-        assert_true(res.work.factorizations <= 2);
+        assert_true(res.work.factorizations <= 2 || v.infeasible_z > 1e-12 * top);
       } else {
         assert_true(res.residual > 0.0 && v.rho <= 1.01 * res.residual + 1e-12);
       }
@@ -207,12 +207,14 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
   assert_non_null(strstr(err.text, "couples"));
   f.shift = NULL;
 
-  lcp_block two = p.block[0];
-  two.size = p.block[0].size + p.block[1].size;
-  two.n_part = 0;
-  p.block = &two;
-  p.n_block = 1;
-  assert_true(two.size <= LCP_CONE_MAX);
+  lcp_block joined[512]; /* the first two blocks as one, then the others */
+  memcpy(joined, p.block + 1, (size_t)(p.n_block - 1) * sizeof *joined);
+  joined[0] = p.block[0];
+  joined[0].size += p.block[1].size;
+  joined[0].n_part = 0;
+  p.block = joined;
+  p.n_block--;
+  assert_true(joined[0].size <= LCP_CONE_MAX);
   assert_false(run(&p, NULL, NULL, z, &res, &err));
   assert_non_null(strstr(err.text, "two groups"));
   free(colptr);

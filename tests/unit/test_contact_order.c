@@ -6,6 +6,7 @@
 #include "lcp/base/rng.h"
 #include "problems/read/scene_file.h"
 #include "problems/world/world.h"
+#include "tests/support/contact_velocity.h"
 
 #include <stdlib.h>
 #include <string.h>

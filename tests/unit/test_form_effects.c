@@ -279,6 +279,43 @@ static void dimensions_in_closed_form(void **state) {
   }
 }
 
+/* A scene is refused where something that occurs in it is declared as lacking, in one line that names it, and by
+ * its data alone: effects that are switched on without occurring are no reason. */
+static void what_a_formulation_lacks_is_refused(void **state) {
+  (void)state;
+  static const struct {
+    const char *scene, *form, *effects, *says; /* NULL: admitted */
+  } rows[] = {
+      {"woodpecker", "event", "declared",
+       "event: needs bodies, the scene has generalised coordinates"},
+      {"slider_crank", "acceleration", "declared",
+       "acceleration: needs bodies, the scene has generalised coordinates"},
+      {"woodpecker", "velocity", "declared", NULL},
+      {"billiard", "acceleration", "declared", "acceleration: does not simulate rolling torsion"},
+      {"billiard", "penalty", "declared", "penalty: does not simulate rolling torsion"},
+      {"billiard", "penalty", "-torsion,-rolling", NULL},
+      {"billiard", "velocity", "all", NULL},
+      {"bounce", "event", "all", NULL},
+      {"bounce", "acceleration", "all", NULL},
+  };
+  for (int i = 0; i < BASE_COUNT(rows); i++) {
+    base_error err = {0};
+    scene_spec spec;
+    unsigned effects;
+    world *w;
+    check_ok(scene_load(rows[i].scene, &spec, &err), &err);
+    check_ok(effects_override(spec.effects, rows[i].effects, &effects, &err), &err);
+    check_ok(world_open(&w, &spec, effects, &err), &err);
+    const base_status got = formulation_admits(formulation_find(rows[i].form), w, &err);
+    assert_int_equal(got, (rows[i].says != NULL) ? BASE_EUNSUPPORTED : BASE_OK);
+    if (rows[i].says != NULL) {
+      assert_string_equal(err.text, rows[i].says);
+    }
+    world_close(w);
+    spec_free(&spec);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(undeclared_effects_cost_nothing),
@@ -286,6 +323,7 @@ int main(void) {
       cmocka_unit_test(steps_do_not_allocate),
       cmocka_unit_test(frictionless_velocity_is_normal),
       cmocka_unit_test(dimensions_in_closed_form),
+      cmocka_unit_test(what_a_formulation_lacks_is_refused),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

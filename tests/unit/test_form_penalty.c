@@ -10,13 +10,16 @@
 static void laws_give_their_formulas(void **state) {
   (void)state;
   const double K = 2.5e6, d = 3e-4, v = 0.7;
-  check_close(penalty_normal_force(PENALTY_HERTZ, K, 0, 0.5, 1, d, v), K * pow(d, 1.5), 1e-12);
-  check_close(penalty_normal_force(PENALTY_KELVIN_VOIGT, K, 40, 0.5, 1, d, v), K * d + 28.0, 1e-9);
-  check_close(penalty_normal_force(PENALTY_HUNT_CROSSLEY, K, 0, 0.8, 2.0, d, v),
+  double x = penalty_damping(PENALTY_HERTZ, 0.5);
+  check_close(penalty_normal_force(PENALTY_HERTZ, K, 0, x, 1, d, v), K * pow(d, 1.5), 1e-12);
+  check_close(penalty_normal_force(PENALTY_KELVIN_VOIGT, K, 40, 0, 1, d, v), K * d + 28.0, 1e-9);
+  x = penalty_damping(PENALTY_HUNT_CROSSLEY, 0.8);
+  check_close(penalty_normal_force(PENALTY_HUNT_CROSSLEY, K, 0, x, 2.0, d, v),
               K * pow(d, 1.5) * (1 + 1.5 * 0.2 * 0.35), 1e-12);
-  check_close(penalty_normal_force(PENALTY_LANKARANI_NIKRAVESH, K, 0, 0.8, 2.0, d, v),
+  x = penalty_damping(PENALTY_LANKARANI_NIKRAVESH, 0.8);
+  check_close(penalty_normal_force(PENALTY_LANKARANI_NIKRAVESH, K, 0, x, 2.0, d, v),
               K * pow(d, 1.5) * (1 + 0.75 * 0.36 * 0.35), 1e-12);
-  check_close(penalty_normal_force(PENALTY_KELVIN_VOIGT, K, 1e6, 0.5, 1, d, -v), 0.0, 0.0);
+  check_close(penalty_normal_force(PENALTY_KELVIN_VOIGT, K, 1e6, 0, 1, d, -v), 0.0, 0.0);
 }
 
 static void friction_stays_below_coulomb(void **state) {
@@ -122,12 +125,32 @@ static void comes_to_rest_with_the_weight(void **state) {
   close_ball(&x);
 }
 
+/* A ball dropped without restitution stays on the floor; with e it leaves with e times the speed it came with, which the
+ * height 0.05 e^2 shows. */
+static void rebounds_by_restitution(void **state) {
+  (void)state;
+  const double restitution[] = {0.0, 0.3, 0.6, 0.9};
+  for (int k = 0; k < 4; k++) {
+    fixture x;
+    open_ball(&x, restitution[k], "stiffness=1e10"); /* gravity does little in so short an impact */
+    double highest = 0.0, y;
+    (void)advance(&x, 1e-3, 103); /* it falls 0.101 s, and is in contact for less than 2 ms */
+    for (int i = 0; i < 100; i++) {
+      (void)advance(&x, 1e-3, 1);
+      assert_true(world_observe(x.w, "ball.y", NULL, &y));
+      highest = fmax(highest, y - 0.1);
+    }
+    const double e = fmax(restitution[k], 0.01);
+    check_close(highest, 0.05 * e * e, 0.05 * 0.03 * e + 1e-5);
+    close_ball(&x);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(laws_give_their_formulas),
-      cmocka_unit_test(friction_stays_below_coulomb),
-      cmocka_unit_test(hertz_bounce_keeps_energy),
-      cmocka_unit_test(comes_to_rest_with_the_weight),
+      cmocka_unit_test(laws_give_their_formulas),  cmocka_unit_test(friction_stays_below_coulomb),
+      cmocka_unit_test(hertz_bounce_keeps_energy), cmocka_unit_test(comes_to_rest_with_the_weight),
+      cmocka_unit_test(rebounds_by_restitution),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

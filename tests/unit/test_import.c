@@ -34,8 +34,8 @@ static void text_and_hdf5_agree(void **state) {
   (void)state;
   known_lcp a, b;
   base_error err = {0};
-  check_ok(import_problem(data("friction/GRFC3D_Chute-ndof-768-nc-4-3.dat"), 0, &a, &err), &err);
-  check_ok(import_problem(data("fclib/Chute-ndof-768-nc-4-3.hdf5"), 0, &b, &err), &err);
+  check_ok(imported_problem(data("friction/GRFC3D_Chute-ndof-768-nc-4-3.dat"), 0, &a, &err), &err);
+  check_ok(imported_problem(data("fclib/Chute-ndof-768-nc-4-3.hdf5"), 0, &b, &err), &err);
   double A[400], B[400];
   lcp_matrix_to_dense(&a.p.M, A);
   lcp_matrix_to_dense(&b.p.M, B);
@@ -71,9 +71,9 @@ static void lcp_text_round_trips_are_exact(void **state) {
     if (!imported_files[i].here || imported_files[i].sets == 1u << LCP_CONE) {
       continue;
     }
-    check_ok(import_problem(data(imported_files[i].name), 0, &a, &err), &err);
+    check_ok(imported_problem(data(imported_files[i].name), 0, &a, &err), &err);
     check_ok(export_lcp_text(&a.p, scratch(".dat"), &err), &err);
-    check_ok(import_problem(scratch(".dat"), 0, &b, &err), &err);
+    check_ok(imported_problem(scratch(".dat"), 0, &b, &err), &err);
     same_problem(&a.p, &b.p);
     known_lcp_free(&a);
     known_lcp_free(&b);
@@ -94,7 +94,7 @@ static void lcp_text_holds_what_it_can(void **state) {
   known_lcp k;
   base_error err = {0};
   check_ok(export_lcp_text(&p, scratch(".dat"), &err), &err);
-  check_ok(import_problem(scratch(".dat"), 0, &k, &err), &err);
+  check_ok(imported_problem(scratch(".dat"), 0, &k, &err), &err);
   assert_int_equal(k.p.n_block, 3);
   assert_int_equal(k.p.block[1].set, LCP_FREE);
   assert_int_equal(k.p.block[1].size, 2);
@@ -117,7 +117,7 @@ static void facets_follow_the_formula(void **state) {
   assert_int_equal(fclose(f), 0);
   known_lcp k;
   base_error err = {0};
-  check_ok(import_problem(scratch(".dat"), 4, &k, &err), &err);
+  check_ok(imported_problem(scratch(".dat"), 4, &k, &err), &err);
   assert_int_equal(k.p.M.n, 6);
   static const double want[6][6] = {
       {1, 0.25, 0, -0.25, 0, 0}, {0.25, 2, 0, -2, 0, 1}, {0, 0, 2, 0, -2, 1},

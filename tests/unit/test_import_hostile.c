@@ -1,5 +1,6 @@
 /* Malformed files of other codes are refused in one line, and nothing is allocated that a file does not hold. */
 #include "problems/import/import.h"
+#include "tests/support/imported.h"
 #include "tests/support/scratch.h"
 
 #include <hdf5.h>
@@ -8,7 +9,7 @@
 static void refused(const char *path, const char *says) {
   known_lcp k;
   base_error err = {0};
-  const base_status s = import_problem(path, 0, &k, &err);
+  const base_status s = imported_problem(path, 0, &k, &err);
   if (s == BASE_OK) {
     known_lcp_free(&k);
     fail_msg("accepted where it should say '%s'", says);
@@ -136,7 +137,7 @@ static void malformed_hdf5_is_refused(void **state) {
   known_lcp k;
   base_error err = {0};
   write_hostile(&good, true);
-  check_ok(import_problem(scratch(".hdf5"), 0, &k, &err), &err);
+  check_ok(imported_problem(scratch(".hdf5"), 0, &k, &err), &err);
   known_lcp_free(&k);
   for (int i = 0; i < BASE_COUNT(hostiles); i++) {
     write_hostile(&hostiles[i], true);
@@ -185,7 +186,7 @@ static void damaged_bytes_do_no_harm(void **state) {
     bytes[at] = was;
     known_lcp k;
     base_error err = {0};
-    if (import_problem(scratch(".hdf5"), 0, &k, &err) == BASE_OK) {
+    if (imported_problem(scratch(".hdf5"), 0, &k, &err) == BASE_OK) {
       known_lcp_free(&k);
       n_read++;
     } else {
@@ -280,7 +281,7 @@ static void edits_are_refused(int rows, const char *group, const edit *list, int
   known_lcp k;
   base_error err = {0};
   write_global(rows);
-  check_ok(import_problem(scratch(".hdf5"), 0, &k, &err), &err);
+  check_ok(imported_problem(scratch(".hdf5"), 0, &k, &err), &err);
   known_lcp_free(&k);
   for (int i = 0; i < n; i++) {
     write_global(rows);

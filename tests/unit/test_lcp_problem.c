@@ -4,6 +4,7 @@
 
 #include "lcp/base/rng.h"
 #include "lcp/lcp_judge.h"
+#include "lcp/lcp_rho.h"
 #include "lcp/lcp_solver.h"
 #include "tests/support/golden.h"
 
@@ -250,6 +251,32 @@ static void stopping_is_never_kinder_than_judging(void **state) {
   }
 }
 
+/* Where a term of M z overflows, w is inf - inf. fmin and fmax would drop it, and z = (1e300, 1e300) would solve this. */
+static void rho_of_no_number_is_no_number(void **state) {
+  (void)state;
+  static const lcp_set sets[] = {LCP_ORTHANT, LCP_BOX, LCP_FREE, LCP_CONE};
+  const double M[] = {1e200, 1e200, -1e200, -1e200}, q[] = {-1, -1}, z[] = {1e300, 1e300};
+  for (int k = 0; k < BASE_COUNT(sets); k++) {
+    const double lo[] = {1e300, 1e300}, hi[] = {HUGE_VAL, HUGE_VAL};
+    const lcp_block block = {
+        .size = 2, .set = sets[k], .n_part = 1, .part_dim = {1}, .part_mu = {0.5}};
+    const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M},
+                           .q = q,
+                           .lo = lo,
+                           .hi = hi,
+                           .block = &block,
+                           .n_block = 1};
+    double w[2], tau0[2], tau[2], zref[2], d[2];
+    lcp_matrix_diagonal(&p.M, d);
+    lcp_rho_product(&p, z, w, tau0);
+    assert_true(w[0] != w[0]);
+    lcp_rho_references(&p, d, tau0, zref);
+    lcp_rho_product(&p, zref, NULL, tau);
+    const double rho = lcp_rho(&p, d, z, w, zref, tau);
+    assert_false(rho < HUGE_VAL);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(every_damage_is_named),
@@ -259,6 +286,7 @@ int main(void) {
       cmocka_unit_test(judge_sees_what_leaves_the_range),
       cmocka_unit_test(judge_is_the_same_in_every_storage),
       cmocka_unit_test(stopping_is_never_kinder_than_judging),
+      cmocka_unit_test(rho_of_no_number_is_no_number),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

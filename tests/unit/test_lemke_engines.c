@@ -72,7 +72,7 @@ static void both_engines_take_the_same_path(void **state) {
     double z[2][N];
     long pivots[2];
     pose(&r, &random, n, (trial % 3 == 0) ? 0.2 : 1);
-    lemke_system_build(&r.built, &r.store, &r.p);
+    lemke_system_build(&r.built, &r.store, &r.p, false);
     lemke_engine *const engines[2] = {&r.table.engine, &r.basis.engine};
     for (int k = 0; k < 2; ++k) {
       memset(r.path.in_z, 0, sizeof(unsigned char) * (size_t)n);
@@ -108,7 +108,7 @@ static void a_view_is_the_built_system(void **state) {
     }
     for (int k = 0; k < 2; ++k) {
       if (k == 0) {
-        lemke_system_build(&r.built, &r.store, &r.p);
+        lemke_system_build(&r.built, &r.store, &r.p, false);
       } else {
         assert_true(lemke_system_view(&r.built, &r.store, &r.p));
       }
@@ -212,7 +212,7 @@ static void phase_one_decides(void **state) {
       r.q[i] = fabs(r.q[i]); /* z = 0 is feasible */
     }
     r.p = (lcp_problem){.M = {.storage = LCP_DENSE, .n = n, .val = r.M}, .q = r.q};
-    lemke_system_build(&r.built, &r.store, &r.p);
+    lemke_system_build(&r.built, &r.store, &r.p, false);
     const lemke_end end =
         lemke_phase_one(&r.path, &r.table, &r.built, (lemke_phase){.lift = 0}, proof);
     assert_int_equal(end, hopeless ? LEMKE_RAY : LEMKE_SOLVED);

@@ -51,8 +51,8 @@ static void the_repository_holds_their_numbers(void **state) {
       friction_free(&b);
     } else if (f->here) {
       known_lcp a, b;
-      check_ok(import_problem(original(f), 0, &a, &err), &err);
-      check_ok(import_problem(ours(f), 0, &b, &err), &err);
+      check_ok(imported_problem(original(f), 0, &a, &err), &err);
+      check_ok(imported_problem(ours(f), 0, &b, &err), &err);
       same_problem(&a.p, &b.p);
       known_lcp_free(&a);
       known_lcp_free(&b);

@@ -217,6 +217,30 @@ static void singular_but_for_rounding_is_no_solution(void **state) {
   }
 }
 
+/* M = [1 -1; -1 1], infeasible by 2^-k: from a z far out, and by steps that lead there, the violation is as large as the
+ * rounding in M z. */
+static void a_z_that_ran_away_hides_nothing(void **state) {
+  (void)state;
+  static const double M[] = {1, -1, -1, 1};
+  int runs = 0;
+  for (int k = 3; k <= 18; k++) {
+    const double q[] = {-1, 1 - ldexp(1, -k)};
+    const lcp_problem p = {
+        .M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q, .traits = LCP_SYMMETRIC | LCP_PSD};
+    for (int s = 0; s < 2 * BASE_COUNT(names); s++) {
+      const double far = (s % 2 == 0) ? 0 : ldexp(1, k + 7);
+      double z[] = {far + far / 128, far};
+      lcp_result res = {0};
+      runs += run(names[s / 2], &p, z, &res);
+      if (res.outcome == LCP_SOLVED) {
+        fail_msg("%s claims to solve what is infeasible by 2^-%d: z = (%g, %g)", names[s / 2], k,
+                 z[0], z[1]);
+      }
+    }
+  }
+  assert_int_equal(runs, 16 * 2 * BASE_COUNT(names));
+}
+
 /* A pivoting method that runs out of iterations leaves the point it had, and its residual. */
 static void given_up_points_are_handed_over(void **state) {
   (void)state;
@@ -299,6 +323,7 @@ int main(void) {
       cmocka_unit_test(planted_solutions_are_found),
       cmocka_unit_test(powers_of_two_change_no_bit),
       cmocka_unit_test(singular_but_for_rounding_is_no_solution),
+      cmocka_unit_test(a_z_that_ran_away_hides_nothing),
       cmocka_unit_test(given_up_points_are_handed_over),
       cmocka_unit_test(boxes_away_from_zero_need_no_q),
       cmocka_unit_test(idle_rows_of_a_box_end_at_zero),

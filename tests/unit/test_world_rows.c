@@ -1,5 +1,6 @@
 /* Rows of a contact set: momentum through them, drift of driven bodies and belts, which pairs and pieces have them. */
 #include "problems/vec.h"
+#include "tests/support/contact_velocity.h"
 #include "tests/support/small_world.h"
 
 #include <string.h>

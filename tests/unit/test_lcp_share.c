@@ -1,0 +1,262 @@
+/* lcp_share on a plate over springs, against the law of the plate: c_i z_i = a + b x_i + d y_i where it presses, with the
+ * weight and its moments in balance. */
+#include "tests/support/check.h"
+
+#include "lcp/lcp_judge.h"
+#include "lcp/lcp_share.h"
+
+#include <string.h>
+
+enum { MOST = 9, DOFS = 3 };
+
+/* A plate of mass 2 kg on contacts at (x, y); velocities: up, then turning about y and x. */
+typedef struct plate {
+  int n;
+  double x[MOST], y[MOST];
+  double
+      friction; /* a pull on the turning of the plate with every normal impulse: M is not symmetric */
+  double M[MOST * MOST], q[MOST];
+  lcp_block block[MOST];
+  lcp_problem p;
+} plate;
+
+static const double weight[DOFS] = {0.5, 3.0, 5.0}; /* inverse inertia */
+
+static void row_of(const plate *t, int i, double *row) {
+  row[0] = 1;
+  row[1] = t->x[i];
+  row[2] = t->y[i];
+}
+
+/* `load`: velocities that the plate would have without contacts. */
+static void pose(plate *t, const double *load) {
+  double u[DOFS], v[DOFS];
+  for (int j = 0; j < t->n; j++) {
+    row_of(t, j, v);
+    v[1] += t->friction * (1 + t->y[j]);
+    v[2] -= t->friction * t->x[j];
+    t->q[j] = 0;
+    row_of(t, j, u);
+    for (int d = 0; d < DOFS; d++) {
+      t->q[j] += u[d] * load[d];
+    }
+    for (int i = 0; i < t->n; i++) {
+      row_of(t, i, u);
+      double sum = 0;
+      for (int d = 0; d < DOFS; d++) {
+        sum += u[d] * weight[d] * v[d];
+      }
+      t->M[j * t->n + i] = sum;
+    }
+    t->block[j] = (lcp_block){.start = j, .size = 1, .set = LCP_ORTHANT, .soft = 1};
+  }
+  t->p = (lcp_problem){.M = {.storage = LCP_DENSE, .n = t->n, .val = t->M},
+                       .q = t->q,
+                       .block = t->block,
+                       .n_block = t->n,
+                       .traits = (t->friction == 0) ? LCP_SYMMETRIC | LCP_PSD : 0u};
+}
+
+static plate corners(void) {
+  return (plate){.n = 4, .x = {-1, 1, 1, -1}, .y = {-0.5, -0.5, 0.5, 0.5}};
+}
+
+static plate grid(void) {
+  plate t = {.n = 9};
+  for (int i = 0; i < 9; i++) {
+    t.x[i] = i % 3 - 1;
+    t.y[i] = 0.5 * (i / 3 - 1);
+  }
+  return t;
+}
+
+static lcp_share_result shared(const lcp_problem *p, double *z) {
+  base_error err = {0};
+  lcp_share *s;
+  lcp_share_result r;
+  assert_int_equal(lcp_share_open(&s, &err), BASE_OK);
+  assert_int_equal(lcp_share_apply(s, p, z, &r, &err), BASE_OK);
+  lcp_share_close(s);
+  return r;
+}
+
+/* Plane through the first three contacts of `on`, evaluated at contact i: sets z_i c_i from their values. */
+static double plane_at(const plate *t, const int *on, const double *z, int i) {
+  const int a = on[0], b = on[1], c = on[2];
+  const double det =
+      (t->x[b] - t->x[a]) * (t->y[c] - t->y[a]) - (t->x[c] - t->x[a]) * (t->y[b] - t->y[a]);
+  const double fa = z[a] * t->block[a].soft, fb = z[b] * t->block[b].soft - fa,
+               fc = z[c] * t->block[c].soft - fa;
+  const double s = (fb * (t->y[c] - t->y[a]) - fc * (t->y[b] - t->y[a])) / det;
+  const double r = (fc * (t->x[b] - t->x[a]) - fb * (t->x[c] - t->x[a])) / det;
+  return fa + s * (t->x[i] - t->x[a]) + r * (t->y[i] - t->y[a]);
+}
+
+/* z solves p, and follows the plate's law: a plane where it presses, below zero where it does not. */
+static void follows_the_plate(const plate *t, const double *z) {
+  base_error err = {0};
+  lcp_verdict v;
+  int on[MOST], n = 0;
+  assert_int_equal(lcp_judge(&t->p, z, &v, &err), BASE_OK);
+  assert_true(v.rho < 1e-13);
+  double largest = 0;
+  for (int i = 0; i < t->n; i++) {
+    largest = fmax(largest, z[i]);
+    if (z[i] > 0) {
+      on[n++] = i;
+    }
+  }
+  assert_true(n >= 3);
+  const int three[3] = {on[0], on[1], on[n - 1]};
+  for (int i = 0; i < t->n; i++) {
+    const double wanted = plane_at(t, three, z, i);
+    if (z[i] > 0) {
+      check_close(z[i] * t->block[i].soft, wanted, 1e-6 * largest);
+    } else {
+      assert_true(wanted <= 1e-6 * largest);
+    }
+  }
+}
+
+static void corners_share_a_weight(void **state) {
+  (void)state;
+  plate t = corners();
+  double z[4] = {2, 0, 2, 0};
+  pose(&t, (double[]){-2, 0, 0});
+  const lcp_share_result r = shared(&t.p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_int_equal(r.deficit, 1);
+  for (int i = 0; i < 4; i++) {
+    check_close(z[i], 1, 1e-7); /* 2 m/s of 2 kg on four corners */
+  }
+  follows_the_plate(&t, z);
+}
+
+static void softer_contacts_carry_less(void **state) {
+  (void)state;
+  plate t = grid();
+  double z[9] = {0};
+  pose(&t, (double[]){-1, 0.05, 0.1});
+  for (int i = 0; i < 9; i++) {
+    t.block[i].soft = 1 + 0.5 * t.x[i] + 0.3 * t.y[i];
+  }
+  /* corners 0, 2 and 6 alone: sum z = w0, z2 - z0 - z6 = mx, (z6 - z0 - z2) / 2 = my */
+  const double w0 = 1 / weight[0], mx = -0.05 / weight[1], my = -0.1 / weight[2];
+  z[2] = (mx + w0) / 2;
+  z[6] = (2 * my + w0) / 2;
+  z[0] = w0 - z[2] - z[6];
+  const lcp_share_result r = shared(&t.p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_int_equal(r.deficit, 6);
+  follows_the_plate(&t, z);
+}
+
+/* The weight so far outside the middle that the far side would be pulled. */
+static void tension_carries_nothing(void **state) {
+  (void)state;
+  plate t = grid();
+  double z[9] = {0};
+  pose(&t, (double[]){-1, -0.7 * weight[1] / weight[0], -0.2 * weight[2] / weight[0]});
+  const double w0 = 1 / weight[0]; /* at x = 0.7, y = 0.2: corners 2, 8 and 6 hold it */
+  /* statics: z2 + z6 + z8 = w0; z2 - z6 + z8 = 0.7 w0; (-z2 + z6 + z8) / 2 = 0.2 w0 */
+  z[6] = 0.15 * w0;
+  z[8] = 0.55 * w0;
+  z[2] = 0.3 * w0;
+  const lcp_share_result r = shared(&t.p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_true(z[0] == 0);
+  follows_the_plate(&t, z);
+}
+
+/* With friction the null vectors of M and of M' differ, and only the plate's law tells which of the two is meant. */
+static void sliding_contacts_follow_the_plate(void **state) {
+  (void)state;
+  plate t = corners();
+  t.friction = 0.2;
+  pose(&t, (double[]){-1, 0.02, 0.01});
+  for (int extreme = 0; extreme < 4; extreme++) {
+    double z[4] = {0}, A[9], b[3];
+    int on[3];
+    for (int k = 0, i = 0; i < 4;
+         i++) { /* an extreme answer: one corner free, Cramer's rule for the others */
+      if (i != extreme) {
+        on[k++] = i;
+      }
+    }
+    for (int j = 0; j < 3; j++) {
+      b[j] = -t.q[on[j]];
+      for (int i = 0; i < 3; i++) {
+        A[3 * j + i] = t.M[on[j] * 4 + on[i]];
+      }
+    }
+    const double det = A[0] * (A[4] * A[8] - A[7] * A[5]) - A[3] * (A[1] * A[8] - A[7] * A[2]) +
+                       A[6] * (A[1] * A[5] - A[4] * A[2]);
+    for (int c = 0; c < 3; c++) {
+      double B[9];
+      memcpy(B, A, sizeof B);
+      memcpy(B + 3 * (ptrdiff_t)c, b, sizeof b);
+      z[on[c]] = (B[0] * (B[4] * B[8] - B[7] * B[5]) - B[3] * (B[1] * B[8] - B[7] * B[2]) +
+                  B[6] * (B[1] * B[5] - B[4] * B[2])) /
+                 det;
+    }
+    if (fmin(fmin(z[0], z[1]), fmin(z[2], z[3])) < 0) {
+      continue; /* no answer with this corner free */
+    }
+    const lcp_share_result r = shared(&t.p, z);
+    assert_int_equal(r.outcome, LCP_SHARE_MADE);
+    follows_the_plate(&t, z);
+  }
+}
+
+static void one_answer_is_left_alone(void **state) {
+  (void)state;
+  plate t = corners();
+  t.n = 3;
+  pose(&t, (double[]){-2, 0, 0});
+  double z[3] = {2, 1e-9, 2 - 3e-8}, before[3];
+  memcpy(before, z, sizeof z);
+  const lcp_share_result r = shared(&t.p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_UNIQUE);
+  assert_int_equal(r.deficit, 0);
+  assert_memory_equal(z, before, sizeof z);
+
+  plate four = corners();
+  pose(&four, (double[]){-2, 0, 0});
+  double extreme[4] = {2, 0, 2, 0};
+  for (int i = 0; i < 4; i++) {
+    four.block[i].soft = 0;
+  }
+  assert_int_equal(shared(&four.p, extreme).outcome, LCP_SHARE_UNIQUE);
+  assert_true(extreme[0] == 2 && extreme[1] == 0);
+}
+
+/* Two rows that press against each other and are both asked to part: no answer, so what came in stays, and the outcome
+ * says so. */
+static void no_answer_is_made_up(void **state) {
+  (void)state;
+  const double M[4] = {1, -1, -1, 1}, q[2] = {-1, -1};
+  const lcp_block block[2] = {{.start = 0, .size = 1, .set = LCP_ORTHANT, .soft = 1},
+                              {.start = 1, .size = 1, .set = LCP_ORTHANT, .soft = 1}};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M},
+                         .q = q,
+                         .block = block,
+                         .n_block = 2,
+                         .traits = LCP_SYMMETRIC | LCP_PSD};
+  double z[2] = {1, 1};
+  const lcp_share_result r = shared(&p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MISSED);
+  assert_int_equal(r.deficit, 1);
+  assert_true(z[0] == 1 && z[1] == 1);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(corners_share_a_weight),
+      cmocka_unit_test(softer_contacts_carry_less),
+      cmocka_unit_test(tension_carries_nothing),
+      cmocka_unit_test(sliding_contacts_follow_the_plate),
+      cmocka_unit_test(one_answer_is_left_alone),
+      cmocka_unit_test(no_answer_is_made_up),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
