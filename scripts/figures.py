@@ -2,16 +2,15 @@
 """figures.py DIR --out FOLDER - the figures of a campaign, as PDF and PNG, the same bytes each
 time."""
 
-import argparse
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from bench import chart, paper, rows, section, style  # noqa: E402
+from bench import chart, paper, rows, say, section, style  # noqa: E402
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = say.Arguments(description=__doc__)
     parser.add_argument("folder", metavar="DIR", help="folder of a campaign (results.csv)")
     parser.add_argument("--out", help="where the figures go (default: DIR/figures)")
     args = parser.parse_args()
@@ -19,12 +18,12 @@ def main() -> int:
     try:
         cells = rows.cells(rows.load(args.folder))
     except rows.BadRows as error:
-        print(error, file=sys.stderr)
+        say.complain(error)
         return 2
     for make in paper.CHARTS:
         drawn = make(cells)
         if drawn is None:
-            print(f"figures: {make.__name__}: this campaign has no rows for it", file=sys.stderr)
+            say.complain(f"figures: {make.__name__}: this campaign has no rows for it")
             continue
         style.save(chart.draw(drawn), out, drawn.name)
         (out / f"{drawn.name}.dat").write_text(chart.table(drawn))

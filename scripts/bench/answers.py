@@ -1,7 +1,6 @@
 """answers [--out FILE.md] - what theory says and what comes out, one line each; the last line
 counts."""
 
-import argparse
 import csv
 import itertools
 import json
@@ -12,7 +11,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import binary, experiments  # noqa: E402
+from bench import binary, experiments, say  # noqa: E402
 
 WAYS = {name: experiments.way(entry) for name, entry in experiments.of("answers.ways").items()}
 VELOCITY, POSITION, REGULARIZED, CONE, ACCELERATION = WAYS.values()
@@ -261,7 +260,7 @@ def number(x: float) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = say.Arguments(
         prog="scripts/answers", description="Known answers and what lcpbench gets, in one table."
     )
     parser.add_argument("--out", help="also write the table to this file")

@@ -3,7 +3,6 @@ of each."""
 
 from __future__ import annotations
 
-import argparse
 import pathlib
 import re
 import sys
@@ -11,7 +10,7 @@ import tempfile
 from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import binary, experiments  # noqa: E402
+from bench import binary, experiments, say  # noqa: E402
 
 if TYPE_CHECKING:  # pictures need it, the text does not
     from PIL import Image
@@ -141,7 +140,7 @@ def picture(s: dict) -> Image.Image:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = say.Arguments(
         prog="scripts/catalogue",
         description="The catalogue of scenes as Markdown, and a picture of each.",
     )
@@ -154,7 +153,7 @@ def main() -> int:
     everything = binary.listed("scenes")
     unknown = set(args.scene) - {s["name"] for s in everything}
     if unknown:
-        print(f"catalogue: no scene {', '.join(sorted(unknown))}", file=sys.stderr)
+        say.complain(f"catalogue: no scene {', '.join(sorted(unknown))}")
         return 2
     if args.stdout:
         print(markdown(everything), end="")

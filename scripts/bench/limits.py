@@ -1,7 +1,6 @@
 """bisect BINARY DIR [--quick] - the hardest rung at which each combination still stands, by
 bisection."""
 
-import argparse
 import csv
 import dataclasses
 import hashlib
@@ -15,7 +14,7 @@ from collections.abc import Iterator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import binary as asked  # noqa: E402
-from bench import experiments, registry, stability
+from bench import experiments, registry, say, stability
 from bench.section import Cell, Table  # noqa: E402
 
 COLUMNS = [
@@ -275,14 +274,14 @@ def table(rows: list[dict[str, str]]) -> Table:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="scripts/bisect", description=__doc__)
+    parser = say.Arguments(prog="scripts/bisect", description=__doc__)
     parser.add_argument("binary", metavar="BINARY", help="the lcpbench that is asked")
     parser.add_argument("folder", metavar="DIR", help="where limits.csv is or will be")
     parser.add_argument("--quick", action="store_true", help="ten combinations, 0.5 s a run")
     args = parser.parse_args()
     binary = pathlib.Path(args.binary)
     if not binary.exists():
-        print(f"scripts/bisect: {binary}: no such file", file=sys.stderr)
+        say.complain(f"scripts/bisect: {binary}: no such file")
         return 2
     asked.LCPBENCH = str(binary)  # whose components are tried
     path = pathlib.Path(args.folder) / "limits.csv"

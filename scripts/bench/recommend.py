@@ -1,6 +1,5 @@
 """recommend DIR --scene S --error E [--yardstick Y]"""
 
-import argparse
 import fnmatch
 import pathlib
 import sys
@@ -8,7 +7,7 @@ import sys
 import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, rows, style  # noqa: E402
+from bench import accuracy, rows, say, style  # noqa: E402
 from bench.section import error, si  # noqa: E402
 
 
@@ -35,7 +34,7 @@ def why_not(fit: pd.DataFrame, column: str, level: float) -> str:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = say.Arguments(
         prog="scripts/recommend",
         description="The cheapest verified combination for a scene and an error.",
     )
@@ -58,7 +57,7 @@ def main() -> int:
     try:
         cells = accuracy.confirmed(rows.cells(rows.load_all(args.folder)[0]))
     except rows.BadRows as problem:
-        print(problem, file=sys.stderr)
+        say.complain(problem)
         return 2
     accuracy.NOISE = rows.noise(args.folder) or accuracy.NOISE
     match = [

@@ -1,7 +1,6 @@
 """reference [DIR] - the committed reference run and the README's words about it, from the rows
 under DIR."""
 
-import argparse
 import lzma
 import math
 import pathlib
@@ -13,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, chart, effects, paper, registry, rows, section, stability, style  # noqa: E402
+from bench import accuracy, chart, effects, paper, registry, rows, say, section, stability, style  # noqa: E402
 from bench.section import Cell, Table, si  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -279,7 +278,7 @@ def write_between(page: pathlib.Path, text: str) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="scripts/reference", description=__doc__)
+    parser = say.Arguments(prog="scripts/reference", description=__doc__)
     parser.add_argument(
         "folder",
         nargs="?",
@@ -296,16 +295,13 @@ def main() -> int:
     try:
         all_rows, manifests = rows.load_all(source)
     except rows.BadRows as error:
-        print(error, file=sys.stderr)
+        say.complain(error)
         return 2
     pages = (root / "README.md", root / "results" / "README.md")
     for page in pages:
         readme = page.read_text(encoding="utf-8")
         if BEGIN not in readme or END not in readme:
-            print(
-                f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing",
-                file=sys.stderr,
-            )
+            say.complain(f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing")
             return 2
     cells = rows.cells(all_rows)
     accuracy.NOISE = rows.noise(source) or accuracy.NOISE

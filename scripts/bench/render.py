@@ -1,7 +1,6 @@
 """render TRAJECTORY.csv [--out FOLDER] - stills, a contact sheet and a GIF: bodies, force arrows,
 stick and slip by colour."""
 
-import argparse
 import pathlib
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -15,7 +14,7 @@ import pandas as pd  # noqa: E402
 from matplotlib.collections import PolyCollection  # noqa: E402
 from PIL import Image  # noqa: E402
 
-from bench import style  # noqa: E402
+from bench import say, style  # noqa: E402
 from bench.style import plt  # noqa: E402
 
 MODES = {"stick": "#0072B2", "slip": "#D55E00", "open": "#9a9a9a", "": "#333333"}
@@ -559,7 +558,7 @@ def strip(run: Run, times: Iterable[float]) -> Image.Image:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = say.Arguments(
         prog="scripts/render", description="Pictures of a run: stills, a contact sheet and a GIF."
     )
     parser.add_argument("trajectory", help="file written by lcpbench simulate --trajectory")
@@ -580,7 +579,7 @@ def main() -> int:
             else np.linspace(run.times[0], run.times[-1], 6)
         )
     except (BadTrajectory, ValueError) as error:
-        print(error, file=sys.stderr)
+        say.complain(error)
         return 2
     out = pathlib.Path(args.out or path.with_suffix(""))
     out.mkdir(parents=True, exist_ok=True)

@@ -1,7 +1,6 @@
 """report DIR [--out FOLDER] [--pdf] - the page and the LaTeX document of one or several
 campaigns."""
 
-import argparse
 import pathlib
 import shutil
 import subprocess
@@ -21,6 +20,7 @@ from bench import (  # noqa: E402
     page,
     paper,
     rows,
+    say,
     scaling,
     stability,
 )
@@ -133,7 +133,7 @@ def facts(
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = say.Arguments(
         prog="scripts/report",
         description="One HTML page and a LaTeX document from the rows under DIR.",
     )
@@ -148,7 +148,7 @@ def main() -> int:
     try:
         all_rows, manifests = rows.load_all(args.folder)
     except rows.BadRows as problem:
-        print(problem, file=sys.stderr)
+        say.complain(problem)
         return 2
     cells = rows.cells(all_rows)
     measured = rows.noise(args.folder)
@@ -210,9 +210,7 @@ def main() -> int:
     )
     print(out / "index.html")
     if len(text.encode()) > LIMIT:
-        print(
-            f"report: the page has {len(text.encode())} bytes, more than {LIMIT}", file=sys.stderr
-        )
+        say.complain(f"report: the page has {len(text.encode())} bytes, more than {LIMIT}")
         return 1
     return build(out / "latex") if args.pdf else 0
 
@@ -220,7 +218,7 @@ def main() -> int:
 def build(folder: pathlib.Path, document: str = "main.tex") -> int:
     """Compiles a document of a folder; 0 when it came out."""
     if not shutil.which("latexmk"):
-        print("report: no latexmk; run scripts/setup latex", file=sys.stderr)
+        say.complain("report: no latexmk; run scripts/setup latex")
         return 1
     done = subprocess.run(
         ["latexmk", "-pdf", "-halt-on-error", "-interaction=nonstopmode", "-quiet", document],
