@@ -105,7 +105,9 @@ static void read_set(arc *a) {
       k->u[r] = (r <= c->rows[g].tangent) ? u[r] : 0.0;
     }
     const double slip = hypot(k->u[1], k->u[2]);
-    if (!k->stick && slip > a->slow) {
+    const double along = k->u[1] * k->direction[0] + k->u[2] * k->direction[1];
+    if (!k->stick && slip > a->slow &&
+        along > 0.0) { /* not beyond the instant at which it turns round: that is an event */
       k->direction[0] = k->u[1] / slip;
       k->direction[1] = k->u[2] / slip;
     }
