@@ -256,9 +256,10 @@ static base_status hold_what_turns_back(event_run *s, base_error *err) {
   return BASE_OK;
 }
 
-/* Forces after a jump start the next trapezoid. Where the contacts cannot carry what springs would share, because friction
- * holds from before, the forces of the arc are those nearest to its start, which they can; that counts. */
-static base_status restart_forces(event_run *s, base_error *err) {
+/* The forces that the arc begins with. Where the contacts cannot carry what springs would share, because friction holds from
+ * before, they are those nearest to the forces that the modes were chosen with. Where they cannot carry these either, a
+ * contact on the edge of its cone was let slide that its neighbours hold: all such stick. Both count. */
+static base_status begin_forces(event_run *s, base_error *err) {
   s->arc.shares = s->opt->distribution == FORM_LEAST_NORM;
   BASE_TRY(hold_what_turns_back(s, err));
   if (s->arc.shares && !arc_carries(&s->arc)) {
@@ -266,6 +267,19 @@ static base_status restart_forces(event_run *s, base_error *err) {
     s->arc.unshared++;
     BASE_TRY(hold_what_turns_back(s, err));
   }
+  if (arc_carries(&s->arc)) {
+    return BASE_OK;
+  }
+  s->answer.work.fallbacks++;
+  for (int i = 0; i < s->arc.n; i++) {
+    s->arc.contact[i].stick = s->arc.contact[i].stick || s->arc.contact[i].starts;
+  }
+  return arc_forces(&s->arc, s->acc, err);
+}
+
+/* Forces after a jump start the next trapezoid. */
+static base_status restart_forces(event_run *s, base_error *err) {
+  BASE_TRY(begin_forces(s, err));
   impulse_log_begin(&s->log);
   for (int i = 0; i < s->arc.n; i++) {
     impulse_entry *e;
