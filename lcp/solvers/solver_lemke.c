@@ -354,21 +354,12 @@ static bool sift_attempt(lemke_state *k, const lcp_problem *p, const lemke_optio
   return false;
 }
 
-/* The path from in_z, all w where it is cold: on the table, if it is small, and on the basis from the same start where
- * round-off stops the table. *e is the engine that ended it. */
+/* The path from in_z, all w where it is cold: then on the table, if it is small. *e is the engine. */
 static lemke_end run(lemke_state *k, const lcp_problem *p, bool cold, lemke_tolerance tol,
-                     lemke_engine **e, lcp_result *res) {
-  if (cold && k->small) {
-    *e = &k->table.engine;
-    const lemke_end end = lemke_path_run(&k->path, *e, &k->system, tol);
-    if (end != LEMKE_BROKEN && end != LEMKE_CYCLE) {
-      return end;
-    }
-    res->work.fallbacks++;
-    memset(k->path.in_z, 0, (size_t)k->system.n);
-  }
-  *e = &k->basis.engine;
-  return lemke_path_run(&k->path, *e, whole(k, p), tol);
+                     lemke_engine **e) {
+  const bool table = cold && k->small;
+  *e = table ? &k->table.engine : &k->basis.engine;
+  return lemke_path_run(&k->path, *e, table ? &k->system : whole(k, p), tol);
 }
 
 /* The attempt after a: one that scales rows is no other than the first where they were scaled from the start. */
@@ -402,7 +393,7 @@ static void run_attempts(lemke_state *k, const lcp_problem *p, const lemke_optio
   for (int a = 0; a < BASE_COUNT(attempts);) {
     lemke_engine *e = NULL;
     scale_for(k, p, a);
-    const lemke_end end = run(k, p, !warm, attempts[a].tol, &e, res);
+    const lemke_end end = run(k, p, !warm, attempts[a].tol, &e);
     if (end == LEMKE_RAY) {
       certify_ray(k, p, !warm, res);
     }

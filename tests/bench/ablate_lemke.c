@@ -1,15 +1,17 @@
 /* ablate_lemke.c - what scripts/ablate_lemke runs: lemke on small problems (beside the plain tableau), on the contact LCPs,
- * on many contacts of few bodies, on the problems that were hard once, on the cases with known answers, on the LCPs of another
- * code and in the first 40 steps of four scenes.
+ * on many contacts of few bodies, on the problems that were hard once, on random ones, on the cases with known answers, on the
+ * LCPs of another code and in the first 40 steps of four scenes.
  *
  * usage: ablate_lemke [REPETITIONS [GROUP...]]
- * Groups: small contact large bodies parallel hard cases data scenes, all by default; large are the contact LCPs of 1000 unknowns. CSV on stdout, one row per item: CPU seconds are the
+ * Groups: small contact large bodies parallel hard random cases data scenes, all by default, and ramp, which takes long; large are contact LCPs of 1000 unknowns,
+ * dense matrices of 300 and more and a wall of 60 bricks. CSV on stdout, one row per item: CPU seconds are the
  * median of the repetitions, those of a scene count what its solver took. After every row ablate_mark() is called: there
  * callgrind dumps the instructions of lcp_instance_prepare, lcp_instance_solve and tableau_lemke. */
 #include "harness/measure/registry.h"
 #include "harness/measure/series.h"
 #include "harness/measure/simulate.h"
 #include "lcp/base/clock.h"
+#include "lcp/base/rng.h"
 #include "lcp/io/lcp_read.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
@@ -25,7 +27,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPS_MAX = 101, N_MOST = 1000, STEPS = 40 };
+enum { REPS_MAX = 101, N_MOST = 1000, STEPS = 40, LARGE_STEPS = 4, RAMP_STEPS = 2, ROWS = 64 };
 
 void ablate_mark(void);
 __attribute__((noinline)) void ablate_mark(void) {
@@ -48,16 +50,18 @@ static void print_row(const char *group, const char *name, const char *method, b
   ablate_mark();
 }
 
-/* Right is a verified solution or a proof of infeasibility; of a case without either, what it calls an honest end. */
-static bool is_right(const lcp_case *c, lcp_outcome outcome, lcp_certificate_kind proof,
-                     double rho) {
+/* Right is a verified solution or a proof of infeasibility, as which a ray counts where M is semidefinite (Cottle, Pang & Stone
+ * 1992, theorem 4.4.12); of a case without either, what it calls an honest end. */
+static bool is_right(const lcp_problem *p, const lcp_case *c, lcp_outcome outcome,
+                     lcp_certificate_kind proof, double rho) {
   switch (outcome) {
   case LCP_SOLVED:
     return rho <= LCP_VERIFY_EXACT;
   case LCP_INFEASIBLE:
     return proof == LCP_CERT_FARKAS;
   case LCP_RAY:
-    return c != NULL && ((c->correct | c->honest_failure) & CASE_UNSOLVED_RAY) != 0;
+    return (c == NULL) ? (p->traits & LCP_PSD) != 0
+                       : ((c->correct | c->honest_failure) & CASE_UNSOLVED_RAY) != 0;
   default:
     return c != NULL && ((c->correct | c->honest_failure) & CASE_NOT_CONVERGED) != 0;
   }
@@ -89,7 +93,7 @@ static base_status run_lemke(const char *group, const char *name, const lcp_prob
   }
   s = (s == BASE_OK) ? lcp_judge(p, z, &v, err) : s;
   if (s == BASE_OK) {
-    const bool right = is_right(known, res.outcome, res.certificate.kind, v.rho);
+    const bool right = is_right(p, known, res.outcome, res.certificate.kind, v.rho);
     print_row(group, name, "lemke", right, lcp_outcome_name(res.outcome), &res.work, res.variant,
               v.rho, seconds, reps);
   }
@@ -147,14 +151,48 @@ static base_status run_pair(const char *folder, const char *group, const char *n
   return s;
 }
 
-static base_status run_family(const char *text, int reps, base_error *err) {
+static base_status run_family(const char *group, const char *text, bool tableau, int reps,
+                              base_error *err) {
   known_lcp k;
   BASE_TRY(lcp_family_load(text, &k, err));
-  base_status s = run_lemke("small", text, &k.p, NULL, reps, err);
-  if (s == BASE_OK) {
-    s = run_tableau("small", text, &k.p, reps, err);
+  base_status s = run_lemke(group, text, &k.p, NULL, reps, err);
+  if (s == BASE_OK && tableau) {
+    s = run_tableau(group, text, &k.p, reps, err);
   }
   known_lcp_free(&k);
+  return s;
+}
+
+static base_status run_scene(const char *group, const char *text, int steps, int reps,
+                             base_error *err) {
+  scene_spec spec;
+  formulation_choice f;
+  solver_choice c;
+  sim_result r = {0};
+  double seconds[REPS_MAX];
+  BASE_TRY(scene_load(text, &spec, err));
+  base_status s = formulation_choose("velocity", &f, err);
+  s = (s == BASE_OK) ? solver_choose("lemke", &c, err) : s;
+  for (int k = 0; k < reps && s == BASE_OK; ++k) {
+    series record = {0};
+    const sim_request q = {.spec = &spec,
+                           .effects = spec.effects,
+                           .form = &f,
+                           .solver = &c,
+                           .h = spec.h[0],
+                           .duration = fmin(spec.duration, steps * spec.h[0])};
+    s = simulate(&q, &record, &r, err);
+    seconds[k] = r.time.setup + r.time.solve;
+    series_close(&record);
+  }
+  if (s == BASE_OK) {
+    r.work.fallbacks += r.n_fallbacks;
+    print_row(group, text, "lemke", r.verified, run_status_name(r.status), &r.work, r.variant,
+              r.rho_max, seconds, reps);
+  }
+  formulation_choice_free(&f);
+  solver_choice_free(&c);
+  spec_free(&spec);
   return s;
 }
 
@@ -165,7 +203,7 @@ static base_status small(int reps, base_error *err) {
                                      "fbox4_p4",   "fbox8_p4",   "frand4_p5",    "frand8_p5",
                                      "pd_n10",     "pd_n30"};
   for (int i = 0; i < BASE_COUNT(family); ++i) {
-    BASE_TRY(run_family(family[i], reps, err));
+    BASE_TRY(run_family("small", family[i], true, reps, err));
   }
   for (int i = 0; i < BASE_COUNT(file); ++i) {
     BASE_TRY(run_pair("contact_lcps", "small", file[i], true, reps, err));
@@ -187,10 +225,14 @@ static base_status contact(int reps, base_error *err) {
 
 static base_status large(int reps, base_error *err) {
   static const char *const file[] = {"boxstack_n1000", "column_n1000", "fbox4_p200"};
+  static const char *const family[] = {"random_psd:n=400", "random_p:n=300"};
   for (int i = 0; i < BASE_COUNT(file); ++i) {
     BASE_TRY(run_pair("contact_lcps", "large", file[i], false, reps, err));
   }
-  return BASE_OK;
+  for (int i = 0; i < BASE_COUNT(family); ++i) {
+    BASE_TRY(run_family("large", family[i], false, reps, err));
+  }
+  return run_scene("large", "wall:rows=8,columns=8", LARGE_STEPS, reps, err);
 }
 
 static base_status hard(int reps, base_error *err) {
@@ -206,11 +248,7 @@ static base_status hard(int reps, base_error *err) {
     BASE_TRY(run_pair("regressions/lcp", "hard", file[i], false, reps, err));
   }
   for (int i = 0; i < BASE_COUNT(family); ++i) {
-    known_lcp k;
-    BASE_TRY(lcp_family_load(family[i], &k, err));
-    const base_status s = run_lemke("hard", family[i], &k.p, NULL, reps, err);
-    known_lcp_free(&k);
-    BASE_TRY(s);
+    BASE_TRY(run_family("hard", family[i], false, reps, err));
   }
   return BASE_OK;
 }
@@ -220,6 +258,93 @@ static base_status parallel(int reps, base_error *err) {
   static const char *const file[] = {"masses_239", "parallel_89"};
   for (int i = 0; i < BASE_COUNT(file); ++i) {
     BASE_TRY(run_pair("regressions/lcp", "parallel", file[i], false, reps, err));
+  }
+  return BASE_OK;
+}
+
+/* ---- random problems --------------------------------------------------------------------------------------------- */
+
+typedef enum kind { GENERAL, SPARSE, PSD, SKEW, PARALLEL, SCALED, N_KIND } kind;
+
+/* M = A diag(d) A' of random rank, with one thing that makes it hard, or any matrix; integers where `whole`, so that ties and
+ * singular bases are exact. q: any, or that of a degenerate solution. */
+typedef struct random_lcp {
+  double M[ROWS * ROWS], q[ROWS];
+  lcp_block block[2];
+  lcp_problem p;
+} random_lcp;
+
+static double drawn(base_rng *g, bool whole, double most) {
+  const double v = base_rng_between(g, -most, most);
+  return whole ? round(v) : v;
+}
+
+static void product(base_rng *g, kind of, bool whole, int n, double *M) {
+  static double A[ROWS * ROWS];
+  const int rank = 1 + (int)(base_rng_uniform(g) * n);
+  const double apart = pow(10, base_rng_between(g, -15, -3));
+  memset(M, 0, sizeof *M * (size_t)(n * n));
+  for (int k = 0; k < rank; ++k) {
+    const double d = (of == SCALED) ? pow(10, base_rng_between(g, -4, 4)) : 1;
+    for (int i = 0; i < n; ++i) {
+      const bool copy = of == PARALLEL && i % 2 == 1;
+      A[i] = copy ? A[i - 1] + apart * base_rng_between(g, -1, 1) : drawn(g, whole, 2);
+    }
+    for (int i = 0; i < n * n; ++i) {
+      M[i] += d * A[i % n] * A[i / n];
+    }
+  }
+}
+
+static void draw(uint64_t seed, random_lcp *r) {
+  base_rng g = base_rng_seeded(seed);
+  const kind of = (kind)(seed % N_KIND);
+  const bool whole = seed / N_KIND % 2 == 0;
+  const bool solvable = seed / (2 * N_KIND) % 3 != 0;
+  const int n = 2 + (int)(base_rng_uniform(&g) * (ROWS - 2));
+  const int free_rows = (seed / (6 * N_KIND) % 2 == 0) ? 0 : n / 3;
+  double z[ROWS];
+  product(&g, of, whole, n, r->M);
+  for (int i = 0; i < n * n && (of == GENERAL || of == SPARSE); ++i) {
+    const double v = drawn(&g, whole, 3);
+    r->M[i] = (of == GENERAL || fabs(v) > 1.5) ? v : 0;
+  }
+  for (int i = 0; i < n * n && of == SKEW; ++i) {
+    if (i % n < i / n) {
+      const double v = drawn(&g, whole, 1);
+      r->M[i] += v;
+      r->M[i % n * n + i / n] -= v;
+    }
+  }
+  for (int i = 0; i < n; ++i) {
+    r->q[i] = drawn(&g, whole, 2);
+    z[i] = drawn(&g, whole, 3);
+    z[i] = (solvable && (z[i] > 0 || i < free_rows)) ? z[i] : 0;
+    r->q[i] = (solvable && (z[i] > 0 || i < free_rows || r->q[i] < 0)) ? 0 : r->q[i];
+  }
+  for (int i = 0; i < n * n; ++i) {
+    r->q[i % n] -= r->M[i] * z[i / n];
+  }
+  r->block[0] = (lcp_block){.start = 0, .size = free_rows, .set = LCP_FREE};
+  r->block[1] = (lcp_block){.start = free_rows, .size = n - free_rows, .set = LCP_ORTHANT};
+  r->p = (lcp_problem){.M = {.storage = LCP_DENSE, .n = n, .val = r->M},
+                       .q = r->q,
+                       .block = r->block + (free_rows == 0),
+                       .n_block = 1 + (free_rows > 0),
+                       .traits = (of == PSD || of == PARALLEL) ? LCP_SYMMETRIC | LCP_PSD : 0};
+}
+
+/* Found among 24,000 as those that some mechanism alone solves, or solves in less. */
+static base_status random_ones(int reps, base_error *err) {
+  static const int seed[] = {0,    7,    18,   49,   61,   110,   412,   619,   988,   1354, 2206,
+                             3586, 4282, 5584, 5644, 6122, 13414, 16006, 19190, 19246, 21566};
+  static random_lcp r;
+  for (int i = 0; i < BASE_COUNT(seed); ++i) {
+    char name[32];
+    (void)snprintf(name, sizeof name, "seed %d", seed[i]);
+    draw((uint64_t)seed[i], &r);
+    BASE_TRY(lcp_problem_check(&r.p, err));
+    BASE_TRY(run_lemke("random", name, &r.p, NULL, reps, err));
   }
   return BASE_OK;
 }
@@ -279,48 +404,22 @@ static base_status data(int reps, base_error *err) {
   return BASE_OK;
 }
 
-static base_status run_scene(const char *text, int reps, base_error *err) {
-  scene_spec spec;
-  formulation_choice f;
-  solver_choice c;
-  sim_result r = {0};
-  double seconds[REPS_MAX];
-  BASE_TRY(scene_load(text, &spec, err));
-  base_status s = formulation_choose("velocity", &f, err);
-  s = (s == BASE_OK) ? solver_choose("lemke", &c, err) : s;
-  for (int k = 0; k < reps && s == BASE_OK; ++k) {
-    series record = {0};
-    const sim_request q = {.spec = &spec,
-                           .effects = spec.effects,
-                           .form = &f,
-                           .solver = &c,
-                           .h = spec.h[0],
-                           .duration = fmin(spec.duration, STEPS * spec.h[0])};
-    s = simulate(&q, &record, &r, err);
-    seconds[k] = r.time.setup + r.time.solve;
-    series_close(&record);
-  }
-  if (s == BASE_OK) {
-    r.work.fallbacks += r.n_fallbacks;
-    print_row("scenes", text, "lemke", r.verified, run_status_name(r.status), &r.work, r.variant,
-              r.rho_max, seconds, reps);
-  }
-  formulation_choice_free(&f);
-  solver_choice_free(&c);
-  spec_free(&spec);
-  return s;
-}
-
 static base_status run_scenes(int reps, base_error *err) {
   static const char *const name[] = {"stack", "wall", "walking_foot", "gripper"};
   for (int i = 0; i < BASE_COUNT(name); ++i) {
-    BASE_TRY(run_scene(name[i], reps, err));
+    BASE_TRY(run_scene("scenes", name[i], STEPS, reps, err));
   }
   return BASE_OK;
 }
 
+/* 1600 contacts, in the step after a load came up. */
+static base_status ramp(int reps, base_error *err) {
+  return run_scene("ramp", tests_file("cases/regressions/scenes/pyramid_ramp.json"), RAMP_STEPS,
+                   reps, err);
+}
+
 static bool asked(int argc, char **argv, const char *group) {
-  bool found = argc <= 2;
+  bool found = argc <= 2 && strcmp(group, "ramp") != 0;
   for (int i = 2; i < argc; ++i) {
     found = found || strcmp(argv[i], group) == 0;
   }
@@ -331,9 +430,10 @@ int main(int argc, char **argv) {
   static const struct {
     const char *name;
     base_status (*run)(int reps, base_error *err);
-  } group[] = {{"small", small},   {"contact", contact},   {"large", large},
-               {"bodies", bodies}, {"parallel", parallel}, {"hard", hard},
-               {"cases", cases},   {"data", data},         {"scenes", run_scenes}};
+  } group[] = {{"small", small},        {"contact", contact},   {"large", large},
+               {"bodies", bodies},      {"parallel", parallel}, {"hard", hard},
+               {"random", random_ones}, {"cases", cases},       {"data", data},
+               {"scenes", run_scenes},  {"ramp", ramp}};
   int reps = 1;
   base_error err = {0};
   if ((argc > 1 && !base_parse_int(argv[1], &reps)) || reps < 1 || reps > REPS_MAX) {

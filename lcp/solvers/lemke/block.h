@@ -16,5 +16,5 @@ typedef struct lemke_block {
 void lemke_block_layout(lemke_block *k, int rows, base_arena *a);
 
 /* w = M z + q, z >= 0, w >= 0, z'w = 0 into z[m]; M column-major m*m, scaled for the path by powers of two near
- * 1/sqrt(M_ii). False (z untouched) when the path ends on a ray, meets a doubtful pivot, or after 100 m pivots. */
+ * 1/sqrt(M_ii). False (z untouched) when the path ends on a ray or after 100 m pivots. */
 bool lemke_block_solve(lemke_block *k, int m, const double *M, const double *q, double *z);

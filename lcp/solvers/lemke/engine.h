@@ -13,12 +13,6 @@
 
 typedef struct lemke_engine lemke_engine;
 
-typedef enum lemke_renewal {
-  LEMKE_RENEWED, /* values and columns are computed afresh */
-  LEMKE_NEWEST,  /* they were: nothing was pivoted since */
-  LEMKE_STALE,   /* they cannot be */
-} lemke_renewal;
-
 typedef struct lemke_engine_kind {
   const char *word; /* in `variant` */
 
@@ -35,10 +29,6 @@ typedef struct lemke_engine_kind {
 
   /* The variable `entering`, of column d, takes position p. False: the new basis could not be held. */
   bool (*replace)(lemke_engine *e, int p, int entering, const double *d);
-
-  /* For a pivot that looks doubtful, or a ray. An engine that answers LEMKE_STALE goes no further with the one and keeps to
-   * the other. */
-  lemke_renewal (*renew)(lemke_engine *e);
 
   /* Pair n joins, w_n basic: column[0..n], row[0..n] of M' and q'_n. NULL: an engine that cannot grow. */
   void (*append)(lemke_engine *e, const double *column, const double *row, double q);

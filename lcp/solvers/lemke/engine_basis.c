@@ -123,14 +123,6 @@ static bool replace(lemke_engine *e, int p, int entering, const double *d) {
   return !lin_basis_due(&b->basis) || refactor(b);
 }
 
-static lemke_renewal renew(lemke_engine *e) {
-  lemke_basis *b = basis_of(e);
-  if (b->basis.n_eta == 0) {
-    return LEMKE_NEWEST;
-  }
-  return refactor(b) ? LEMKE_RENEWED : LEMKE_STALE;
-}
-
 static void settle(lemke_engine *e, double *r) {
   lin_basis_solve(&basis_of(e)->basis, r);
   for (int i = 0; i < e->n; ++i) {
@@ -143,7 +135,6 @@ static const lemke_engine_kind basis_kind = {.word = "basis",
                                              .open = open,
                                              .column = column,
                                              .replace = replace,
-                                             .renew = renew,
                                              .settle = settle};
 
 void lemke_basis_layout(lemke_basis *b, int rows, int nnz, base_arena *a) {

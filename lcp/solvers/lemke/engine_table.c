@@ -73,11 +73,6 @@ static bool replace(lemke_engine *e, int p, int entering, const double *d) {
   return true;
 }
 
-static lemke_renewal renew(lemke_engine *e) {
-  (void)e;
-  return LEMKE_STALE;
-}
-
 static void append(lemke_engine *e, const double *column_n, const double *row, double q) {
   lin_tableau *t = &table_of(e)->tableau;
   lin_tableau_append(t, column_n, row, q);
@@ -93,7 +88,6 @@ static const lemke_engine_kind table_kind = {.word = "table",
                                              .open = open,
                                              .column = column,
                                              .replace = replace,
-                                             .renew = renew,
                                              .append = append,
                                              .settle = settle};
 

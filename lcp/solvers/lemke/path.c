@@ -8,10 +8,9 @@
 
 enum { TIME_EVERY = 16 };   /* pivots between looks at the clock */
 enum { GENERIC_FROM = 16 }; /* rows from which ties are first compared by the generic column */
-static const double doubtful = 1e-7;   /* a pivot this small is computed afresh before use [1] */
 static const double lex_noise = 1e-12; /* round-off of a lexicographic column [1] */
-static const double keep_share =
-    1e-10; /* of tied pivots, those below this share of the largest go [1] */
+static const double dependent =
+    1e-7; /* a pivot this small of its column makes no first basis [1] */
 
 void lemke_path_layout(lemke_path *t, int rows, base_arena *a) {
   const size_t n = (size_t)rows;
@@ -98,8 +97,8 @@ static double slack_of(const lemke_path *t, int pos, double common) {
                                       : t->system->zref[var - n]);
 }
 
-/* *size_x and size_d, max |x_i| and max |d_i|, in one pass of two chains each. */
-static double size_up(lemke_path *t) {
+/* max |x_i|, and max |d_i| in *size_d, in one pass of two chains each. */
+static double size_up(const lemke_path *t, double *size_d) {
   const double *d = t->d;
   const double *x = t->engine->x;
   const int n = t->engine->n;
@@ -116,7 +115,7 @@ static double size_up(lemke_path *t) {
     top_d[0] = lemke_larger(fabs(d[i]), top_d[0]);
     top_x[0] = lemke_larger(fabs(x[i]), top_x[0]);
   }
-  t->size_d = lemke_larger(top_d[0], top_d[1]);
+  *size_d = lemke_larger(top_d[0], top_d[1]);
   return lemke_larger(top_x[0], top_x[1]);
 }
 
@@ -126,8 +125,9 @@ static int list_ties(lemke_path *t) {
   const int n = e->n;
   const double *d = t->d;
   const double *x = e->x;
-  const double slack = t->tol.tie * lemke_larger(1, size_up(t));
-  const double small = t->tol.pivot * t->size_d;
+  double size_d = 0;
+  const double slack = t->tol.tie * lemke_larger(1, size_up(t, &size_d));
+  const double small = t->tol.pivot * size_d;
   const bool plain = !t->system->any_free && !t->tol.local;
   int *restrict tied = t->tied;
   double bound = HUGE_VAL;
@@ -153,47 +153,13 @@ static int list_ties(lemke_path *t) {
   return keep;
 }
 
-/* Drops ties with a pivot that is round-off beside the largest. */
-static int keep_sizable(lemke_path *t, int count) {
-  double top = 0;
-  int keep = 0;
-  for (int k = 0; k < count; ++k) {
-    top = lemke_larger(t->d[t->tied[k]], top);
-  }
-  for (int k = 0; k < count; ++k) {
-    if (t->d[t->tied[k]] >= keep_share * top) {
-      t->tied[keep++] = t->tied[k];
-    }
-  }
-  return keep;
-}
-
 /* Position of the basic variable that blocks the entering one, or -1 for a ray. */
 static int ratio_test(lemke_path *t) {
-  int count = list_ties(t);
-  if (count > 1) {
-    count = keep_sizable(t, count);
-  }
+  const int count = list_ties(t);
   return (count == 0) ? -1 : (count == 1) ? t->tied[0] : break_ties(t, t->d, count);
 }
 
 /* ---- the path --------------------------------------------------------------------------------- */
-
-/* The column of the entering variable and the blocking position, -1 for a ray. A doubtful pivot is believed only from
- * values computed afresh, false where the engine cannot; a ray, too, from an engine that can. */
-static bool choose(lemke_path *t, int *p) {
-  lemke_engine *e = t->engine;
-  lemke_renewal renewal = LEMKE_RENEWED;
-  while (renewal == LEMKE_RENEWED) {
-    t->d = e->kind->column(e, t->entering, t->room);
-    *p = ratio_test(t);
-    if (*p >= 0 && t->d[*p] > doubtful * t->size_d) {
-      return true;
-    }
-    renewal = e->kind->renew(e);
-  }
-  return renewal == LEMKE_NEWEST || *p < 0;
-}
 
 /* Mixes a variable into the hash of the nonbasic set (splitmix64 finaliser). */
 static uint64_t mixed(int var) {
@@ -222,16 +188,14 @@ static lemke_end follow(lemke_path *t) {
   t->period = 1;
   t->until_note = 1;
   for (int step = 1;; ++step) {
-    int p = -1;
     if (t->pivots >= t->pivot_limit) {
       return LEMKE_LIMIT;
     }
     if (step % TIME_EVERY == 0 && base_seconds() > t->deadline) {
       return LEMKE_TIMEOUT;
     }
-    if (!choose(t, &p)) {
-      return LEMKE_BROKEN;
-    }
+    t->d = e->kind->column(e, t->entering, t->room);
+    const int p = ratio_test(t);
     if (p < 0) {
       return LEMKE_RAY;
     }
@@ -348,7 +312,7 @@ bool lemke_path_take(lemke_path *t, lemke_engine *e, int i) {
   const double *d = e->kind->column(e, e->n + i, t->room);
   assert(at >= 0);
   e->generic = false;
-  return fabs(d[at]) > doubtful * lemke_largest(d, e->n) && e->kind->replace(e, at, e->n + i, d);
+  return fabs(d[at]) > dependent * lemke_largest(d, e->n) && e->kind->replace(e, at, e->n + i, d);
 }
 
 void lemke_path_refine(lemke_path *t, lemke_engine *e, const lemke_system *s) {

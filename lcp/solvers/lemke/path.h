@@ -17,7 +17,7 @@ typedef enum lemke_end {
   LEMKE_LIMIT,   /* pivots used up */
   LEMKE_TIMEOUT, /* time used up */
   LEMKE_CYCLE,   /* a basis came back: round-off */
-  LEMKE_BROKEN,  /* the engine cannot go on: a doubtful pivot that it cannot compute afresh */
+  LEMKE_BROKEN,  /* the engine cannot hold the basis */
 } lemke_end;
 
 typedef struct lemke_path {
@@ -31,7 +31,6 @@ typedef struct lemke_path {
   int *first;           /* rows: variable of pair i in the first basis: the lexicographic columns */
   int *tied;            /* rows */
   unsigned char *in_z;  /* rows: first basis on entry, last basis on return */
-  double size_d;        /* max |d| */
   int entering;         /* variable that drives */
   uint64_t hash, noted; /* of the present basis, of one met before */
   long period, until_note;
@@ -51,7 +50,7 @@ lemke_end lemke_path_run(lemke_path *t, lemke_engine *e, const lemke_system *s,
 lemke_end lemke_path_go_on(lemke_path *t, lemke_engine *e, const lemke_system *s,
                            lemke_tolerance tol);
 
-/* Makes z_i basic in the place of w_i in a basis without z0; false where that pivot is doubtful. */
+/* Makes z_i basic in the place of w_i in a basis without z0; false where it depends on the others. */
 bool lemke_path_take(lemke_path *t, lemke_engine *e, int i);
 
 /* Refines the values that the engine holds, z0 being zero, in extended precision. */
