@@ -239,6 +239,18 @@ static double least(const gap_point *g, int n) {
   return best;
 }
 
+/* Keeps the points that are not deeper than the overlap: in a deep one a corner may be far behind an edge that is not the way
+ * out. */
+static int drop_deeper(gap_point *g, int n, double overlap) {
+  int kept = 0;
+  for (int i = 0; i < n; i++) {
+    if (g[i].gap >= overlap) {
+      g[kept++] = g[i];
+    }
+  }
+  return kept;
+}
+
 static int polygon_polygon(const poly *a, const poly *b, double margin, gap_point *out) {
   /* relative to the sizes, so that equal edges keep one reference in spite of rounding */
   const double slack = 1e-6 * fmin(a->size, b->size);
@@ -259,8 +271,9 @@ static int polygon_polygon(const poly *a, const poly *b, double margin, gap_poin
     found = clip_edges(b, edge_b, a, false, slack, margin, out);
     edge_normal(b, edge_b, n);
   }
-  /* apart by more than any edge normal shows: they pass corner to corner */
   const double sep = fmax(sep_a, sep_b), radii = a->r + b->r;
+  found = drop_deeper(out, found, fmin(sep, 0.0) - radii - slack);
+  /* apart by more than any edge normal shows: they pass corner to corner */
   const double nearest = least(out, found);
   if (sep <= slack || nearest + radii <= sep + slack) {
     return found;

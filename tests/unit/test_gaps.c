@@ -281,9 +281,74 @@ static void overlapping_round_shapes_leave_the_shortest_way(void **state) {
   assert_true(seen > 100);
 }
 
+/* Largest n . x over the core, from its centre. */
+static double reach(const any_piece *a, const pose *at, const double *n) {
+  double local[3], most = -HUGE_VAL;
+  if (a->p.kind == PIECE_BOX || a->p.kind == PIECE_DISC) {
+    return support_of(a, at, n);
+  }
+  m3_tmul_vec(at->R, n, local);
+  for (int i = 0; i < a->p.n_vertex; i++) {
+    most = fmax(most, v3_dot(local, a->vertex + (ptrdiff_t)3 * i));
+  }
+  return most;
+}
+
+/* Greatest separation of the cores over all directions: 1000 tried, and 1000 ever nearer to the best. */
+static double way_out(base_rng *r, int dim, const any_piece *a, const pose *pa, const any_piece *b,
+                      const pose *pb) {
+  double d[3], best[3] = {0}, most = -HUGE_VAL;
+  v3_sub(pa->x, pb->x, d);
+  for (int k = 0; k < 2000; k++) {
+    const double near = (k < 1000) ? 1.0 : pow(10.0, -6.0 * (k - 1000) / 1000.0);
+    double n[3], back[3];
+    for (int c = 0; c < 3; c++) {
+      n[c] = (k < 1000 ? 0.0 : best[c]) + ((c < dim) ? near * base_rng_normal(r) : 0.0);
+    }
+    v3_scale(1.0 / v3_norm(n), n, n);
+    v3_scale(-1.0, n, back);
+    const double apart = v3_dot(n, d) - reach(a, pa, back) - reach(b, pb, n);
+    if (apart > most) {
+      most = apart;
+      v3_copy(n, best);
+    }
+  }
+  return most;
+}
+
+/* However deep two shapes overlap, the deepest point is as deep as the shortest way out is long. */
+static void deep_overlaps_are_measured_from_the_shapes(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(23);
+  int deep = 0;
+  for (int i = 0; i < 36 * 40; i++) {
+    const int dim = 2 + i % 2;
+    any_piece a, b;
+    gap_point g[GAP_MAX];
+    any_shape(&a, dim == 2 ? planar_shape(i / 2 % 6) : &spatial_shapes[i / 2 % 6], dim);
+    any_shape(&b, dim == 2 ? planar_shape(i / 12 % 6) : &spatial_shapes[i / 12 % 6], dim);
+    const mover ma = any_mover(&r, dim, 0.3), mb = any_mover(&r, dim, 0.3);
+    const pose pa = mover_at(&ma, 0), pb = mover_at(&mb, 0);
+    const int n = pair_of(dim, &a, &pa, &b, &pb, HUGE_VAL, g);
+    const double expected = way_out(&r, dim, &a, &pa, &b, &pb) - core_radius(&a) - core_radius(&b);
+    double least = HUGE_VAL;
+    for (int k = 0; k < n; k++) {
+      least = fmin(least, g[k].gap);
+    }
+    if (expected < -0.01) {
+      assert_true(least >= expected - 2e-6); /* of all directions none is better */
+      check_close(least / expected, 1.0,
+                  dim == 2 ? 1e-3 : 0.05); /* in space they are tried more thinly */
+      deep++;
+    }
+  }
+  assert_true(deep > 700);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(overlapping_round_shapes_leave_the_shortest_way),
+      cmocka_unit_test(deep_overlaps_are_measured_from_the_shapes),
       cmocka_unit_test(every_gap_changes_at_the_rate_of_its_jacobian),
       cmocka_unit_test(swapping_the_sides_flips_the_normals),
       cmocka_unit_test(separated_planar_shapes_report_their_distance),
