@@ -2,7 +2,8 @@
  * own, with lambda_n' from the last solve (Peiret, Gholami, Kovecses & Font-Llagunes 2016, and the
  * common game engines). M is symmetric positive semidefinite, so every solve has a solution; the
  * bounds are iterated until the answer satisfies the bounds that follow from it (outer = 1: once,
- * with the impulses of the last step), which takes no second solve where contacts stick inside them.
+ * with the impulses of the last step), which takes no second solve where contacts stick inside them. Bounds that do not
+ * settle in three solves are mixed (anderson.h).
  * A square box is up to sqrt(2) too strong along its diagonal. */
 #include "formulations/row_form.h"
 
@@ -63,7 +64,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     }
   }
   set_bounds(s);
-  return BASE_OK;
+  return anderson_begin(&s->mixing, s->a.n_contact, err);
 }
 
 static base_status assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
@@ -102,20 +103,37 @@ static double residual(row_form *s, const double *z, double largest) {
   return (largest > 0) ? most / largest : 0;
 }
 
+enum { PLAIN = 3 }; /* solves whose bounds follow the last answer: most steps need no more */
+
+/* Bounds for the next solve. Where friction feeds back on the normal impulses, bounds that only follow them turn in
+ * circles: their moves are mixed. */
+static base_status go_on(row_form *s, base_error *err) {
+  for (int i = 0; i < s->a.n_contact; i++) {
+    s->normal[i] -= s->move[i];
+  }
+  BASE_TRY(anderson_next(&s->mixing, s->move, PLAIN, s->normal, err));
+  set_bounds(s);
+  return BASE_OK;
+}
+
 static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
-  (void)err;
   row_form *s = state;
   double largest = 0;
   for (int i = 0; i < s->a.n_contact; i++) {
-    s->normal[i] = fmax(z[s->a.row[i]], 0.0);
-    largest = fmax(largest, s->normal[i]);
+    const double found = fmax(z[s->a.row[i]], 0.0);
+    s->move[i] = found - s->normal[i];
+    s->normal[i] = found;
+    largest = fmax(largest, found);
   }
   set_bounds(s);
   s->answer.residual = residual(s, z, largest);
   const bool settled = s->answer.residual <= s->opt.outer_tol;
   if (settled || claimed != LCP_SOLVED || s->answer.work.solves >= s->opt.outer) {
     row_form_finish(s, z, claimed == LCP_SOLVED && (settled || s->opt.outer == 1));
-  } else if (s->start == FORM_PREVIOUS) {
+    return BASE_OK;
+  }
+  BASE_TRY(go_on(s, err));
+  if (s->start == FORM_PREVIOUS) {
     memcpy(s->z0, z, (size_t)s->a.n_row * sizeof *z);
   }
   return BASE_OK;

@@ -14,6 +14,7 @@ static void layout(void *state, base_arena *m) {
   s->lo = BASE_ARRAY(m, double, s->cap_row);
   s->hi = BASE_ARRAY(m, double, s->cap_row);
   s->normal = BASE_ARRAY(m, double, s->cap_group);
+  s->move = BASE_ARRAY(m, double, s->cap_group);
   if (s->opt.outer > 0) {
     s->w = BASE_ARRAY(m, double, s->cap_row);
     s->diagonal = BASE_ARRAY(m, double, s->cap_row);
@@ -24,6 +25,7 @@ static void layout(void *state, base_arena *m) {
 
 void row_form_close(void *state) {
   row_form *s = state;
+  anderson_close(&s->mixing);
   form_assembly_close(&s->a);
   contact_memory_close(&s->memory);
   row_matrix_close(&s->matrix);

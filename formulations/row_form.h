@@ -2,6 +2,7 @@
  * active rows themselves, z = lambda, M = C, q = r + b_n. They differ in the sets. */
 #pragma once
 
+#include "formulations/anderson.h"
 #include "formulations/row_matrix.h"
 
 typedef struct row_options {
@@ -22,8 +23,10 @@ typedef struct row_form {
   formulation_start start;
   double *q, *z0, *lambda, *lo, *hi; /* n_row */
   double *normal;                    /* n_contact: lambda_n behind the bounds [N s] */
-  double *w, *diagonal, *scratch;    /* boxed: M z + q, diag M; n_row each, and a product's own */
-  lcp_block *block;                  /* at most 4 a contact, 1 a joint */
+  double *move;                   /* boxed: how far the answer's lambda_n is from them; n_contact */
+  anderson mixing;                /* boxed: of those */
+  double *w, *diagonal, *scratch; /* boxed: M z + q, diag M; n_row each, and a product's own */
+  lcp_block *block;               /* at most 4 a contact, 1 a joint */
   int n_block;
   bool done;
   formulation_answer answer;

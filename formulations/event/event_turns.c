@@ -1,26 +1,18 @@
 #include "formulations/event/event_turns.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* Of the largest friction: what it takes to stop a motion worth following. */
 static const double idle_tol = 1e-6;
-static const double rank_tol = 1e-8; /* directions of the mixing that the differences do not tell */
 
 static void layout(void *state, base_arena *m) {
   facet_turns *t = state;
-  const size_t n = (size_t)t->cap;
-  t->at = BASE_ARRAY(m, double, n);
-  t->step = BASE_ARRAY(m, double, n);
-  t->d_at = BASE_ARRAY(m, double, n *TURNS_DEPTH);
-  t->d_step = BASE_ARRAY(m, double, n *TURNS_DEPTH);
-  t->mix = BASE_ARRAY(m, double, n *TURNS_DEPTH);
-  t->rest = BASE_ARRAY(m, double, n);
+  t->step = BASE_ARRAY(m, double, t->cap);
 }
 
 void turns_close(facet_turns *t) {
+  anderson_close(&t->mixing);
   free(t->mem);
   *t = (facet_turns){0};
 }
@@ -30,11 +22,7 @@ base_status turns_begin(facet_turns *t, int n_contact, base_error *err) {
     t->cap = n_contact + n_contact / 2 + 4;
     BASE_TRY(form_memory(&t->mem, layout, t, err));
   }
-  t->n = n_contact;
-  t->turns = t->kept = 0;
-  memset(t->at, 0, (size_t)n_contact * sizeof *t->at);
-  memset(t->step, 0, (size_t)n_contact * sizeof *t->step);
-  return BASE_OK;
+  return anderson_begin(&t->mixing, n_contact, err);
 }
 
 /* Contact i has a cone of two tangents, and friction. */
@@ -92,44 +80,12 @@ static double step_of(const slip_problem *p, const form_assembly *a, int i, cons
   return turns ? remainder(atan2(aim[1], aim[0]) - p->turn[i], 6.283185307179586476925) : 0.0;
 }
 
-/* Takes the angles and steps of this turn in, and their differences from those of the last one. The
- * first turn is from anywhere to the first aim: it tells nothing. */
-static void take(facet_turns *t, const slip_problem *p, const form_assembly *a, const double *u0,
-                 const double *lambda) {
-  const int column = t->kept % TURNS_DEPTH * t->n;
-  const double largest = largest_friction(p, a, lambda);
-  for (int i = 0; i < t->n; i++) {
-    const double step = step_of(p, a, i, u0, lambda, largest);
-    t->d_at[column + i] = p->turn[i] - t->at[i];
-    t->d_step[column + i] = step - t->step[i];
-    t->at[i] = p->turn[i];
-    t->step[i] = step;
-  }
-  t->kept += (t->turns > 1);
-  t->turns++;
-}
-
 base_status turns_next(facet_turns *t, slip_problem *p, const form_assembly *a, const double *u0,
                        const double *lambda, base_error *err) {
-  take(t, p, a, u0, lambda);
-  const int n = t->n, deep = (t->kept < TURNS_DEPTH) ? t->kept : TURNS_DEPTH;
-  const int m = (deep < n) ? deep : n;
-  for (int j = 0; j < m; j++) {
-    memcpy(t->mix + (ptrdiff_t)j * n, t->d_step + (ptrdiff_t)((t->kept - 1 - j) % TURNS_DEPTH) * n,
-           (size_t)n * sizeof *t->mix);
+  const double largest = largest_friction(p, a, lambda);
+  for (int i = 0; i < t->mixing.n; i++) {
+    t->step[i] = step_of(p, a, i, u0, lambda, largest);
   }
-  memcpy(t->rest, t->step, (size_t)n * sizeof *t->rest);
-  lapack_int pivot[TURNS_DEPTH] = {0}, rank = 0;
-  if (m > 0 && LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, m, 1, t->mix, n, t->rest, n, pivot, rank_tol,
-                              &rank) != 0) {
-    return BASE_FAIL(err, BASE_EEXTERNAL, "event: directions of friction could not be mixed");
-  }
-  for (int i = 0; i < n; i++) {
-    p->turn[i] += t->step[i];
-    for (int j = 0; j < m; j++) {
-      const int k = (t->kept - 1 - j) % TURNS_DEPTH * n + i;
-      p->turn[i] -= t->rest[j] * (t->d_at[k] + t->d_step[k]);
-    }
-  }
-  return BASE_OK;
+  /* the first turn is from anywhere to the first aim: it tells nothing */
+  return anderson_next(&t->mixing, t->step, 2, p->turn, err);
 }

@@ -6,21 +6,17 @@
  *
  *   f_t = P(aim),  aim = f_t - a_t/C_tt,  P the projection onto |f_t| <= mu f_n   (natural map)
  *
- * with theta <- arg(aim) as the iteration, accelerated by Anderson's mixing of the angles of the last
- * few turns (Walker & Ni 2011, SIAM J. Numer. Anal. 49, algorithm AA): contacts of one body turn each other,
+ * with theta <- arg(aim) as the iteration, accelerated (anderson.h): contacts of one body turn each other,
  * and the plain iteration then settles slowly, at a linear rate. */
 #pragma once
 
+#include "formulations/anderson.h"
 #include "formulations/regularized/slip_problem.h"
 
-enum { TURNS_DEPTH = 6 };
-
 typedef struct facet_turns {
-  int n;                 /* contacts */
-  int turns, kept;       /* since turns_begin; pairs of differences in memory */
-  double *at, *step;     /* n: angles and steps arg(aim) - theta of the last turn */
-  double *d_at, *d_step; /* TURNS_DEPTH columns of n: their differences, a ring */
-  double *mix, *rest;    /* columns again, n: scratch of the least squares */
+  anderson
+      mixing;   /* of the angles, one a contact; its `taken` counts the turns since turns_begin */
+  double *step; /* cap: arg(aim) - theta of this turn */
   int cap;
   void *mem; /* owned */
 } facet_turns;
