@@ -384,6 +384,10 @@ static bool small_for_data(ppm *s, const lcp_problem *p, const lcp_stop *stop, c
   return lcp_data_allows(p, stop->tol, lcp_data_size(p, s->x), s->x, z, s->w, s->bound);
 }
 
+/* Each takes 16 digits off what is too much in a row whose answer is tiny beside the others', as friction is that a turn by
+ * 1e-50 asks for; rho sees every row in its own scale. */
+enum { REFINEMENTS = 6 };
+
 static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   ppm *s = state;
@@ -395,11 +399,14 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   }
   res->outcome = pivot(s, p, stop, z, trace, res);
   res->work.iterations = res->work.pivots;
-  if (res->outcome == LCP_SOLVED) {
-    lcp_ppm_refine(s, p, z, &res->work);
-  }
   const lcp_outcome ended = res->outcome;
-  const bool met = lcp_stop_met(&s->stop, stop->tol, p, z, res) && small_for_data(s, p, stop, z);
+  bool met = false;
+  for (int pass = 0; pass < (ended == LCP_SOLVED ? REFINEMENTS : 1) && !met; pass++) {
+    if (ended == LCP_SOLVED) {
+      lcp_ppm_refine(s, p, z, &res->work);
+    }
+    met = lcp_stop_met(&s->stop, stop->tol, p, z, res) && small_for_data(s, p, stop, z);
+  }
   res->work.matvecs++;
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
     res->certificate = (lcp_certificate){
