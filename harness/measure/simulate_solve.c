@@ -43,7 +43,7 @@ base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base
   if (n > s->z_cap || s->z == NULL) { /* a problem without unknowns has a start point too */
     free(s->z);
     s->z_cap = 2 * n + 1;
-    s->z = malloc((size_t)s->z_cap * sizeof *s->z);
+    s->z = malloc(2 * (size_t)s->z_cap * sizeof *s->z);
     if (s->z == NULL) {
       s->z_cap = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d unknowns", n);
@@ -163,8 +163,7 @@ static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_
   return done;
 }
 
-/* Of many answers the one that the problem asks for. The solver's own was judged before: a wrong one stays as it is,
- * for nobody may mend it unseen. */
+/* Of many answers the one that the problem asks for, in s->z; *moved: it is another than the solver's. */
 static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *err) {
   lcp_share_result made;
   const double from = base_seconds();
@@ -175,25 +174,43 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   s->out->time.share += base_seconds() - from;
   sim_result *r = s->out;
   r->deficit_max = (made.deficit > r->deficit_max) ? made.deficit : r->deficit_max;
-  r->n_shared += made.outcome == LCP_SHARE_MADE;
   r->n_share_missed += made.outcome == LCP_SHARE_MISSED;
   *moved = made.outcome == LCP_SHARE_MADE;
+  return BASE_OK;
+}
+
+/* The solver's answer is judged first: a wrong one stays as it is, for nobody may mend it unseen. What is then chosen among
+ * the right ones is judged as well, and is not taken where it does not pass. */
+static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim, solved *k,
+                          base_error *err) {
+  double *own = s->z + s->z_cap;
+  const uint64_t hash = sim_hash(s->out->hash, s->z, p->M.n);
+  bool moved;
+  memcpy(own, s->z, (size_t)p->M.n * sizeof *own);
+  BASE_TRY(share(s, p, &moved, err));
+  if (!moved) {
+    return BASE_OK;
+  }
+  solved chosen;
+  BASE_TRY(judge(s, p, claim, &chosen, err));
+  if (chosen.word != RUN_OK) {
+    memcpy(s->z, own, (size_t)p->M.n * sizeof *own);
+    s->out->n_share_missed++;
+    return BASE_OK;
+  }
+  s->out->n_shared++;
+  s->out->hash = hash; /* of both answers */
+  *k = chosen;
   return BASE_OK;
 }
 
 base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_error *err) {
   lcp_result claim = {.outcome = LCP_NUMERICAL};
   solved k;
-  bool moved = false;
   BASE_TRY(answer(s, p, &claim, err));
   BASE_TRY(judge(s, p, &claim, &k, err));
-  const uint64_t own = sim_hash(s->out->hash, s->z, p->M.n);
   if (claim.outcome == LCP_SOLVED && k.word == RUN_OK) {
-    BASE_TRY(share(s, p, &moved, err));
-  }
-  if (moved) { /* the hash is of both answers */
-    s->out->hash = own;
-    BASE_TRY(judge(s, p, &claim, &k, err));
+    BASE_TRY(choose(s, p, &claim, &k, err));
   }
   BASE_TRY(record(s, p, &claim, &k, err));
   *claimed = claim.outcome;

@@ -22,7 +22,7 @@ typedef struct sim {
   lcp_instance *instance;
   lcp_share *share; /* opened with the first problem */
   contact_order order;
-  double *z;
+  double *z; /* z_cap of the answer, and as many for the solver's own */
   int z_cap;
   double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
   bool iterates; /* the formulation may try again where a problem has no solution */
