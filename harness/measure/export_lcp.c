@@ -129,8 +129,11 @@ base_status export_lcp_friction(const lcp_problem *p, const char *path, base_err
     good = rows_of(&p->block[i]) == rows && p->block[i].start == rows * i;
   }
   if (!good) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED,
-                     "%s: friction text holds cones of 2, 3 or 5 rows, all alike", path);
+    return BASE_FAIL(
+        err, BASE_EUNSUPPORTED,
+        "%s: no file format here holds this problem: friction text has cones of 2, 3 or 5 "
+        "rows, all alike, and nothing beside them",
+        path);
   }
   friction_problem f = {.rows = rows, .n_contact = p->n_block};
   f.q = malloc((size_t)p->M.n * sizeof *f.q);
