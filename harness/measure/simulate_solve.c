@@ -184,7 +184,6 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
 static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim, solved *k,
                           base_error *err) {
   double *own = s->z + s->z_cap;
-  const uint64_t hash = sim_hash(s->out->hash, s->z, p->M.n);
   bool moved;
   memcpy(own, s->z, (size_t)p->M.n * sizeof *own);
   BASE_TRY(share(s, p, &moved, err));
@@ -199,7 +198,7 @@ static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim,
     return BASE_OK;
   }
   s->out->n_shared++;
-  s->out->hash = hash; /* of both answers */
+  s->out->hash = sim_hash(s->out->hash, own, p->M.n); /* of both answers */
   *k = chosen;
   return BASE_OK;
 }
