@@ -406,8 +406,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
       lcp_ppm_refine(s, p, z, &res->work);
     }
     met = lcp_stop_met(&s->stop, stop->tol, p, z, res) && small_for_data(s, p, stop, z);
+    res->work.matvecs++;
   }
-  res->work.matvecs++;
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
     res->certificate = (lcp_certificate){
         .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
