@@ -106,8 +106,8 @@ static void read_set(arc *a) {
     }
     const double slip = hypot(k->u[1], k->u[2]);
     const double along = k->u[1] * k->direction[0] + k->u[2] * k->direction[1];
-    if (!k->stick && slip > a->slow &&
-        along > 0.0) { /* not beyond the instant at which it turns round: that is an event */
+    /* beyond the instant at which it turns round, which is an event, it keeps its side */
+    if (!k->stick && slip > a->slow && along > 0.0) {
       k->direction[0] = k->u[1] / slip;
       k->direction[1] = k->u[2] / slip;
     }
@@ -204,8 +204,8 @@ static base_status share(arc *a, size_t m, const work *w, base_error *err) {
     w->x[j] = 0.0;
     w->delta[j] = (w->row[j] == 0) ? spring : friction_share * spring;
   }
-  enough = fmax(enough, (double)m * DBL_EPSILON *
-                            carried); /* b is what the forces of the start leave: known to that */
+  /* b is what the forces of the start leave of the loads: it is known to their rounding */
+  enough = fmax(enough, (double)m * DBL_EPSILON * carried);
   for (size_t j = 0; j < m; j++) {
     w->delta[j] *= most;
     w->A[j * m + j] += w->delta[j];
