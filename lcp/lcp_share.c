@@ -13,6 +13,7 @@ static const double delta_share =
     1e-7; /* of the diagonal; what M leaves open has 1e-16 over this as noise */
 static const double friction_share =
     1e-2; /* of delta, on rows without compliance: holds what is left */
+static const double joint_share = 1e-5; /* the same, of joints that say the same twice */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
 base_status lcp_share_open(lcp_share **out, base_error *err) {
@@ -121,7 +122,7 @@ static void set_delta(lcp_share *s, double most_soft) {
   }
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
-    s->rows.delta[b->start] = s->delta * b->soft / most_soft;
+    s->rows.delta[b->start] = s->delta * (b->soft / most_soft);
     if (b->set != LCP_CONE) {
       continue;
     }
@@ -136,12 +137,47 @@ static void set_delta(lcp_share *s, double most_soft) {
   }
 }
 
-/* Step 1: the touching normal rows alone. */
-static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_error *err) {
-  int count = 0;
+/* Factors the active rows; how many of them are too many. */
+static base_status rank_of_active(lcp_share *s, int count, int *deficit, base_error *err) {
+  bool regular;
+  BASE_TRY(lcp_share_system_factor(&s->system, &s->M, &s->rows, &regular, err));
+  s->normals_regular = regular;
+  *deficit = regular ? lcp_share_system_small_pivots(&s->system, 10.0 * count * s->delta)
+                     : s->system.lu.deficient;
+  return BASE_OK;
+}
+
+static void hold_joints(lcp_share *s, double delta) {
+  for (int k = 0; k < s->p->n_block; k++) {
+    const lcp_block *b = &s->p->block[k];
+    for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
+      s->rows.kind[i] = SHARE_ACTIVE;
+      s->rows.delta[i] = delta;
+    }
+  }
+}
+
+/* Joints kept as free rows, which are rigid; what their own rows say twice leaves no normal impulse open, and is held. */
+static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, base_error *err) {
+  for (int k = 0; k < s->p->n_block; k++) {
+    *count += (s->p->block[k].set == LCP_FREE) ? s->p->block[k].size : 0;
+  }
   for (int i = 0; i < s->p->M.n; i++) {
     s->rows.kind[i] = SHARE_FIXED;
   }
+  if (*count == 0) {
+    return BASE_OK;
+  }
+  hold_joints(s, 0);
+  BASE_TRY(rank_of_active(s, *count, deficit, err));
+  hold_joints(s, (*deficit > 0) ? joint_share * s->delta : 0);
+  return BASE_OK;
+}
+
+/* Step 1: the touching normal rows, with joints where M has them. */
+static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_error *err) {
+  int free_rows = 0, free_deficit = 0, count = 0;
+  BASE_TRY(begin_with_joints(s, &free_rows, &free_deficit, err));
   for (int k = 0; k < s->n_contact; k++) {
     const int i = lcp_share_block(s, k)->start;
     if (lcp_share_touches(s, i)) {
@@ -152,11 +188,8 @@ static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_err
   if (count < 2) {
     return BASE_OK;
   }
-  bool regular;
-  BASE_TRY(lcp_share_system_factor(&s->system, &s->M, &s->rows, &regular, err));
-  s->normals_regular = regular;
-  out->deficit = regular ? lcp_share_system_small_pivots(&s->system, 10.0 * count * s->delta)
-                         : s->system.lu.deficient;
+  BASE_TRY(rank_of_active(s, free_rows + count, &out->deficit, err));
+  out->deficit -= free_deficit;
   return BASE_OK;
 }
 

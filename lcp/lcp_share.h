@@ -9,7 +9,8 @@
  * which is the answer of rigid bodies on ever stiffer springs (MATHEMATICS 2.8). It is made from a solver's answer z in
  * three steps, and it solves the problem with eps = 0 to rounding:
  *
- *   1. the normal rows that touch are factored; without a zero pivot z is unique and is left alone, bit for bit;
+ *   1. the normal rows that touch are factored, with the free ones of joints; without a zero pivot that the free ones do
+ *      not have by themselves z is unique and is left alone, bit for bit;
  *   2. the active rows of M + delta C are found by pivoting in blocks from those of z (cones: by Newton's method),
  *      delta = 1e-7 of the diagonal;
  *   3. with their factor, z <- (M + delta C)^-1 (-q + delta C z) is repeated until delta C z no longer moves. From zero

@@ -210,13 +210,45 @@ static double carried(const lcp_share *s, const lcp_block *b) {
   return fmin(fmax(least, 0.0), s->z[b->start]);
 }
 
-/* Contacts that M couples, and of which islands every touching contact is still: there only normal impulses are
- * chosen, and friction stays as it was found. */
+/* Contacts and joints have a node each: contact k the k-th, the j-th free block the one j places after them all. */
+static int node_of(const lcp_share *s, int row) {
+  const int owner = s->owner[row];
+  return (owner >= LCP_SHARE_NOBODY) ? owner : s->n_contact + LCP_SHARE_NOBODY - 1 - owner;
+}
+
+static void join_column(lcp_share *s, int row) {
+  const lcp_column c = lcp_column_of(&s->M, row);
+  const int own = node_of(s, row);
+  for (int m = 0; m < c.count; m++) {
+    const int other = node_of(s, lcp_column_row(&c, m));
+    if (other > own && c.val[m] != 0) {
+      join(s, own, other);
+    }
+  }
+}
+
+static void own_free_rows(lcp_share *s) {
+  for (int k = 0, n_free = 0; k < s->p->n_block; k++) {
+    const lcp_block *b = &s->p->block[k];
+    if (b->set != LCP_FREE) {
+      continue;
+    }
+    s->island[s->n_contact + n_free] = s->n_contact + n_free;
+    n_free++;
+    for (int i = b->start; i < b->start + b->size; i++) {
+      s->owner[i] = LCP_SHARE_NOBODY - n_free;
+    }
+  }
+}
+
+/* Contacts that M couples, or the joints between them, and of which islands every touching contact is still: there only
+ * normal impulses are chosen, and friction stays as it was found. */
 void lcp_share_find_islands(lcp_share *s) {
   for (int i = 0; i < s->p->M.n; i++) {
-    s->owner[i] = -1;
+    s->owner[i] = LCP_SHARE_NOBODY;
     s->lower[i] = 0;
   }
+  own_free_rows(s);
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
     s->island[k] = k;
@@ -226,12 +258,11 @@ void lcp_share_find_islands(lcp_share *s) {
     }
   }
   for (int k = 0; k < s->n_contact; k++) {
-    const lcp_column c = lcp_column_of(&s->M, lcp_share_block(s, k)->start);
-    for (int m = 0; m < c.count; m++) {
-      const int other = s->owner[lcp_column_row(&c, m)];
-      if (other > k && c.val[m] != 0) {
-        join(s, k, other);
-      }
+    join_column(s, lcp_share_block(s, k)->start);
+  }
+  for (int i = 0; i < s->p->M.n; i++) {
+    if (s->owner[i] < LCP_SHARE_NOBODY) {
+      join_column(s, i);
     }
   }
   for (int k = 0; k < s->n_contact; k++) {

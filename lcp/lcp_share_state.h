@@ -8,6 +8,9 @@
 #define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
 #define LCP_SHARE_ROW_TOL  1e-12 /* w, or z, over its terms: rounding */
 
+/* Owner of a row that belongs to no contact; a joint's rows have smaller ones. */
+enum { LCP_SHARE_NOBODY = -1 };
+
 struct lcp_share {
   share_system system;
   share_rows rows;
@@ -15,8 +18,8 @@ struct lcp_share {
   double *kept;  /* cap_n: an answer, while a better one is looked for */
   double *lower; /* cap_n: least value of a normal impulse */
   int *contact;  /* cap_n: blocks with compliance */
-  int *owner;    /* cap_n: contact of a row, -1 */
-  int *island;   /* cap_n: of a contact: an earlier one, or itself */
+  int *owner;    /* cap_n: contact of a row, or a number below zero */
+  int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */
   bool *rests;   /* cap_n: of a contact's island */
   int n_contact;
   int cap_n;
