@@ -51,13 +51,16 @@ typedef struct form_rule {
   BASE_FIELD_NAMED(T, repair.joint_push, "joint_push", BASE_REAL, "1", 0.2, 0, 1,                  \
                    "share of a joint error removed")
 /* What is asked where redundant contacts leave the normal impulses undetermined (lcp/lcp_share.h, MATHEMATICS 2.8). */
-typedef enum form_distribution { FORM_LEAST_NORM, FORM_EXTREME } form_distribution;
+typedef enum form_distribution { FORM_LEAST_NORM, FORM_EXTREME, FORM_COMPLIANT } form_distribution;
 #define FORM_DISTRIBUTION_FIELD(T)                                                                 \
-  BASE_FIELD_CHOICE(T, distribution, "least_norm|extreme", FORM_LEAST_NORM,                        \
-                    "of redundant contacts: equal springs, or the solver's")
-/* Relative compliance of a contact's block (lcp_block). */
-static inline double form_soft(int distribution) {
-  return (distribution == FORM_LEAST_NORM) ? 1.0 : 0.0;
+  BASE_FIELD_CHOICE(T, distribution, "least_norm|extreme|compliant", FORM_LEAST_NORM,              \
+                    "of redundant contacts: equal springs, the solver's, springs of the scene")
+/* Relative compliance of the block (lcp_block) of contact g of the set. */
+static inline double form_soft(const contact_set *c, int g, int distribution) {
+  if (distribution == FORM_COMPLIANT && c->compliance != NULL) {
+    return c->compliance[g];
+  }
+  return (distribution == FORM_EXTREME) ? 0.0 : 1.0;
 }
 #define FORM_ACTIVATION_FIELD(T)                                                                   \
   BASE_FIELD_CHOICE(T, activation, "closed|moreau", 0, "gap, or gap half a step ahead")

@@ -117,7 +117,7 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   BASE_TRY(contact_memory_begin(&s->memory, 1, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   BASE_TRY(form_assembly_eliminate(&s->a, err));
-  BASE_TRY(slip_begin(&s->p, &s->a, o->facets, form_soft(o->distribution), err));
+  BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));
   BASE_TRY(grow(s, err));
   choose_modes(s, c, o->stick);
   for (int i = 0; i < s->a.n_contact; i++) {

@@ -51,8 +51,10 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     }
     s->lo[row] = 0;
     s->hi[row] = HUGE_VAL;
-    s->block[s->n_block++] = (lcp_block){
-        .start = row, .size = 1, .set = LCP_ORTHANT, .soft = form_soft(s->opt.distribution)};
+    s->block[s->n_block++] = (lcp_block){.start = row,
+                                         .size = 1,
+                                         .set = LCP_ORTHANT,
+                                         .soft = form_soft(c, s->a.group[i], s->opt.distribution)};
     if (rows > 1) {
       s->block[s->n_block++] = (lcp_block){.start = row + 1, .size = rows - 1, .set = LCP_BOX};
     }

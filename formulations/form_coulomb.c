@@ -39,7 +39,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     if (i < s->a.n_contact) {
       block->n_part = row_form_parts(s, i, block->part_dim, block->part_mu);
       block->set = (block->n_part > 0) ? LCP_CONE : LCP_ORTHANT;
-      block->soft = form_soft(s->opt.distribution);
+      block->soft = form_soft(c, s->a.group[i], own.distribution);
     }
   }
   return BASE_OK;

@@ -151,8 +151,10 @@ static void choose_form(regularized *s, const contact_set *c) {
 static void start_point(regularized *s) {
   const double ratio = (s->memory.h_old > 0) ? s->a.set->h / s->memory.h_old : 0;
   for (int i = 0; i < s->a.n_contact; i++) {
-    s->block[i] = (lcp_block){
-        .start = i, .size = 1, .set = LCP_ORTHANT, .soft = form_soft(s->opt.distribution)};
+    s->block[i] = (lcp_block){.start = i,
+                              .size = 1,
+                              .set = LCP_ORTHANT,
+                              .soft = form_soft(s->a.set, s->a.group[i], s->opt.distribution)};
     const double *past = contact_memory_old(&s->memory, s->a.group[i]);
     s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[1] : 0;
   }

@@ -97,7 +97,7 @@ static void set_parts(polyhedral *s, int i) {
 /* Parts of a faceted cone and its compliance; the planar three-unknown form has no facets of its own. */
 static void describe_facets(const polyhedral *s, int i, lcp_block *block) {
   const poly_shape *shape = s->shape_of[i];
-  block->soft = form_soft(s->opt.distribution);
+  block->soft = form_soft(s->a.set, s->a.group[i], s->opt.distribution);
   if (s->opt.planar == POLY_THREE && s->a.set->dim == 2) {
     return;
   }

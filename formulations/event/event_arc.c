@@ -189,25 +189,32 @@ static base_status solve(size_t m, double tol, const work *w, base_error *err) {
   return BASE_OK;
 }
 
-/* The forces that equal springs share (MATHEMATICS 2.8): with delta on the diagonal, normal forces from zero, those
+/* Of the contact of unknown j. */
+static double soft_of(const arc *a, const work *w, size_t j) {
+  const int at = a->contact[w->of[j]].at;
+  return form_soft(&a->set, a->space->a.group[at], a->distribution);
+}
+
+/* The forces that springs share (MATHEMATICS 2.8): with delta on the diagonal, normal forces from zero, those
  * of sticking friction from the start of the arc, and the proximal iteration until delta has gone. b, in the
  * place of what is wanted of the correction, becomes the correction. Where a stiffness is so small beside the others
  * that the iteration does not end, the forces are those nearest to the start of the arc, and that counts. */
 static base_status share(arc *a, size_t m, const work *w, base_error *err) {
   const lapack_int n = (lapack_int)m;
-  double most = 0.0, enough = 0.0, carried = 0.0;
+  double most = 0.0, enough = 0.0, carried = 0.0, most_soft = 0.0;
   memcpy(w->C, w->A, m * m * sizeof *w->C); /* which has been read */
   for (size_t j = 0; j < m; j++) {
     most = fmax(most, w->A[j * m + j]);
     enough = fmax(enough, corrected * fabs(w->b[j]));
     carried = fmax(carried, fabs(w->A[j * m + j] * a->contact[w->of[j]].start[w->row[j]]));
+    most_soft = fmax(most_soft, soft_of(a, w, j));
     w->x[j] = 0.0;
-    w->delta[j] = (w->row[j] == 0) ? spring : friction_share * spring;
   }
   /* b is what the forces of the start leave of the loads: it is known to their rounding */
   enough = fmax(enough, (double)m * DBL_EPSILON * carried);
   for (size_t j = 0; j < m; j++) {
-    w->delta[j] *= most;
+    const double share = (w->row[j] == 0) ? soft_of(a, w, j) / most_soft : friction_share;
+    w->delta[j] = share * spring * most;
     w->A[j * m + j] += w->delta[j];
     if (w->row[j] == 0) { /* the correction of a normal force is anchored at no force at all */
       w->x[j] = -a->contact[w->of[j]].start[0];
@@ -250,7 +257,7 @@ base_status arc_forces(arc *a, double *acc, base_error *err) {
   BASE_TRY(reserve_work(a, m, (size_t)s->n_row, &w, err));
   (void)number(a, false, &w);
   fill(a, m, &w);
-  BASE_TRY(a->shares ? share(a, m, &w, err) : solve(m, rank_tol, &w, err));
+  BASE_TRY((a->distribution != FORM_EXTREME) ? share(a, m, &w, err) : solve(m, rank_tol, &w, err));
   memset(w.lambda, 0, (size_t)s->n_row * sizeof *w.lambda);
   for (size_t j = 0; j < m; j++) {
     const arc_contact *k = &a->contact[w.of[j]];

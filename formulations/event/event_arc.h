@@ -6,9 +6,9 @@
  *   a_t + s u_t = 0                       every sticking one          (s: Baumgarte's rate)
  *   a_b = 0                               every joint; eliminated first (event_space.h)
  *
- * Redundant contacts leave the forces undetermined. Of all that satisfy the equations those are taken that equal springs
- * share (`shares`; MATHEMATICS 2.8), or those nearest to the forces at the start of the arc (least-norm correction, LAPACK
- * dgelsy). The latter lie in their cones at the start, the former only where arc_carries says so; both change
+ * Redundant contacts leave the forces undetermined. Of all that satisfy the equations those are taken that springs
+ * share (MATHEMATICS 2.8), or with FORM_EXTREME those nearest to the forces at the start of the arc (least-norm correction,
+ * LAPACK dgelsy). The latter lie in their cones at the start, the former only where arc_carries says so; both change
  * continuously with the motion. d = u_t/|u_t| while
  * sliding, the direction of departure at the start of it.
  */
@@ -35,7 +35,7 @@ typedef struct arc {
   world *w;           /* borrowed */
   event_space *space; /* borrowed: after arc_forces it holds the forces of the joints */
   double rate;        /* s [1/s] */
-  bool shares;        /* redundant contacts share as equal springs; false: nearest to the start */
+  int distribution;   /* form_distribution */
   double margin;      /* contacts with a larger gap are not looked for [m] */
   double slow;        /* sliding slower than this keeps its direction [m/s] */
   arc_contact *contact;

@@ -94,7 +94,7 @@ static bool mark_closing(event_run *s, const contact_set *c) {
 static base_status impact(event_run *s, const contact_set *c, base_error *err) {
   double *u0 = s->row, *lambda = s->row + s->cap_row;
   BASE_TRY(space_impact(&s->space, c, err));
-  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, form_soft(s->opt->distribution), err));
+  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
   for (int i = 0; i < s->space.a.n_contact; i++) {
     const int g = s->space.a.group[i], first = s->space.a.row[i];
     const double u = c->u_before[c->row_start[g]];
@@ -218,7 +218,7 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   BASE_TRY(world_acceleration(s->w, s->acc, err));
   mark_resting(s, c);
   BASE_TRY(space_forces(&s->space, c, s->acc, err));
-  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, form_soft(s->opt->distribution), err));
+  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
   set_directions(s, c);
   memcpy(u0, s->space.a.r, (size_t)s->space.a.n_row * sizeof *u0);
   s->pull = scale_of(s, u0);
@@ -260,10 +260,10 @@ static base_status hold_what_turns_back(event_run *s, base_error *err) {
  * before, they are those nearest to the forces that the modes were chosen with. Where they cannot carry these either, a
  * contact on the edge of its cone was let slide that its neighbours hold: all such stick. Both count. */
 static base_status begin_forces(event_run *s, base_error *err) {
-  s->arc.shares = s->opt->distribution == FORM_LEAST_NORM;
+  s->arc.distribution = s->opt->distribution;
   BASE_TRY(hold_what_turns_back(s, err));
-  if (s->arc.shares && !arc_carries(&s->arc)) {
-    s->arc.shares = false;
+  if (s->arc.distribution != FORM_EXTREME && !arc_carries(&s->arc)) {
+    s->arc.distribution = FORM_EXTREME;
     s->arc.unshared++;
     BASE_TRY(hold_what_turns_back(s, err));
   }

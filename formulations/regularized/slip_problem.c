@@ -51,10 +51,10 @@ static void facet(const slip_problem *s, const form_assembly *a, int i, int k, d
   d[1] = (tangents(a, i) == 1) ? 0.0 : sin(angle);
 }
 
-base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, double soft,
+base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, int distribution,
                        base_error *err) {
   s->facets = facets;
-  s->soft = soft;
+  s->distribution = distribution;
   const int n = a->n_contact * (facets + 2);
   if (s->mem == NULL || a->n_contact > s->cap_contact || a->n_row > s->cap_row || n > s->cap_n) {
     s->cap_contact = a->n_contact + a->n_contact / 2 + 4;
@@ -142,7 +142,7 @@ void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_pr
                               .set = LCP_ORTHANT,
                               .n_part = cones,
                               .part_dim = {cones * facets_of(s, a, i)},
-                              .soft = s->soft};
+                              .soft = form_soft(a->set, a->group[i], s->distribution)};
   }
   s->n = s->first[a->n_contact];
   const size_t n = (size_t)s->n;

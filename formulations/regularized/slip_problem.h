@@ -17,7 +17,7 @@ enum { SLIP_FACETS_MAX = 64 };
 
 typedef struct slip_problem {
   int facets;        /* directions of a spatial contact; planar ones have 2 */
-  double soft;       /* compliance of every contact's block */
+  int distribution;  /* form_distribution */
   int n;             /* unknowns */
   int *first;        /* n_contact+1 */
   double *direction; /* 2 n_contact: d, zero where the contact sticks or has no friction */
@@ -33,7 +33,7 @@ typedef struct slip_problem {
 } slip_problem;
 
 /* Room for the contacts of a; reads C. Directions and turns are zeroed. */
-base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, double soft,
+base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, int distribution,
                        base_error *err);
 void slip_close(slip_problem *s);
 

@@ -39,7 +39,8 @@ typedef struct arrays {
   int *row_start, *body, *jac_start;
   contact_rows *rows;
   double *jac, *u_drift, *u_before, *u_curve;
-  double *gap, *mu_static, *mu_kinetic, *mu_torsion, *mu_rolling, *restitution, *frame, *spin;
+  double *gap, *mu_static, *mu_kinetic, *mu_torsion, *mu_rolling, *restitution, *compliance, *frame,
+      *spin;
 } arrays;
 
 static double *like(base_arena *a, const double *array, int n) {
@@ -67,6 +68,7 @@ static void layout(contact_order *o, const contact_set *c, arrays *s, base_arena
   s->mu_torsion = like(a, c->mu_torsion, n + 1);
   s->mu_rolling = like(a, c->mu_rolling, n + 1);
   s->restitution = like(a, c->restitution, n + 1);
+  s->compliance = like(a, c->compliance, n + 1);
   s->frame = like(a, c->frame, 9 * n + 1);
   s->spin = like(a, c->spin, 3 * n + 1);
 }
@@ -162,6 +164,7 @@ static void gather_contacts(const contact_order *o, const contact_set *c, const 
               {c->mu_torsion, s->mu_torsion, 1},
               {c->mu_rolling, s->mu_rolling, 1},
               {c->restitution, s->restitution, 1},
+              {c->compliance, s->compliance, 1},
               {c->frame, s->frame, 9},
               {c->spin, s->spin, 3}};
   for (int i = 0; i < BASE_COUNT(each); i++) {
@@ -200,6 +203,7 @@ base_status contact_order_apply(contact_order *o, const contact_set *c, const co
   p->mu_torsion = s.mu_torsion;
   p->mu_rolling = s.mu_rolling;
   p->restitution = s.restitution;
+  p->compliance = s.compliance;
   p->frame = s.frame;
   p->spin = s.spin;
   *out = p;

@@ -36,6 +36,15 @@ static base_status read_pose(const scene_spec *s, const node *n, double *pos, do
   return node_vector(n, "quat", 4, quat);
 }
 
+/* A body or a part that is given one has some: 0 would stand for what is not given. */
+static base_status read_compliance(const node *n, double *compliance) {
+  BASE_TRY(node_real(n, "compliance", compliance));
+  if (node_has(n, "compliance") && !(*compliance > 0.0)) {
+    return BAD(n, "%s: compliance = %g, need > 0", n->where, *compliance);
+  }
+  return BASE_OK;
+}
+
 static base_status read_parts(const scene_spec *s, const char *owner, const node *n,
                               spec_shape *p) {
   json_t *list;
@@ -53,9 +62,11 @@ static base_status read_parts(const scene_spec *s, const char *owner, const node
     to->quat[0] = 1.0;
     BASE_TRY(
         node_open(&part, json_array_get(list, (size_t)i), n->err, "%s: part %d", n->where, i + 1));
-    BASE_TRY(node_keys(&part, s->dim == 2 ? "shape|pos|angle" : "shape|pos|quat"));
+    BASE_TRY(
+        node_keys(&part, s->dim == 2 ? "shape|pos|angle|compliance" : "shape|pos|quat|compliance"));
     BASE_TRY(node_need(&part, "shape"));
     BASE_TRY(read_pose(s, &part, to->pos, to->quat, &angle));
+    BASE_TRY(read_compliance(&part, &to->compliance));
     if (s->dim == 2) {
       to->quat[0] = cos(angle / 2.0);
       to->quat[3] = sin(angle / 2.0);
@@ -231,9 +242,9 @@ base_status read_body(scene_spec *s, json_t *v, int index, base_error *err) {
   BASE_TRY(node_text(&n, "name", name, sizeof name));
   BASE_TRY(node_open(&n, v, err, "scene '%s': body '%s'", s->id, name));
   BASE_TRY(node_keys(&n, s->dim == 2 ? "name|shape|mass|inertia|pos|angle|vel|omega|lock|"
-                                       "prescribed|kinematic"
+                                       "prescribed|kinematic|compliance"
                                      : "name|shape|mass|inertia|pos|quat|vel|omega|lock|"
-                                       "prescribed|kinematic"));
+                                       "prescribed|kinematic|compliance"));
   BASE_TRY(node_need(&n, "shape"));
   BASE_TRY(node_need(&n, "pos"));
   spec_body *b;
@@ -245,6 +256,7 @@ base_status read_body(scene_spec *s, json_t *v, int index, base_error *err) {
   BASE_TRY(read_lock(s, &n, b));
   BASE_TRY(read_prescribed(&n, b));
   BASE_TRY(read_kinematic(s, &n, b));
+  BASE_TRY(read_compliance(&n, &b->compliance));
   if (b->kinematic) {
     b->mass = 1.0; /* plays no part */
   } else {
@@ -257,7 +269,7 @@ base_status read_body(scene_spec *s, json_t *v, int index, base_error *err) {
 base_status read_static(scene_spec *s, json_t *v, int index, base_error *err) {
   node n;
   BASE_TRY(node_open(&n, v, err, "scene '%s': static %d", s->id, index + 1));
-  BASE_TRY(node_keys(&n, "name|type|normal|offset|surface_velocity"));
+  BASE_TRY(node_keys(&n, "name|type|normal|offset|surface_velocity|compliance"));
   BASE_TRY(node_need(&n, "name"));
   BASE_TRY(node_need(&n, "normal"));
   char name[SPEC_NAME];
@@ -269,5 +281,6 @@ base_status read_static(scene_spec *s, json_t *v, int index, base_error *err) {
   BASE_TRY(node_real(&n, "offset", &offset));
   spec_static *p;
   BASE_TRY(spec_add_static(s, name, normal, offset, &p, err));
+  BASE_TRY(node_real(&n, "compliance", &p->compliance));
   return node_vector(&n, "surface_velocity", s->dim, p->surface_velocity);
 }

@@ -136,6 +136,7 @@ base_status spec_add_body(scene_spec *s, const char *name, spec_body **out, base
   }
   BASE_TRY(spec_text(b->name, sizeof b->name, name, "body", err));
   b->quat[0] = 1.0;
+  b->compliance = 1.0;
   s->n_body++;
   *out = b;
   return BASE_OK;
@@ -152,6 +153,7 @@ base_status spec_add_static(scene_spec *s, const char *name, const double *norma
     p->normal[k] = normal[k];
   }
   p->offset = offset;
+  p->compliance = 1.0;
   s->n_static++;
   if (out != NULL) {
     *out = p;

@@ -44,6 +44,7 @@ typedef struct spec_shape {
 typedef struct spec_part {
   spec_shape shape;
   double pos[3], quat[4]; /* in the body frame */
+  double compliance;      /* [m/N] > 0; 0: that of the body */
 } spec_part;
 
 /* Bits of spec_body.lock and .prescribed: translations, then rotations (planar: only SPEC_RZ). */
@@ -63,6 +64,7 @@ typedef struct spec_body {
   double prescribed_v0[6], prescribed_a[6];
   bool kinematic; /* infinite mass, velocity vel + acc t, omega constant */
   double acc[3];
+  double compliance; /* of its surface [m/N] > 0, where redundant contacts press */
 } spec_body;
 
 typedef struct spec_static {
@@ -70,6 +72,7 @@ typedef struct spec_static {
   double normal[3]; /* unit; half-space normal . x >= offset is free */
   double offset;    /* [m] */
   double surface_velocity[3];
+  double compliance; /* of its surface [m/N] >= 0 */
 } spec_static;
 
 typedef struct spec_pair {

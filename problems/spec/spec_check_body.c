@@ -77,6 +77,10 @@ static base_status check_parts(const scene_spec *s, const spec_body *b, const sp
       return BAD("scene '%s': body '%s': part %d needs a finite position and a quat of length 1",
                  s->id, b->name, i + 1);
     }
+    if (!(p->part[i].compliance >= 0.0) || !isfinite(p->part[i].compliance)) {
+      return BAD("scene '%s': body '%s': part %d: compliance = %g, need a finite value >= 0", s->id,
+                 b->name, i + 1, p->part[i].compliance);
+    }
     BASE_TRY(check_shape(s, b, &p->part[i].shape, true, err));
   }
   return BASE_OK;
@@ -151,6 +155,10 @@ base_status spec_check_body(const scene_spec *s, const spec_body *b, base_error 
     return BAD("scene '%s': body '%s': mass = %g, need a finite value > 0", s->id, b->name,
                b->mass);
   }
+  if (!(b->compliance > 0.0) || !isfinite(b->compliance)) {
+    return BAD("scene '%s': body '%s': compliance = %g, need a finite value > 0", s->id, b->name,
+               b->compliance);
+  }
   BASE_TRY(check_shape(s, b, &b->shape, false, err));
   if (!b->kinematic && spec_can_rotate(s, b)) {
     BASE_TRY(check_inertia(s, b, err));
@@ -189,6 +197,10 @@ base_status spec_check_static(const scene_spec *s, const spec_static *p, base_er
   }
   if (!isfinite(p->offset) || !spec_all_finite(p->surface_velocity, 3)) {
     return BAD("scene '%s': static '%s': offset or surface velocity is not finite", s->id, p->name);
+  }
+  if (!(p->compliance >= 0.0) || !isfinite(p->compliance)) {
+    return BAD("scene '%s': static '%s': compliance = %g, need a finite value >= 0", s->id, p->name,
+               p->compliance);
   }
   return BASE_OK;
 }

@@ -56,9 +56,10 @@ typedef struct contact_set {
   const double *mu_static, *mu_kinetic;  /* [1]; 0 where no friction */
   const double *mu_torsion, *mu_rolling; /* [m]; NULL when undeclared */
   const double *restitution;             /* Newton's or Poisson's e; NULL when undeclared */
-  const double *frame; /* 9 per contact: n, t1, t2 in world axes, from side 1 towards side 0;
+  const double *compliance; /* > 0, mean of the two surfaces' [m/N]; NULL: 1 everywhere */
+  const double *frame;      /* 9 per contact: n, t1, t2 in world axes, from side 1 towards side 0;
                                 planar: z components 0 */
-  const double *spin;  /* 3 per contact: mean angular velocity of the two sides [rad/s];
+  const double *spin;       /* 3 per contact: mean angular velocity of the two sides [rad/s];
                                 NULL without rotation */
 
   /* Per joint row (rows row_start[n_contact] .. n_row-1). */

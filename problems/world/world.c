@@ -136,6 +136,21 @@ static base_status open_dofs(world *w, base_error *err) {
   return BASE_OK;
 }
 
+static bool is_compliant(const scene_spec *s) {
+  bool differs = false;
+  for (int i = 0; i < s->n_body; i++) {
+    const spec_shape *shape = &s->body[i].shape;
+    differs = differs || s->body[i].compliance != 1.0;
+    for (int k = 0; k < shape->n_part; k++) {
+      differs = differs || (shape->part[k].compliance != 0.0 && shape->part[k].compliance != 1.0);
+    }
+  }
+  for (int i = 0; i < s->n_static; i++) {
+    differs = differs || s->fixed[i].compliance != 1.0;
+  }
+  return differs;
+}
+
 /* The state at t = 0. */
 static base_status start(world *w, base_error *err) {
   if (w->model != NULL) {
@@ -145,6 +160,7 @@ static base_status start(world *w, base_error *err) {
   for (int i = 0; i < w->n_body; i++) {
     body_start(&w->body[i], &w->spec.body[i], w->dim, w->effects);
   }
+  w->compliant = is_compliant(&w->spec);
   w->size = size_of(w);
   BASE_TRY(open_dofs(w, err));
   assert(world_finite(w)); /* of a spec that was checked */
@@ -231,6 +247,7 @@ static void view_set(world *w, double h, contact_set *c) {
   c->mu_torsion = (world_has(w, EFFECT_TORSION) && turns) ? s->mu_torsion : NULL;
   c->mu_rolling = (world_has(w, EFFECT_ROLLING) && turns) ? s->mu_rolling : NULL;
   c->restitution = world_has(w, EFFECT_RESTITUTION) ? s->restitution : NULL;
+  c->compliance = w->compliant ? s->compliance : NULL;
   c->frame = s->frame;
   c->spin = turns ? s->spin : NULL;
   c->joint_error = (c->n_group > c->n_contact) ? s->joint_error : NULL;

@@ -100,6 +100,7 @@ typedef enum world_unit {
   X(double, mu_torsion, PER_GROUP, 1)                                                              \
   X(double, mu_rolling, PER_GROUP, 1)                                                              \
   X(double, restitution, PER_GROUP, 1)                                                             \
+  X(double, compliance, PER_GROUP, 1)                                                              \
   X(double, frame, PER_GROUP, 9)                                                                   \
   X(double, spin, PER_GROUP, 3)                                                                    \
   X(double, point, PER_GROUP, 3)                                                                   \
@@ -144,7 +145,8 @@ struct world {
   WORLD_ARRAYS(DECLARE_ARRAY_)
   size_t cap[PER_COUNT]; /* units that the arrays have room for; 0: not allocated */
   pair_table mu, mu_kinetic, restitution, rolling, torsion, apart; /* apart: no collision */
-  double size; /* smallest body or scene length: scale of tolerances [m] */
+  bool compliant; /* some surface has another compliance than 1 */
+  double size;    /* smallest body or scene length: scale of tolerances [m] */
   broad_phase broad;
   set_store store;
   contact_set set; /* the last one */

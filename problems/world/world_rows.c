@@ -144,6 +144,24 @@ static int group_side(const world *w, int side) {
   return (b != NULL) ? b->index : -1;
 }
 
+/* Of a side's surface; a body of several pieces has one for each. */
+static double side_compliance(const world *w, int side, int part) {
+  if (side >= w->n_body) {
+    return w->spec.fixed[side - w->n_body].compliance;
+  }
+  const spec_body *b = &w->spec.body[side];
+  const double own = (b->shape.n_part > 0) ? b->shape.part[part].compliance : 0.0;
+  return (own > 0.0) ? own : b->compliance;
+}
+
+/* Springs in series add; half of the sum, so that two surfaces of 1 make a contact of 1. */
+static double compliance_of(const world *w, const contact_item *c) {
+  const int pieces = (int)(c->id >> (ID_FEATURE_BITS + ID_COPY_BITS));
+  const int mask = (1 << ID_PIECE_BITS) - 1;
+  return 0.5 * side_compliance(w, c->a, pieces >> ID_PIECE_BITS & mask) +
+         0.5 * side_compliance(w, c->b, pieces & mask);
+}
+
 static void fill_contact(world *w, const contact_item *c, int i, double h) {
   set_store *s = &w->store;
   const contact_rows r = s->rows[i];
@@ -160,6 +178,7 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
   s->mu_torsion[i] = (r.torsion > 0) ? pair_value(&w->torsion, c->a, c->b) : 0.0;
   s->mu_rolling[i] = (r.rolling > 0) ? pair_value(&w->rolling, c->a, c->b) : 0.0;
   s->restitution[i] = pair_value(&w->restitution, c->a, c->b);
+  s->compliance[i] = w->compliant ? compliance_of(w, c) : 1.0;
   double *spin = s->spin + 3 * (ptrdiff_t)i;
   for (int k = 0; k < 3; k++) {
     spin[k] = 0.5 * (side_spin(w, c->a, k) + side_spin(w, c->b, k));

@@ -194,8 +194,10 @@ def sliders() -> Iterator[Answer]:
         yield name, "state b0.y", end[1]
 
 
-def sliding(body: Feet) -> Callable[[Vector], Vector]:
+def sliding(body: Feet, compliance: Vector | None = None) -> Callable[[Vector], Vector]:
+    """With compliances c_i instead of equal ones N_i = (a + b x_i + c y_i)/c_i."""
     mu, up = 0.4, body.height
+    soft = compliance or [1.0] * len(body.points)
 
     def motion(s: Vector) -> Vector:
         _, _, angle, vx, vy, spin = s
@@ -204,7 +206,7 @@ def sliding(body: Feet) -> Callable[[Vector], Vector]:
         slip = [(vx - spin * y, vy + spin * x) for x, y in foot]
         unit = [(x / math.hypot(x, y), y / math.hypot(x, y)) for x, y in slip]
         assert min(math.hypot(*u) for u in slip) > 0.01
-        shape = [(1.0, x, y) for x, y in foot]
+        shape = [(1.0 / c, x / c, y / c) for (x, y), c in zip(foot, soft, strict=True)]
         balance = [
             (1.0, y - up * mu * u[1], up * mu * u[0] - x)
             for (x, y), u in zip(foot, unit, strict=True)
