@@ -68,9 +68,6 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
                           base_error *err) {
   calibrate_task *t = &c->task;
   c->text = text;
-  if (o->error == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "--error is missing: the error to stay below");
-  }
   BASE_TRY(
       formulation_choose(o->formulation != NULL ? o->formulation : "regularized", &c->form, err));
   BASE_TRY(solver_choose(o->solver != NULL ? o->solver : "lemke", &c->solver, err));
@@ -86,9 +83,6 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
     return BASE_FAIL(err, BASE_EINVAL, "--yardstick %s: need trajectory or physical", yardstick);
   }
   t->yardstick = (strcmp(yardstick, "physical") == 0) ? CALIBRATE_PHYSICAL : CALIBRATE_TRAJECTORY;
-  if (o->evaluations < 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--evaluations %d: need at least 1", o->evaluations);
-  }
   t->evaluations = (o->evaluations > 0) ? o->evaluations : 40;
   t->form = &c->form;
   t->request = (sim_request){.spec = &c->spec,
@@ -166,19 +160,31 @@ static base_status print_result(calibration *c, const calibrate_result *r, int *
 
 /* ---- verb ------------------------------------------------------------------------------------ */
 
+static const arg_option options[] = {
+    ARG(calibrate_options, formulation, "--formulation", ARG_TEXT, "FORMULATION",
+        "regularized formulation whose parameters are searched"),
+    ARG(calibrate_options, solver, "--solver", ARG_TEXT, "SOLVER",
+        "solver of its problems; lemke where none is given"),
+    ARG(calibrate_options, error, "--error", ARG_TEXT, "E",
+        "error to stay below, in the unit of the yardstick", .needed = true, .unit = "m, rad or 1",
+        .above = true),
+    ARG(calibrate_options, step, "--step", ARG_TEXT, "H",
+        "longest step that is tried; 0.05 where none is given", .unit = "s", .above = true),
+    ARG(calibrate_options, yardstick, "--yardstick", ARG_TEXT, "trajectory|physical",
+        "error of the predicted motion, or the physical residual of the steps"),
+    ARG(calibrate_options, evaluations, "--evaluations", ARG_INT, "N",
+        "pairs of parameters that are tried at most; 40 where none is given", .unit = "1",
+        .min = 1),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options), 1, 1, "SCENE", "scene with its parameters, or scene file"};
+
 static int run(int argc, char **argv) {
   calibrate_options o = {0};
-  const arg_option options[] = {{"--formulation", ARG_TEXT, &o.formulation},
-                                {"--solver", ARG_TEXT, &o.solver},
-                                {"--error", ARG_TEXT, &o.error},
-                                {"--step", ARG_TEXT, &o.step},
-                                {"--yardstick", ARG_TEXT, &o.yardstick},
-                                {"--evaluations", ARG_INT, &o.evaluations}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
   const char *text;
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &text, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&args, &o, argc, argv, &text, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
   calibration c = {0};
@@ -201,8 +207,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_calibrate;
 const cli_verb verb_calibrate = {
     .name = "calibrate",
-    .usage = "calibrate SCENE --error E [--formulation regularized[:opt=val,...]] [--solver S]"
-             " [--yardstick trajectory|physical] [--step H] [--evaluations N]",
+    .args = &args,
     .help = "finds the regularisation (ratio, zeta; k, c with stiffness=fixed) and the step that"
             " keep the error in the least time, and prints the gain over the rule of thumb",
     .run = run,

@@ -124,20 +124,29 @@ static base_status run_file(const check_plan *plan, const char *path, base_error
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(check_options, filter, "--filter", ARG_LIST, "id=GLOB",
+        "judges the cases whose id matches; may be repeated"),
+    ARG(check_options, solver, "--solver", ARG_LIST, "SOLVER",
+        "judges with this solver, all for each of them; may be repeated"),
+    ARG(check_options, formulation, "--formulation", ARG_LIST, "FORMULATION",
+        "judges scenes with this formulation; may be repeated"),
+    ARG(check_options, step, "--step", ARG_TEXT, "H", "step of the scenes instead of their own",
+        .unit = "s", .above = true),
+    ARG(check_options, time_limit, "--time-limit", ARG_SECONDS, "T",
+        "limit of one case; 60 s where none is given", .unit = "s", .above = true),
+    ARG(check_options, json, "--json", ARG_FLAG, NULL, "prints one JSON array instead of lines"),
+    ARG(check_options, verbose, "--verbose", ARG_FLAG, NULL, "prints the checks that held, too"),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options), 1, 1, "FILE", "case or scene file, JSON or YAML"};
+
 static int run(int argc, char **argv) {
   check_options o = {.time_limit = 60.0};
-  const arg_option options[] = {{"--filter", ARG_LIST, &o.filter},
-                                {"--solver", ARG_LIST, &o.solver},
-                                {"--formulation", ARG_LIST, &o.formulation},
-                                {"--step", ARG_TEXT, &o.step},
-                                {"--time-limit", ARG_SECONDS, &o.time_limit},
-                                {"--json", ARG_FLAG, &o.json},
-                                {"--verbose", ARG_FLAG, &o.verbose}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "FILE"};
   const char *path;
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &path, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&args, &o, argc, argv, &path, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
   isolate_catch_signals();
@@ -174,8 +183,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_check;
 const cli_verb verb_check = {
     .name = "check",
-    .usage = "check FILE.json [--filter id=GLOB] [--solver S]... [--formulation F]... [--step H]"
-             " [--time-limit T] [--json] [--verbose]",
+    .args = &args,
     .help = "judges every LCP (by all solvers) and scene (by lemke, nsgs on cones; --solver all: "
             "by all)"
             " of a case file by the file's own tolerances",

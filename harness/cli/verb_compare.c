@@ -85,23 +85,28 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(compare_options, solver_a, "--solver-a", ARG_TEXT, "SOLVER",
+        "rows of A by this solver only; together with --solver-b"),
+    ARG(compare_options, solver_b, "--solver-b", ARG_TEXT, "SOLVER",
+        "rows of B by this solver only"),
+    ARG(compare_options, column, "--column", ARG_TEXT, "COLUMN",
+        "time column that is compared; t_total_s where none is given"),
+    ARG(compare_options, noise, "--noise", ARG_REAL, "X",
+        "noise floor instead of the measured one, as a share", .unit = "1"),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options), 2, 2, "A B", "two campaign folders, or files of rows"};
+
 static int run(int argc, char **argv) {
   compare_options o = {.column = "t_total_s", .noise = (double)NAN};
-  const arg_option options[] = {{"--solver-a", ARG_TEXT, &o.solver_a},
-                                {"--solver-b", ARG_TEXT, &o.solver_b},
-                                {"--column", ARG_TEXT, &o.column},
-                                {"--noise", ARG_REAL, &o.noise}};
-  const arg_table table = {options, BASE_COUNT(options), 2, 2, "A and B"};
   const char *dir[2];
   int n;
   int code = CLI_INTERNAL;
   base_error err = {0};
-  base_status done = args_parse(&table, argc, argv, dir, &n, &err);
+  base_status done = args_parse(&args, &o, argc, argv, dir, &n, &err);
   if (done == BASE_OK && (o.solver_a == NULL) != (o.solver_b == NULL)) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--solver-a and --solver-b belong together");
-  }
-  if (done == BASE_OK && o.noise < 0.0) {
-    done = BASE_FAIL(&err, BASE_EINVAL, "--noise %g: need a number of at least 0", o.noise);
   }
   if (done == BASE_OK && (strncmp(o.column, "t_", 2) != 0 || !record_has_real(o.column))) {
     char hint[BASE_NEAREST_HINT];
@@ -121,8 +126,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_compare;
 const cli_verb verb_compare = {
     .name = "compare",
-    .usage = "compare A B [--column t_total_s] [--noise X]"
-             " [--solver-a S --solver-b S]",
+    .args = &args,
     .help = "paired ratios B/A with intervals; inside the noise floor there is no difference",
     .run = run,
 };

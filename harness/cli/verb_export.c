@@ -37,9 +37,6 @@ static base_status export_plain(const char *problem, const export_options *o, ba
 
 /* mtx holds plain LCPs, fclib friction problems, siconos both. */
 static base_status export_problem(const char *problem, const export_options *o, base_error *err) {
-  if (o->out == NULL || o->format == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "%s is missing", o->out == NULL ? "--out" : "--format");
-  }
   const bool mtx = strcmp(o->format, "mtx") == 0;
   const bool fclib = strcmp(o->format, "fclib") == 0;
   if (!mtx && !fclib && strcmp(o->format, "siconos") != 0) {
@@ -70,15 +67,23 @@ static base_status export_problem(const char *problem, const export_options *o, 
   return export_plain(problem, o, err);
 }
 
+static const arg_option options[] = {
+    ARG(export_options, format, "--format", ARG_TEXT, "mtx|siconos|fclib", "format of the files",
+        .needed = true),
+    ARG(export_options, out, "--out", ARG_OUTPUT, "PATH",
+        "file to be written; of mtx PATH.M.mtx and PATH.q.mtx", .needed = true),
+    ARG(export_options, q, "--q", ARG_TEXT, "FILE",
+        "vector q of a Matrix Market problem; NAME.q.mtx beside NAME.M.mtx where none is given"),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options), 1, 1, "PROBLEM", "family with its parameters, or problem file"};
+
 static int run(int argc, char **argv) {
   export_options o = {0};
-  const arg_option options[] = {
-      {"--format", ARG_TEXT, &o.format}, {"--out", ARG_OUTPUT, &o.out}, {"--q", ARG_TEXT, &o.q}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n;
   base_error err = {0};
-  base_status done = args_parse(&table, argc, argv, &problem, &n, &err);
+  base_status done = args_parse(&args, &o, argc, argv, &problem, &n, &err);
   if (done == BASE_OK) {
     done = export_problem(problem, &o, &err);
   }
@@ -88,7 +93,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_export;
 const cli_verb verb_export = {
     .name = "export",
-    .usage = "export PROBLEM --format mtx|siconos|fclib --out PATH [--q FILE]",
+    .args = &args,
     .help = "writes a problem for other codes (mtx: PATH.M.mtx and PATH.q.mtx)",
     .run = run,
 };

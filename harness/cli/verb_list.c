@@ -5,6 +5,7 @@
 #include "harness/plan/campaign.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/table.h"
 #include "lcp/base/nearest.h"
 #include "problems/families/family.h"
 #include "problems/scenes/scene.h"
@@ -15,7 +16,7 @@
 #include <unistd.h>
 
 /* One component as rows of a table: the first column is its name. */
-enum { LIST_COLUMNS = 6 };
+enum { LIST_COLUMNS = 6 }; /* the last stays NULL */
 typedef struct list_row {
   const char *cell[LIST_COLUMNS];
 } list_row;
@@ -24,6 +25,7 @@ typedef struct list_kind {
   const char *name;
   const char *column[LIST_COLUMNS]; /* NULL-terminated when shorter */
   bool (*row)(int i, list_row *out, char *scratch, size_t cap);
+  int told;                       /* the column that says in words what it is */
   void (*more)(int i, json_t *o); /* members that JSON has and the table has not; NULL: none */
 } list_kind;
 
@@ -215,33 +217,19 @@ static base_status campaigns_exist(base_error *err) {
 }
 
 static const list_kind kinds[] = {
-    {"problems", {"name", "title", "kind", "options", "cite"}, problem_row, NULL},
-    {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row, NULL},
+    {"problems", {"name", "title", "kind", "options", "cite"}, problem_row, 1, NULL},
+    {"scenes", {"name", "title", "kind", "options", "cite"}, scene_row, 1, NULL},
     {"formulations",
      {"name", "title", "kind", "options", "cite"},
      formulation_row,
+     1,
      formulation_more},
-    {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row, solver_more},
-    {"campaigns", {"name", "title"}, campaign_row, campaign_more},
-    {"effects", {"name", "words"}, effect_row, NULL},
-    {"situations", {"name", "words"}, situation_row, NULL},
-    {"compat", {"name", "formulation", "solver", "admits"}, compat_row, NULL},
+    {"solvers", {"name", "title", "kind", "options", "cite"}, solver_row, 1, solver_more},
+    {"campaigns", {"name", "title"}, campaign_row, 1, campaign_more},
+    {"effects", {"name", "words"}, effect_row, 1, NULL},
+    {"situations", {"name", "words"}, situation_row, 1, NULL},
+    {"compat", {"name", "formulation", "solver", "admits"}, compat_row, 3, NULL},
 };
-
-static void print_csv_cell(const char *text, bool first) {
-  (void)printf("%s\"", first ? "" : ",");
-  for (const char *c = (text != NULL) ? text : ""; *c != '\0'; c++) {
-    (void)printf(*c == '"' ? "\"\"" : "%c", *c);
-  }
-  (void)putchar('"');
-}
-
-static void print_csv_row(const char *const *cell, const list_kind *k) {
-  for (int c = 0; c < LIST_COLUMNS && k->column[c] != NULL; c++) {
-    print_csv_cell(cell[c], c == 0);
-  }
-  (void)putchar('\n');
-}
 
 static json_t *row_json(const list_row *r, const list_kind *k) {
   json_t *o = json_object();
@@ -268,58 +256,67 @@ static int print_scenes_json(void) {
   return json_out_print(list, stdout) ? CLI_OK : CLI_INTERNAL;
 }
 
+static int print_names(const list_kind *k) {
+  char scratch[4096];
+  list_row row;
+  for (int i = 0; k->row(i, &row, scratch, sizeof scratch); i++) {
+    (void)printf("%s\n", row.cell[0]);
+  }
+  return CLI_OK;
+}
+
+/* For a terminal: the name and what it is, without the options. */
 static int print_kind(const list_kind *k, const char *format) {
   char scratch[4096];
   list_row row;
   json_t *all = json_array();
-  if (strcmp(format, "csv") == 0) {
-    print_csv_row(k->column, k);
-  }
+  const char *const brief[] = {k->column[0], k->column[k->told], NULL};
+  const bool words = strcmp(format, "table") == 0;
   for (int i = 0; k->row(i, &row, scratch, sizeof scratch); i++) {
-    if (strcmp(format, "plain") == 0) {
-      (void)printf("%s\n", row.cell[0]);
-    } else if (strcmp(format, "csv") == 0) {
-      print_csv_row(row.cell, k);
-    } else {
-      json_t *o = row_json(&row, k);
-      if (k->more != NULL) {
-        k->more(i, o);
-      }
-      (void)json_array_append_new(all, o);
+    json_t *o = row_json(&row, k);
+    if (k->more != NULL && strcmp(format, "json") == 0) {
+      k->more(i, o);
     }
+    (void)json_array_append_new(all, o);
   }
-  if (strcmp(format, "json") == 0) {
-    return json_out_print(all, stdout) ? CLI_OK : CLI_INTERNAL;
-  }
-  json_decref(all);
-  return CLI_OK;
+  return table_print(all, words ? brief : k->column, format, stdout) ? CLI_OK : CLI_INTERNAL;
 }
 
+typedef struct list_options {
+  const char *format;
+} list_options;
+
+static const arg_option options[] = {
+    ARG(list_options, format, "--format", ARG_TEXT, "plain|table|csv|json",
+        "bare names, or the columns; a terminal gets names with titles, a pipe bare names where "
+        "none is given"),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options),
+    1,       1,
+    "KIND",  "problems, scenes, formulations, solvers, campaigns, effects, situations or compat"};
+
 static int run(int argc, char **argv) {
-  const char *format = "plain";
-  const arg_option options[] = {{"--format", ARG_TEXT, &format}};
-  const arg_table table = {
-      options, 1, 1, 1,
-      "KIND (problems, scenes, formulations, solvers, campaigns, effects, situations, compat)"};
+  list_options o = {.format = isatty(STDOUT_FILENO) ? "table" : "plain"};
   const char *what;
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &what, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&args, &o, argc, argv, &what, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  if (strcmp(format, "plain") != 0 && strcmp(format, "csv") != 0 && strcmp(format, "json") != 0) {
-    (void)BASE_FAIL(&err, BASE_EINVAL, "--format %s: need plain, csv or json", format);
+  const bool plain = strcmp(o.format, "plain") == 0;
+  if (!plain && table_format(o.format, &err) != BASE_OK) {
     return cli_report(&err);
   }
   for (int i = 0; i < BASE_COUNT(kinds); i++) {
     if (strcmp(kinds[i].name, what) == 0) {
-      if (strcmp(what, "scenes") == 0 && strcmp(format, "json") == 0) {
+      if (strcmp(what, "scenes") == 0 && strcmp(o.format, "json") == 0) {
         return print_scenes_json();
       }
       if (strcmp(what, "campaigns") == 0 && campaigns_exist(&err) != BASE_OK) {
         return cli_report(&err);
       }
-      return print_kind(&kinds[i], format);
+      return plain ? print_names(&kinds[i]) : print_kind(&kinds[i], o.format);
     }
   }
   char hint[BASE_NEAREST_HINT];
@@ -327,7 +324,7 @@ static int run(int argc, char **argv) {
   for (int i = 0; i < BASE_COUNT(kinds); i++) {
     base_nearest_offer(&near, kinds[i].name);
   }
-  (void)BASE_FAIL(&err, BASE_EINVAL, "list '%.100s': need %s%s", what, table.positional_name,
+  (void)BASE_FAIL(&err, BASE_EINVAL, "list '%.100s': need %s%s", what, args.positional_help,
                   base_nearest_hint(&near, hint));
   return cli_report(&err);
 }
@@ -335,8 +332,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_list;
 const cli_verb verb_list = {
     .name = "list",
-    .usage = "list problems|scenes|formulations|solvers|campaigns|effects|situations|compat"
-             " [--format plain|csv|json]",
-    .help = "what this build has; plain prints bare names",
+    .args = &args,
+    .help = "what this build has",
     .run = run,
 };

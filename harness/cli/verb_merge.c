@@ -83,9 +83,6 @@ static base_status check_out(const char *const *dir, int n, const char *out, bas
   char path[1100];
   struct stat of_out;
   struct stat of_dir;
-  if (out == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "--out is missing");
-  }
   const bool exists = stat(out, &of_out) == 0;
   for (int i = 0; exists && i < n; i++) {
     if (stat(dir[i], &of_dir) == 0 && of_dir.st_dev == of_out.st_dev &&
@@ -151,17 +148,22 @@ static base_status merge(const char *const *dir, int n, const merge_options *o, 
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(merge_options, out, "--out", ARG_TEXT, "DIR", "folder to be written", .needed = true),
+    ARG(merge_options, mixed, "--allow-mixed", ARG_FLAG, NULL, "joins rows of different builds"),
+    ARG(merge_options, duplicates, "--allow-duplicates", ARG_FLAG, NULL,
+        "keeps cells that were measured twice"),
+};
+static const arg_table args = {options,  BASE_COUNT(options), 1, MERGE_MAX,
+                               "DIR...", "folders of shards"};
+
 static int run(int argc, char **argv) {
   merge_options o = {0};
-  const arg_option options[] = {{"--out", ARG_TEXT, &o.out},
-                                {"--allow-mixed", ARG_FLAG, &o.mixed},
-                                {"--allow-duplicates", ARG_FLAG, &o.duplicates}};
-  const arg_table table = {options, BASE_COUNT(options), 1, MERGE_MAX, "DIR"};
   const char *dir[MERGE_MAX];
   int n;
   base_error err = {0};
   record_table all = {0};
-  base_status done = args_parse(&table, argc, argv, dir, &n, &err);
+  base_status done = args_parse(&args, &o, argc, argv, dir, &n, &err);
   if (done == BASE_OK) {
     done = merge(dir, n, &o, &all, &err);
   }
@@ -175,7 +177,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_merge;
 const cli_verb verb_merge = {
     .name = "merge",
-    .usage = "merge DIR... --out DIR [--allow-mixed] [--allow-duplicates]",
+    .args = &args,
     .help = "joins shards; refuses mixed builds and cells measured twice unless told",
     .run = run,
 };

@@ -22,7 +22,7 @@ typedef struct run_options {
   int reps;
   int seed;
   double time_limit, memory_limit;
-  bool dry_run, quick, quiet, strict, no_pin, trace;
+  bool dry_run, resume, quick, quiet, strict, no_pin, trace;
 } run_options;
 
 static base_status parse_shard(const char *text, plan_filter *f, base_error *err) {
@@ -75,17 +75,7 @@ static base_status choice(const char *name, const char *text, const char *no, co
   return BASE_OK;
 }
 
-/* Numbers that are out of range are refused, not left out. */
-static base_status check_numbers(const run_options *o, base_error *err) {
-  if (o->reps != NOT_GIVEN && o->reps < 1) {
-    return BASE_FAIL(err, BASE_EINVAL, "--reps %d: need at least 1", o->reps);
-  }
-  if (o->seed != NOT_GIVEN && o->seed < 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--seed %d: need at least 0", o->seed);
-  }
-  if (o->time_limit == 0.0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--time-limit: need a time above 0");
-  }
+static base_status check_out(const run_options *o, base_error *err) {
   if (o->out != NULL && o->out[0] == '\0') {
     return BASE_FAIL(err, BASE_EINVAL, "--out: need a folder");
   }
@@ -169,34 +159,51 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(run_options, out, "--out", ARG_TEXT, "DIR",
+        "folder of the rows; results/NAME where none is given"),
+    ARG(run_options, filter.filter, "--filter", ARG_LIST, "AXIS=GLOB",
+        "measures only what matches; may be repeated"),
+    ARG(run_options, reps, "--reps", ARG_INT, "N",
+        "repetitions of each process, instead of the campaign's rule", .unit = "1", .min = 1),
+    ARG(run_options, time_limit, "--time-limit", ARG_SECONDS, "T",
+        "wall time of one process, instead of the campaign's", .unit = "s", .above = true),
+    ARG(run_options, memory_limit, "--memory-limit", ARG_BYTES, "B",
+        "address space of one process, instead of the campaign's", .unit = "B"),
+    ARG(run_options, seed, "--seed", ARG_INT, "N", "seed of the order of the processes",
+        .unit = "1"),
+    ARG(run_options, shard, "--shard", ARG_TEXT, "k/n",
+        "measures the k-th of n shares of the problems"),
+    ARG(run_options, dry_run, "--dry-run", ARG_FLAG, NULL,
+        "prints what would be measured and how long it takes"),
+    ARG(run_options, rerun, "--rerun", ARG_TEXT, "failed|timeouts|all|SOLVER",
+        "measures these cells again"),
+    ARG(run_options, resume, "--resume", ARG_FLAG, NULL,
+        "goes on with the rows that are there, as it does without it"),
+    ARG(run_options, quick, "--quick", ARG_FLAG, NULL, "takes the quick form of the campaign"),
+    ARG(run_options, quiet, "--quiet", ARG_FLAG, NULL, "shows no progress"),
+    ARG(run_options, strict, "--strict", ARG_FLAG, NULL, "ends with code 3 where a cell is not ok"),
+    ARG(run_options, no_pin, "--no-pin", ARG_FLAG, NULL, "lets the system choose the processor"),
+    ARG(run_options, cache, "--cache", ARG_TEXT, "warm|cold",
+        "state of the caches before each repetition"),
+    ARG(run_options, solutions, "--solutions", ARG_TEXT, "on|off",
+        "stores the answers, for verify"),
+    ARG(run_options, trace, "--trace", ARG_FLAG, NULL,
+        "records the history of each cell by an untimed twin"),
+};
+static const arg_table args = {options, BASE_COUNT(options), 1,
+                               1,       "CAMPAIGN",          "shipped campaign, or a .yaml file"};
+
 static int run(int argc, char **argv) {
   run_options o = {
       .reps = NOT_GIVEN, .seed = NOT_GIVEN, .time_limit = NOT_GIVEN, .memory_limit = NOT_GIVEN};
-  const arg_option options[] = {{"--out", ARG_TEXT, &o.out},
-                                {"--filter", ARG_LIST, &o.filter.filter},
-                                {"--reps", ARG_INT, &o.reps},
-                                {"--time-limit", ARG_SECONDS, &o.time_limit},
-                                {"--memory-limit", ARG_BYTES, &o.memory_limit},
-                                {"--seed", ARG_INT, &o.seed},
-                                {"--shard", ARG_TEXT, &o.shard},
-                                {"--dry-run", ARG_FLAG, &o.dry_run},
-                                {"--rerun", ARG_TEXT, &o.rerun},
-                                {"--resume", ARG_FLAG, &(bool){false}}, /* the default */
-                                {"--quick", ARG_FLAG, &o.quick},
-                                {"--quiet", ARG_FLAG, &o.quiet},
-                                {"--strict", ARG_FLAG, &o.strict},
-                                {"--no-pin", ARG_FLAG, &o.no_pin},
-                                {"--cache", ARG_TEXT, &o.cache},
-                                {"--solutions", ARG_TEXT, &o.solutions},
-                                {"--trace", ARG_FLAG, &o.trace}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
   const char *text;
   int n_positional;
   base_error err = {0};
   int code = CLI_INTERNAL;
-  base_status done = args_parse(&table, argc, argv, &text, &n_positional, &err);
+  base_status done = args_parse(&args, &o, argc, argv, &text, &n_positional, &err);
   if (done == BASE_OK) {
-    done = check_numbers(&o, &err);
+    done = check_out(&o, &err);
   }
   if (done == BASE_OK) {
     done = parse_shard(o.shard, &o.filter, &err);
@@ -217,10 +224,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_run;
 const cli_verb verb_run = {
     .name = "run",
-    .usage = "run CAMPAIGN [--out DIR] [--filter axis=glob]... [--reps N] [--time-limit T]"
-             " [--memory-limit B] [--seed N] [--shard k/n] [--dry-run] [--quick]"
-             " [--rerun failed|timeouts|all|SOLVER] [--strict] [--no-pin] [--quiet]"
-             " [--trace] [--solutions on|off] [--cache warm|cold]",
+    .args = &args,
     .help = "measures a campaign (a shipped name or a .yaml file), or goes on with it",
     .run = run,
 };

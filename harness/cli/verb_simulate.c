@@ -199,6 +199,11 @@ typedef struct simulate_files {
   const char *trajectory, *trace, *dump_step, *dump_steps, *out;
 } simulate_files;
 
+typedef struct simulate_options {
+  simulation_texts t;
+  simulate_files f;
+} simulate_options;
+
 /* What is told of a run once all of its files are there. */
 typedef struct simulate_report {
   json_t *object;
@@ -277,51 +282,63 @@ static base_status with_files(simulation *s, const char *scene, const simulate_f
   return base_out_finish(&file, done, err);
 }
 
+static const arg_option options[] = {
+    ARG(simulate_options, t.formulation, "--formulation", ARG_TEXT, "FORMULATION",
+        "formulation with its options behind a colon", .needed = true),
+    ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
+        "solver with its options behind a colon; formulations without a problem need none"),
+    ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
+        .unit = "s", .above = true),
+    ARG(simulate_options, t.duration, "--duration", ARG_TEXT, "T",
+        "duration instead of the scene's", .unit = "s", .above = true),
+    ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
+        "residual to stop at, the solver's option tol", .unit = "1"),
+    ARG(simulate_options, t.effects, "--effects", ARG_TEXT, "SPEC",
+        "effects to simulate: declared, all, none, +NAME, -NAME or auto:E"),
+    ARG(simulate_options, t.start, "--start", ARG_TEXT, "cold|previous",
+        "start of each solve: zero, or the answer of the step before"),
+    ARG(simulate_options, t.contact_order, "--contact-order", ARG_TEXT, "given|random:N",
+        "order of the contacts in the problem"),
+    ARG(simulate_options, f.trajectory, "--trajectory", ARG_OUTPUT, "FILE.csv",
+        "states of all bodies after each step"),
+    ARG(simulate_options, f.trace, "--trace", ARG_OUTPUT, "FILE.csv", "history of every solve"),
+    ARG(simulate_options, f.dump_step, "--dump-step", ARG_TEXT, "N",
+        "writes the problems of step N as files; together with --out"),
+    ARG(simulate_options, f.dump_steps, "--dump-steps", ARG_TEXT, "A:B",
+        "writes the problems of steps A to B"),
+    ARG(simulate_options, f.out, "--out", ARG_TEXT, "DIR", "folder of the dumped problems"),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options),
+    1,       1,
+    "SCENE", "scene with its parameters, or scene file; - is standard input"};
+
 static int run(int argc, char **argv) {
-  simulation_texts t = {0};
-  simulate_files f = {0};
-  const arg_option options[] = {{"--formulation", ARG_TEXT, &t.formulation},
-                                {"--solver", ARG_TEXT, &t.solver},
-                                {"--step", ARG_TEXT, &t.step},
-                                {"--duration", ARG_TEXT, &t.duration},
-                                {"--tol", ARG_TEXT, &t.tol},
-                                {"--effects", ARG_TEXT, &t.effects},
-                                {"--start", ARG_TEXT, &t.start},
-                                {"--contact-order", ARG_TEXT, &t.contact_order},
-                                {"--trajectory", ARG_OUTPUT, &f.trajectory},
-                                {"--trace", ARG_OUTPUT, &f.trace},
-                                {"--dump-step", ARG_TEXT, &f.dump_step},
-                                {"--dump-steps", ARG_TEXT, &f.dump_steps},
-                                {"--out", ARG_TEXT, &f.out}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "SCENE"};
+  simulate_options o = {0};
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &t.scene, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&args, &o, argc, argv, &o.t.scene, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
   simulation s;
   simulate_report report = {0};
-  base_status done = simulation_open(&t, &s, &err);
+  base_status done = simulation_open(&o.t, &s, &err);
   if (done == BASE_OK) {
-    done = with_files(&s, t.scene, &f, &report, &err);
+    done = with_files(&s, o.t.scene, &o.f, &report, &err);
   }
   simulation_close(&s);
   if (done != BASE_OK) {
     json_decref(report.object);
     return cli_report(&err);
   }
-  FILE *to = args_take_stdout(&table) ? stderr : stdout;
+  FILE *to = args_take_stdout(&args, &o) ? stderr : stdout;
   return json_out_print(report.object, to) ? report.code : CLI_INTERNAL;
 }
 
 extern const cli_verb verb_simulate;
 const cli_verb verb_simulate = {
     .name = "simulate",
-    .usage = "simulate SCENE[:par=val,...] --formulation F[:opt=val,...] --solver S[:opt=val,...]"
-             " [--step H] [--duration T] [--tol T] [--effects SPEC] [--start cold|previous]"
-             " [--contact-order given|random:N]"
-             " [--trajectory FILE.csv] [--trace FILE.csv]"
-             " [--dump-step N | --dump-steps A:B, with --out DIR]",
+    .args = &args,
     .help = "runs one scene and prints one JSON object with its predictions judged",
     .run = run,
 };

@@ -17,9 +17,6 @@ typedef struct solve_options {
 } solve_options;
 
 static base_status choose(const solve_options *o, solver_choice *s, base_error *err) {
-  if (o->solver == NULL) {
-    return BASE_FAIL(err, BASE_EINVAL, "--solver is missing; see lcpbench list solvers");
-  }
   BASE_TRY(solver_choose(o->solver, s, err));
   if (o->tol != NULL) {
     BASE_TRY(solver_choice_set(s, "tol", o->tol, err));
@@ -36,9 +33,6 @@ static base_status choose_pose(solve_options *o, base_error *err) {
   if (o->formulation != NULL && !polyhedral && strcmp(o->formulation, "coulomb") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--formulation %s: need coulomb or velocity",
                      o->formulation);
-  }
-  if (o->facets != 0 && o->facets < 2) {
-    return BASE_FAIL(err, BASE_EINVAL, "--facets %d: need at least 2", o->facets);
   }
   if (!polyhedral && o->formulation != NULL && o->facets != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--facets: the exact cone has none");
@@ -159,25 +153,39 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(solve_options, solver, "--solver", ARG_TEXT, "SOLVER",
+        "solver with its options behind a colon", .needed = true),
+    ARG(solve_options, q, "--q", ARG_TEXT, "FILE",
+        "vector q of a Matrix Market problem; NAME.q.mtx beside NAME.M.mtx where none is given"),
+    ARG(solve_options, tol, "--tol", ARG_TEXT, "T", "residual to stop at, the solver's option tol",
+        .unit = "1"),
+    ARG(solve_options, max_iter, "--max-iter", ARG_TEXT, "N",
+        "iterations at most, the solver's option max_iter", .unit = "1"),
+    ARG(solve_options, formulation, "--formulation", ARG_TEXT, "coulomb|velocity",
+        "poses a friction problem on the exact cone, or on facets"),
+    ARG(solve_options, facets, "--facets", ARG_INT, "N",
+        "facets of the polyhedral cone of a friction problem", .unit = "1", .min = 2),
+    ARG(solve_options, z, "--z", ARG_OUTPUT, "FILE",
+        "file that gets the answer, as a Matrix Market vector"),
+    ARG(solve_options, certificate, "--certificate", ARG_OUTPUT, "FILE",
+        "file that gets a proof which verify checks without a solver"),
+    ARG(solve_options, trace, "--trace", ARG_OUTPUT, "FILE.csv", "history of the solve"),
+};
+static const arg_table args = {
+    options,   BASE_COUNT(options),
+    1,         1,
+    "PROBLEM", "family with its parameters, or problem file; - is standard input"};
+
 static int run(int argc, char **argv) {
   solve_options o = {0};
-  const arg_option options[] = {{"--solver", ARG_TEXT, &o.solver},
-                                {"--q", ARG_TEXT, &o.q},
-                                {"--tol", ARG_TEXT, &o.tol},
-                                {"--max-iter", ARG_TEXT, &o.max_iter},
-                                {"--formulation", ARG_TEXT, &o.formulation},
-                                {"--facets", ARG_INT, &o.facets},
-                                {"--z", ARG_OUTPUT, &o.z},
-                                {"--certificate", ARG_OUTPUT, &o.certificate},
-                                {"--trace", ARG_OUTPUT, &o.trace}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "PROBLEM"};
   const char *problem;
   int n_positional;
   base_error err = {0};
-  if (args_parse(&table, argc, argv, &problem, &n_positional, &err) != BASE_OK) {
+  if (args_parse(&args, &o, argc, argv, &problem, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  o.report = args_take_stdout(&table) ? stderr : stdout;
+  o.report = args_take_stdout(&args, &o) ? stderr : stdout;
   solver_choice s = {0};
   problem_source src = {0};
   int code = CLI_INTERNAL;
@@ -203,9 +211,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_solve;
 const cli_verb verb_solve = {
     .name = "solve",
-    .usage = "solve PROBLEM --solver S[:opt=val,...] [--q FILE] [--tol T] [--max-iter N]"
-             " [--formulation coulomb|velocity] [--facets N] [--z FILE]"
-             " [--certificate FILE] [--trace FILE.csv]",
+    .args = &args,
     .help = "solves one problem (file or family) and prints one JSON object",
     .run = run,
 };

@@ -71,13 +71,14 @@ static void print_status(const record_table *t, const status_counts *c, const ch
   }
 }
 
+static const arg_table args = {NULL, 0, 1, 1, "DIR", "campaign folder, or a file of rows"};
+
 static int run(int argc, char **argv) {
-  const arg_table table = {NULL, 0, 1, 1, "DIR"};
   const char *dir;
   int n;
   base_error err = {0};
   record_table t;
-  base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
+  base_status done = args_parse(&args, NULL, argc, argv, &dir, &n, &err);
   if (done == BASE_OK) {
     done = runner_read_rows(dir, &t, &err);
   }
@@ -96,7 +97,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_status;
 const cli_verb verb_status = {
     .name = "status",
-    .usage = "status DIR",
+    .args = &args,
     .help = "counts the rows and verdicts of a campaign folder",
     .run = run,
 };

@@ -157,10 +157,9 @@ static base_status check_texts(const submission *s, base_error *err) {
 
 /* Refuses what the engine has no use for; what is not given gets its default. */
 static base_status settle_options(submit_options *o, base_error *err) {
-  o->slurm = o->engine != NULL && strcmp(o->engine, "slurm") == 0;
-  if (!o->slurm && (o->engine == NULL || strcmp(o->engine, "parallel") != 0)) {
-    return BASE_FAIL(err, BASE_EINVAL, "--engine %s: need parallel or slurm",
-                     o->engine != NULL ? o->engine : "is missing");
+  o->slurm = strcmp(o->engine, "slurm") == 0;
+  if (!o->slurm && strcmp(o->engine, "parallel") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--engine %s: need parallel or slurm", o->engine);
   }
   if (o->slurm ? o->jobs != NOT_GIVEN : o->slurm_time != NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: has no meaning with --engine %s",
@@ -168,9 +167,6 @@ static base_status settle_options(submit_options *o, base_error *err) {
   }
   o->jobs = (o->jobs != NOT_GIVEN) ? o->jobs : 1;
   o->slurm_time = (o->slurm_time != NULL) ? o->slurm_time : "04:00:00";
-  if (o->shards < 1 || o->jobs < 1) {
-    return BASE_FAIL(err, BASE_EINVAL, "--shards and --jobs: need at least 1");
-  }
   return BASE_OK;
 }
 
@@ -234,22 +230,32 @@ static base_status read_and_submit(submission *s, int *code, base_error *err) {
   return done;
 }
 
+static const arg_option options[] = {
+    ARG(submit_options, engine, "--engine", ARG_TEXT, "parallel|slurm", "what starts the shards",
+        .needed = true),
+    ARG(submit_options, shards, "--shards", ARG_INT, "N",
+        "shares of the campaign; 1 where none is given", .unit = "1", .min = 1),
+    ARG(submit_options, jobs, "--jobs", ARG_INT, "N",
+        "shards at a time, of parallel; 1 where none is given", .unit = "1", .min = 1),
+    ARG(submit_options, out, "--out", ARG_TEXT, "DIR",
+        "folder of the shards; results/NAME-shards where none is given"),
+    ARG(submit_options, slurm_time, "--slurm-time", ARG_TEXT, "T",
+        "limit of a shard as Slurm takes it; 04:00:00 where none is given"),
+    ARG(submit_options, quick, "--quick", ARG_FLAG, NULL, "takes the quick form of the campaign"),
+    ARG(submit_options, wait, "--wait", ARG_FLAG, NULL, "waits for the end of a job array"),
+    ARG(submit_options, dry_run, "--dry-run", ARG_FLAG, NULL,
+        "writes the script and starts nothing"),
+};
+static const arg_table args = {options, BASE_COUNT(options), 1,
+                               1,       "CAMPAIGN",          "shipped campaign, or a .yaml file"};
+
 static int run(int argc, char **argv) {
   submit_options o = {.shards = 1, .jobs = NOT_GIVEN};
-  const arg_option options[] = {{"--engine", ARG_TEXT, &o.engine},
-                                {"--shards", ARG_INT, &o.shards},
-                                {"--jobs", ARG_INT, &o.jobs},
-                                {"--out", ARG_TEXT, &o.out},
-                                {"--slurm-time", ARG_TEXT, &o.slurm_time},
-                                {"--quick", ARG_FLAG, &o.quick},
-                                {"--wait", ARG_FLAG, &o.wait},
-                                {"--dry-run", ARG_FLAG, &o.dry_run}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "CAMPAIGN"};
   submission s = {.o = &o};
   int n;
   int code = CLI_INTERNAL;
   base_error err = {0};
-  base_status done = args_parse(&table, argc, argv, &s.campaign, &n, &err);
+  base_status done = args_parse(&args, &o, argc, argv, &s.campaign, &n, &err);
   if (done == BASE_OK) {
     done = settle_options(&o, &err);
   }
@@ -262,8 +268,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_submit;
 const cli_verb verb_submit = {
     .name = "submit",
-    .usage = "submit CAMPAIGN --engine parallel|slurm --shards N [--jobs N] [--out DIR] [--quick]"
-             " [--wait] [--slurm-time T] [--dry-run]",
+    .args = &args,
     .help = "writes and starts a campaign as shards for GNU parallel or a Slurm job array",
     .run = run,
 };

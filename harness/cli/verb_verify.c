@@ -253,28 +253,39 @@ static base_status verify_rows(const char *dir, const record_table *t, bool reru
   return BASE_OK;
 }
 
+typedef struct verify_options {
+  bool rerun;
+  const char *certificate, *q;
+  int facets;
+} verify_options;
+
+static const arg_option options[] = {
+    ARG(verify_options, rerun, "--rerun", ARG_FLAG, NULL,
+        "runs the solvers again instead of judging the stored answers"),
+    ARG(verify_options, certificate, "--certificate", ARG_TEXT, "FILE",
+        "checks this proof against PROBLEM, without a solver"),
+    ARG(verify_options, q, "--q", ARG_TEXT, "FILE", "vector q of a Matrix Market problem"),
+    ARG(verify_options, facets, "--facets", ARG_INT, "N",
+        "facets of the polyhedral cone of a friction problem", .unit = "1", .min = 2),
+};
+static const arg_table args = {
+    options, BASE_COUNT(options), 1,
+    1,       "DIR|PROBLEM",       "campaign folder, or with --certificate a problem"};
+
 static int run(int argc, char **argv) {
-  bool rerun = false;
-  const char *certificate = NULL;
-  const char *q = NULL;
-  int facets = 0;
-  const arg_option options[] = {{"--rerun", ARG_FLAG, &rerun},
-                                {"--certificate", ARG_TEXT, &certificate},
-                                {"--q", ARG_TEXT, &q},
-                                {"--facets", ARG_INT, &facets}};
-  const arg_table table = {options, BASE_COUNT(options), 1, 1, "DIR or PROBLEM"};
+  verify_options o = {0};
   const char *dir;
   int n;
   base_error err = {0};
   record_table t;
-  base_status done = args_parse(&table, argc, argv, &dir, &n, &err);
-  if (done == BASE_OK && certificate != NULL && rerun) {
+  base_status done = args_parse(&args, &o, argc, argv, &dir, &n, &err);
+  if (done == BASE_OK && o.certificate != NULL && o.rerun) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--rerun: a certificate is checked without a solver");
   }
-  if (done == BASE_OK && certificate != NULL) {
-    return verify_certificate(dir, q, facets, certificate);
+  if (done == BASE_OK && o.certificate != NULL) {
+    return verify_certificate(dir, o.q, o.facets, o.certificate);
   }
-  if (done == BASE_OK && (q != NULL || facets != 0)) {
+  if (done == BASE_OK && (o.q != NULL || o.facets != 0)) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--q and --facets describe the problem of a --certificate");
   }
   if (done == BASE_OK) {
@@ -284,7 +295,7 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   int code = CLI_INTERNAL;
-  done = verify_rows(dir, &t, rerun, &code, &err);
+  done = verify_rows(dir, &t, o.rerun, &code, &err);
   record_table_free(&t);
   return (done == BASE_OK) ? code : cli_report(&err);
 }
@@ -292,7 +303,7 @@ static int run(int argc, char **argv) {
 extern const cli_verb verb_verify;
 const cli_verb verb_verify = {
     .name = "verify",
-    .usage = "verify DIR [--rerun] | PROBLEM --certificate FILE [--q FILE] [--facets N]",
+    .args = &args,
     .help =
         "recomputes every verdict of a campaign from its stored answers (--rerun: by running the"
         " solvers again); or checks a certificate without any solver",

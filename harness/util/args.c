@@ -4,6 +4,7 @@
 #include "lcp/base/nearest.h"
 #include "lcp/base/output.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,39 +42,87 @@ bool args_bytes(const char *text, double *bytes) {
   return scaled(text, "BKMG", factor, bytes);
 }
 
-static base_status store(const arg_option *o, const char *value, base_error *err) {
+static void *member(const arg_option *o, void *options) {
+  return (char *)options + o->offset;
+}
+
+const char *args_range(const arg_option *o, char *buf, size_t cap) {
+  buf[0] = '\0';
+  if (o->unit == NULL) {
+    return buf;
+  }
+  const char *low = o->above ? "above" : (o->max > 0.0) ? "from" : "of at least";
+  const int used = (o->min > -HUGE_VAL) ? snprintf(buf, cap, "[%s], %s %.6g", o->unit, low, o->min)
+                                        : snprintf(buf, cap, "[%s]", o->unit);
+  if (o->max > 0.0) {
+    (void)snprintf(buf + used, cap - (size_t)used, "%s %.6g", o->above ? ", at most" : " to",
+                   o->max);
+  }
+  return buf;
+}
+
+static base_status in_range(const arg_option *o, const char *text, double x, base_error *err) {
+  char range[96];
+  const bool low = o->above ? x > o->min : x >= o->min;
+  if (o->unit == NULL || (low && (o->max <= 0.0 || x <= o->max))) {
+    return BASE_OK;
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "%s %.100s: need a number %s", o->name, text,
+                   args_range(o, range, sizeof range) + strlen(o->unit) + 4);
+}
+
+static base_status not_a(const char *what, const arg_option *o, const char *value,
+                         base_error *err) {
+  return BASE_FAIL(err, BASE_EINVAL, "%s %s: need %s", o->name, value, what);
+}
+
+static base_status store(const arg_option *o, void *to, const char *value, base_error *err) {
+  double x = 0.0;
+  int i = 0;
   switch (o->kind) {
   case ARG_TEXT:
+    if (o->unit != NULL) { /* a number that somebody else reads again */
+      if (!base_parse_real(value, &x)) {
+        return not_a("a finite number", o, value, err);
+      }
+      BASE_TRY(in_range(o, value, x, err));
+    }
+    *(const char **)to = value;
+    return BASE_OK;
   case ARG_OUTPUT:
-    *(const char **)o->to = value;
+    *(const char **)to = value;
     return BASE_OK;
   case ARG_FLAG:
-    *(bool *)o->to = true;
+    *(bool *)to = true;
     return BASE_OK;
   case ARG_REAL:
-    if (!base_parse_real(value, o->to)) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s %s: need a finite number", o->name, value);
+    if (!base_parse_real(value, &x)) {
+      return not_a("a finite number", o, value, err);
     }
-    return BASE_OK;
+    *(double *)to = x;
+    return in_range(o, value, x, err);
   case ARG_INT:
-    if (!base_parse_int(value, o->to)) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s %s: need an integer", o->name, value);
+    if (!base_parse_int(value, &i)) {
+      return not_a("an integer", o, value, err);
     }
-    return BASE_OK;
+    *(int *)to = i;
+    return in_range(o, value, i, err);
   case ARG_SECONDS:
-    if (!args_seconds(value, o->to)) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s %s: need seconds, or 30s, 10m, 2h", o->name, value);
+    if (!args_seconds(value, &x)) {
+      return not_a("seconds, or 30s, 10m, 2h", o, value, err);
     }
-    return BASE_OK;
+    *(double *)to = x;
+    return in_range(o, value, x, err);
   case ARG_BYTES:
-    if (!args_bytes(value, o->to)) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s %s: need bytes, or 500M, 2G", o->name, value);
+    if (!args_bytes(value, &x)) {
+      return not_a("bytes, or 500M, 2G", o, value, err);
     }
-    return BASE_OK;
+    *(double *)to = x;
+    return in_range(o, value, x, err);
   case ARG_LIST:
     break;
   }
-  arg_list *list = o->to;
+  arg_list *list = to;
   if (list->count == ARG_LIST_MAX) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: given more than %d times", o->name, ARG_LIST_MAX);
   }
@@ -100,12 +149,13 @@ static void variable_of(const char *option, char *name, size_t cap) {
   name[used] = '\0';
 }
 
-static base_status take_environment(const arg_table *t, base_error *err) {
+static base_status take_environment(const arg_table *t, void *options, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
     char name[64];
     variable_of(t->option[i].name, name, sizeof name);
     const char *value = getenv(name);
-    const arg_option o = {name, t->option[i].kind, t->option[i].to}; /* errors name the variable */
+    arg_option o = t->option[i];
+    o.name = name; /* for errors */
     if (value == NULL || *value == '\0' || o.kind == ARG_LIST) {
       continue;
     }
@@ -113,7 +163,7 @@ static base_status take_environment(const arg_table *t, base_error *err) {
       return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need 1, or 0 for not", name, value);
     }
     if (o.kind != ARG_FLAG || *value == '1') {
-      BASE_TRY(store(&o, value, err));
+      BASE_TRY(store(&o, member(&o, options), value, err));
     }
   }
   return BASE_OK;
@@ -130,7 +180,8 @@ static base_status unknown_option(const arg_table *t, const char *text, size_t l
                    base_nearest_hint(&near, hint));
 }
 
-static base_status take_option(const arg_table *t, int argc, char **argv, int *i, base_error *err) {
+static base_status take_option(const arg_table *t, void *options, int argc, char **argv, int *i,
+                               base_error *err) {
   const char *text = argv[*i];
   const size_t len = strcspn(text, "=");
   const arg_option *o = find(t, text, len);
@@ -139,7 +190,7 @@ static base_status take_option(const arg_table *t, int argc, char **argv, int *i
   }
   const char *value = (text[len] == '=') ? text + len + 1 : NULL;
   if (o->kind == ARG_FLAG) {
-    return (value == NULL) ? store(o, "", err)
+    return (value == NULL) ? store(o, member(o, options), "", err)
                            : BASE_FAIL(err, BASE_EINVAL, "%s: takes no value", o->name);
   }
   if (value == NULL) {
@@ -148,11 +199,31 @@ static base_status take_option(const arg_table *t, int argc, char **argv, int *i
     }
     value = argv[++*i];
   }
-  return store(o, value, err);
+  return store(o, member(o, options), value, err);
 }
 
-static const char *output_of(const arg_option *o) {
-  return (o->kind == ARG_OUTPUT) ? *(const char **)o->to : NULL;
+static const char *text_of(const arg_option *o, const void *options) {
+  return *(const char *const *)(const void *)((const char *)options + o->offset);
+}
+
+static const char *output_of(const arg_option *o, const void *options) {
+  return (o->kind == ARG_OUTPUT) ? text_of(o, options) : NULL;
+}
+
+static base_status check_needed(const arg_table *t, const void *options, base_error *err) {
+  for (int i = 0; i < t->n_option; i++) {
+    const arg_option *o = &t->option[i];
+    if (!o->needed) {
+      continue;
+    }
+    const bool given = (o->kind == ARG_LIST)
+                           ? *(const int *)(const void *)((const char *)options + o->offset) > 0
+                           : text_of(o, options) != NULL;
+    if (!given) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s %s is missing: %s", o->name, o->value, o->help);
+    }
+  }
+  return BASE_OK;
 }
 
 static bool same_place(const char *a, const char *b) {
@@ -160,11 +231,11 @@ static bool same_place(const char *a, const char *b) {
 }
 
 /* Of two files under one name one would be lost. */
-static base_status check_outputs(const arg_table *t, base_error *err) {
+static base_status check_outputs(const arg_table *t, const void *options, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
-    const char *one = output_of(&t->option[i]);
+    const char *one = output_of(&t->option[i], options);
     for (int k = 0; one != NULL && k < i; k++) {
-      const char *other = output_of(&t->option[k]);
+      const char *other = output_of(&t->option[k], options);
       if (other != NULL && same_place(one, other)) {
         return BASE_FAIL(err, BASE_EINVAL, "%s and %s write to the same place, %s",
                          t->option[k].name, t->option[i].name, one);
@@ -174,9 +245,9 @@ static base_status check_outputs(const arg_table *t, base_error *err) {
   return BASE_OK;
 }
 
-bool args_take_stdout(const arg_table *t) {
+bool args_take_stdout(const arg_table *t, const void *options) {
   for (int i = 0; i < t->n_option; i++) {
-    const char *path = output_of(&t->option[i]);
+    const char *path = output_of(&t->option[i], options);
     if (path != NULL && base_out_is_stdout(path)) {
       return true;
     }
@@ -184,10 +255,10 @@ bool args_take_stdout(const arg_table *t) {
   return false;
 }
 
-base_status args_parse(const arg_table *t, int argc, char **argv, const char **positional,
-                       int *n_positional, base_error *err) {
+base_status args_parse(const arg_table *t, void *options, int argc, char **argv,
+                       const char **positional, int *n_positional, base_error *err) {
   *n_positional = 0;
-  BASE_TRY(take_environment(t, err));
+  BASE_TRY(take_environment(t, options, err));
   bool ended = false; /* no options behind a -- */
   for (int i = 0; i < argc; i++) {
     const bool option = !ended && strncmp(argv[i], "--", 2) == 0;
@@ -202,10 +273,11 @@ base_status args_parse(const arg_table *t, int argc, char **argv, const char **p
       positional[(*n_positional)++] = argv[i];
       continue;
     }
-    BASE_TRY(take_option(t, argc, argv, &i, err));
+    BASE_TRY(take_option(t, options, argc, argv, &i, err));
   }
   if (*n_positional < t->min_positional) {
     return BASE_FAIL(err, BASE_EINVAL, "%s is missing", t->positional_name);
   }
-  return check_outputs(t, err);
+  BASE_TRY(check_needed(t, options, err));
+  return check_outputs(t, options, err);
 }

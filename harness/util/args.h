@@ -6,6 +6,7 @@
 #include "lcp/base/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 typedef enum arg_kind {
   ARG_TEXT, /* const char * */
@@ -27,24 +28,45 @@ typedef struct arg_list {
 typedef struct arg_option {
   const char *name; /* "--solver" */
   arg_kind kind;
-  void *to;
+  size_t offset; /* of its member in the options of the verb */
+  const char *
+      value; /* what stands behind it: "FILE", "cold|previous"; NULL for a flag. SOLVER, FORMULATION, SCENE,
+                        PROBLEM, CAMPAIGN and words between bars are completed by the shell */
+  const char *help; /* one sentence */
+  bool needed;      /* of text and lists: refused where it is missing */
+  const char *
+      unit; /* of a number, which is then held to the range, also where it is kept as text; NULL: none */
+  double min, max; /* max 0: no upper limit */
+  bool above;      /* min itself is out of the range */
 } arg_option;
+
+/* One row of a verb's table; behind the sentence: .unit = "s", .min = 0, ... */
+#define ARG(T, member_, name_, kind_, value_, ...)                                                 \
+  {                                                                                                \
+    .name = (name_), .kind = (kind_), .offset = offsetof(T, member_), .value = (value_),           \
+    .help = __VA_ARGS__                                                                            \
+  }
 
 typedef struct arg_table {
   const arg_option *option;
   int n_option;
   int min_positional, max_positional;
-  const char *positional_name; /* for messages: "PROBLEM" */
+  const char *positional_name; /* for messages and help: "PROBLEM" */
+  const char *positional_help; /* one sentence */
 } arg_table;
 
-/* Fills the options and up to max_positional positional arguments (views into argv). Behind a -- all are
- * positional. BASE_EINVAL names the culprit, and the option that it was probably meant for; also where
- * two options write to the same place. */
-base_status args_parse(const arg_table *t, int argc, char **argv, const char **positional,
-                       int *n_positional, base_error *err);
+/* Fills the options (a struct of the type the table was made for, with the defaults in it) and up to
+ * max_positional positional arguments (views into argv). Behind a -- all are positional. BASE_EINVAL names the
+ * culprit, and the option that it was probably meant for; also where a number is out of its range, where a needed
+ * option is missing, and where two options write to the same place. */
+base_status args_parse(const arg_table *t, void *options, int argc, char **argv,
+                       const char **positional, int *n_positional, base_error *err);
 
 /* Does an option of the table write to standard output? What would stand there goes to stderr. */
-bool args_take_stdout(const arg_table *t);
+bool args_take_stdout(const arg_table *t, const void *options);
+
+/* "[s], above 0": unit and range of an option; "" where it has none. */
+const char *args_range(const arg_option *o, char *buf, size_t cap);
 
 bool args_seconds(const char *text, double *seconds);
 bool args_bytes(const char *text, double *bytes);
