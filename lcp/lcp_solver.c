@@ -39,6 +39,15 @@ const char *lcp_set_name(int set) {
 static const char *const trait_names[] = {
     "symmetric", "psd", "pd", "copositive", "copositive_plus", "p_matrix", "zero_diagonal"};
 
+unsigned lcp_trait_find(const char *name) {
+  for (int i = 0; i < BASE_COUNT(trait_names); i++) {
+    if ((1u << i) != LCP_ZERO_DIAGONAL && strcmp(trait_names[i], name) == 0) {
+      return 1u << i;
+    }
+  }
+  return 0;
+}
+
 /* What is declared, what follows from it, and exact symmetry of the stored numbers where asked. */
 static unsigned known_traits(const lcp_problem *p, unsigned asked) {
   unsigned t = p->traits;

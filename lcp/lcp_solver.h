@@ -104,6 +104,9 @@ typedef struct lcp_solver {
 /* Of an lcp_set, as errors and lists tell it; NULL beyond the last. */
 const char *lcp_set_name(int set);
 
+/* The bit of a trait by its word ("psd"); 0: there is none, or it is one that is never declared (zero_diagonal). */
+unsigned lcp_trait_find(const char *name);
+
 /* All solvers of this build, in the order of lcp/solvers/meson.build. */
 const lcp_solver *const *lcp_solvers(int *count);
 const lcp_solver *lcp_solver_find(const char *name); /* NULL if absent */

@@ -20,7 +20,7 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-FLOORS = ("lcp", "problems", "formulations", "harness")
+FLOORS = ("lcp", "problems", "formulations", "harness", "library")
 # Each room uses only rooms that stand before it.
 ROOMS = {
     "harness": ["util", "measure", "plan", "cell", "campaign", "check", "cli"],

@@ -1,6 +1,6 @@
 #!/bin/sh
 # scripts/check_layers.sh [BUILD] - fails when an #include points upwards. The floors, from the ground: lcp, problems,
-# formulations, harness (tests may include anything). It also fails when the judge or the verifier of certificates
+# formulations, harness (tests may include anything); library stands on lcp and, of harness, on the verdict and the choice of a solver. It also fails when the judge or the verifier of certificates
 # includes a header of the solvers, or a solver one of theirs. Then scripts/check_circles.py looks for circles inside
 # folders and between rooms in the objects of BUILD (default: build).
 cd "$(dirname "$0")/.." || exit 2
@@ -10,10 +10,11 @@ deny() { # forbidden include prefixes, folders and files
   shift
   if grep -rnE "#include \"($forbidden)" "$@" --include='*.[ch]'; then bad=1; fi
 }
-deny 'problems/|formulations/|harness/|tests/' lcp
+deny 'problems/|formulations/|harness/|library/|tests/' lcp
 deny 'formulations/|harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)' problems
 deny 'harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)|problems/scenes/' formulations
-deny 'tests/|lcp/solvers/' harness
+deny 'tests/|library/|lcp/solvers/' harness
+deny 'tests/|problems/|formulations/|lcp/solvers/|harness/(util|plan|cell|campaign|check|cli)/' library harness/measure/solver_choice.* harness/measure/verdict.*
 # Who judges shares with who is judged the problem and the words of a claim, no arithmetic but the
 # rounding of a factored M to entries and the geometry of its cone.
 judges() { # pattern of the includes that they may have

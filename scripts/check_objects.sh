@@ -22,7 +22,8 @@ if [ -n "$solvers" ]; then
     say 'forbidden call in lcp/solvers'
 fi
 calls 'exit|_exit|abort|printf|puts|putchar|perror|stdout|stderr|err|warn|errx|warnx' \
-  "$b"/lcp/*.a "$b"/problems/*.a "$b"/formulations/*.a | grep -vFf scripts/allow.txt && say 'a library prints or exits'
+  "$b"/lcp/*.a "$b"/problems/*.a "$b"/formulations/*.a "$b"/library/*.a | grep -vFf scripts/allow.txt &&
+  say 'a library prints or exits'
 objdump -t "$b"/lcp/*.a "$b"/problems/*.a "$b"/formulations/*.a |
   awk '$NF !~ /^\./ && ($3 ~ /^\.(data|bss)$/ || $4 ~ /^\.(data|bss)$/ || $3 == "*COM*" || $4 == "*COM*") {print; f = 1} END {exit !f}' &&
   say 'writable global data'

@@ -6,131 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const lcp_solver *const *extra_solvers; /* set once at start, read-only afterwards */
-
-void registry_extend(const lcp_solver *const *extra) {
-  extra_solvers = extra;
-}
-
-const lcp_solver *registry_solver(int i) {
-  int count;
-  const lcp_solver *const *own = lcp_solvers(&count);
-  if (i < count) {
-    return own[i];
-  }
-  for (int k = 0; extra_solvers != NULL && extra_solvers[k] != NULL; k++) {
-    if (k == i - count) {
-      return extra_solvers[k];
-    }
-  }
-  return NULL;
-}
-
-const lcp_solver *registry_solver_find(const char *name) {
-  const lcp_solver *s;
-  for (int i = 0; (s = registry_solver(i)) != NULL; i++) {
-    if (strcmp(s->name, name) == 0) {
-      return s;
-    }
-  }
-  return NULL;
-}
-
-/* Splits "NAME:options" at the first colon; *options is "" without one. */
-static base_status split(const char *text, char name[64], const char **options, base_error *err) {
-  const size_t len = strcspn(text, ":");
-  if (len == 0 || len >= 64) {
-    return BASE_FAIL(err, BASE_EINVAL, "'%.80s': need NAME or NAME:option=value,...", text);
-  }
-  memcpy(name, text, len);
-  name[len] = '\0';
-  *options = text + len + (text[len] == ':');
-  return BASE_OK;
-}
-
-/* Default options with the given ones on top, in a fresh block. */
-static base_status make_options(const char *name, const base_field *f, int nf, size_t size,
-                                const char *text, void **opt, base_error *err) {
-  *opt = calloc(1, size > 0 ? size : 1);
-  if (*opt == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for its options", name);
-  }
-  base_fields_default(f, nf, *opt);
-  base_error why = {0};
-  const base_status s = base_fields_parse(f, nf, *opt, text, &why);
-  if (s != BASE_OK) {
-    free(*opt);
-    *opt = NULL;
-    return BASE_FAIL(err, s, "%s: %s", name, why.text);
-  }
-  return BASE_OK;
-}
-
-static base_status set_option(const char *name, const base_field *f, int nf, void *opt,
-                              const char *option, const char *value, base_error *err) {
-  base_error why = {0};
-  const base_status s = base_fields_set(f, nf, opt, option, value, &why);
-  return (s == BASE_OK) ? BASE_OK : BASE_FAIL(err, s, "%s: %s", name, why.text);
-}
-
-base_status solver_choose(const char *text, solver_choice *out, base_error *err) {
-  *out = (solver_choice){0};
-  char name[64];
-  const char *options = NULL;
-  BASE_TRY(split(text, name, &options, err));
-  const lcp_solver *s = registry_solver_find(name);
-  if (s == NULL) {
-    char hint[BASE_NEAREST_HINT];
-    base_nearest near = base_nearest_to(name, strlen(name));
-    for (int i = 0; (s = registry_solver(i)) != NULL; i++) {
-      base_nearest_offer(&near, s->name);
-    }
-    return BASE_FAIL(err, BASE_EINVAL, "solver '%s': unknown; see lcpbench list solvers%s", name,
-                     base_nearest_hint(&near, hint));
-  }
-  BASE_TRY(make_options(name, s->fields, s->n_fields, s->options_size, options, &out->opt, err));
-  out->solver = s;
-  (void)base_fields_print(s->fields, s->n_fields, out->opt, out->config, sizeof out->config);
-  return BASE_OK;
-}
-
-base_status solver_choice_set(solver_choice *c, const char *option, const char *value,
-                              base_error *err) {
-  const lcp_solver *s = c->solver;
-  BASE_TRY(set_option(s->name, s->fields, s->n_fields, c->opt, option, value, err));
-  (void)base_fields_print(s->fields, s->n_fields, c->opt, c->config, sizeof c->config);
-  return BASE_OK;
-}
-
-bool solver_choice_limit(solver_choice *c, double seconds) {
-  const lcp_solver *s = c->solver;
-  for (int i = 0; i < s->n_fields; i++) {
-    const base_field *f = &s->fields[i];
-    if (strcmp(f->name, "max_seconds") != 0 || f->kind != BASE_REAL) {
-      continue;
-    }
-    unsigned char *at = (unsigned char *)c->opt + f->offset;
-    double own;
-    memcpy(&own, at, sizeof own);
-    if (own > seconds) {
-      memcpy(at, &seconds, sizeof seconds);
-      (void)base_fields_print(s->fields, s->n_fields, c->opt, c->config, sizeof c->config);
-    }
-    return own > seconds;
-  }
-  return false;
-}
-
-void solver_choice_free(solver_choice *c) {
-  free(c->opt);
-  *c = (solver_choice){0};
-}
-
 base_status formulation_choose(const char *text, formulation_choice *out, base_error *err) {
   *out = (formulation_choice){0};
   char name[64];
   const char *options = NULL;
-  BASE_TRY(split(text, name, &options, err));
+  BASE_TRY(choice_split(text, name, &options, err));
   const formulation *f = formulation_find(name);
   if (f == NULL) {
     char hint[BASE_NEAREST_HINT];
@@ -144,7 +24,7 @@ base_status formulation_choose(const char *text, formulation_choice *out, base_e
                      "formulation '%s': unknown; see lcpbench list formulations%s", name,
                      base_nearest_hint(&near, hint));
   }
-  BASE_TRY(make_options(name, f->fields, f->n_fields, f->options_size, options, &out->opt, err));
+  BASE_TRY(choice_options(name, f->fields, f->n_fields, f->options_size, options, &out->opt, err));
   out->form = f;
   (void)base_fields_print(f->fields, f->n_fields, out->opt, out->config, sizeof out->config);
   return BASE_OK;
@@ -153,7 +33,7 @@ base_status formulation_choose(const char *text, formulation_choice *out, base_e
 base_status formulation_choice_set(formulation_choice *c, const char *option, const char *value,
                                    base_error *err) {
   const formulation *f = c->form;
-  BASE_TRY(set_option(f->name, f->fields, f->n_fields, c->opt, option, value, err));
+  BASE_TRY(choice_set(f->name, f->fields, f->n_fields, c->opt, option, value, err));
   (void)base_fields_print(f->fields, f->n_fields, c->opt, c->config, sizeof c->config);
   return BASE_OK;
 }

@@ -1,6 +1,7 @@
 #include "harness/plan/campaign.h"
 
 #include "harness/util/args.h"
+#include "harness/util/installed.h"
 #include "harness/util/yaml_read.h"
 #include "lcp/base/fields.h"
 
@@ -300,8 +301,13 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
 }
 
 const char *campaign_directory(void) {
+  static char installed[4096];
   const char *dir = getenv("LCPBENCH_CAMPAIGNS");
-  return (dir != NULL && dir[0] != '\0') ? dir : LCPBENCH_CAMPAIGN_DIR;
+  if (dir != NULL && dir[0] != '\0') {
+    return dir;
+  }
+  return installed_data("campaigns", installed, sizeof installed) ? installed
+                                                                  : LCPBENCH_CAMPAIGN_DIR;
 }
 
 static void locate(const char *text, char *path, size_t cap) {

@@ -60,5 +60,5 @@ typedef struct campaign {
 base_status campaign_read(const char *text, bool quick, campaign *out, base_error *err);
 void campaign_free(campaign *c);
 
-/* Directory of the shipped campaigns: $LCPBENCH_CAMPAIGNS, or the one installed with the build. */
+/* Directory of the shipped campaigns: $LCPBENCH_CAMPAIGNS, or the one installed beside the program, or that of the sources. */
 const char *campaign_directory(void);

@@ -1,5 +1,7 @@
 #include "harness/util/version.h"
 
+#include "include/lcpbench/lcpbench.h"
+
 const char *harness_version(void) {
-  return "0.1.0";
+  return LCP_VERSION;
 }

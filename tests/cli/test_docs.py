@@ -43,6 +43,24 @@ def documents_hold(d):
     assert done.returncode == 0, done.stdout
 
 
+def the_interface_is_what_the_headers_say(d):
+    words = [sys.executable, ROOT / "scripts/api_docs", "--check"]
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    root = copied(d)
+    header = root / "include/lcpbench/lcpbench.h"
+    whole = header.read_text(encoding="utf-8")
+    for before, after, said in (
+        ("/* Number of unknowns. */", "/* The number of rows. */", "docs/API.md is not"),
+        ("/* Number of unknowns. */\n", "", "one comment on lcp_problem_declare, lcp_problem_size"),
+    ):
+        assert whole.count(before) == 1
+        header.write_text(whole.replace(before, after), encoding="utf-8")
+        words[1] = root / "scripts/api_docs"
+        done = subprocess.run(words, capture_output=True, text=True)
+        assert done.returncode == 1 and said in done.stderr, done.stderr
+
+
 # What is checked is this file as well: a name that leads nowhere is put together from two.
 _ = " "
 # file, what stands there, what is put in its place, what the checker must say
@@ -153,4 +171,12 @@ def example_of_campaigns_runs(d):
     assert "verified" in (d / "out/results.csv").read_text(encoding="utf-8")
 
 
-tap([documents_hold, planted_faults_are_found, examples_of_formats_pass, example_of_campaigns_runs])
+tap(
+    [
+        documents_hold,
+        the_interface_is_what_the_headers_say,
+        planted_faults_are_found,
+        examples_of_formats_pass,
+        example_of_campaigns_runs,
+    ]
+)

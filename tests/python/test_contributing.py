@@ -7,13 +7,12 @@ import json
 import os
 import pathlib
 import re
-import shutil
 import subprocess
 import tempfile
 import unittest
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-BUILD = pathlib.Path(os.environ.get("LCPBENCH_BUILD", ROOT / "build")).resolve()
+from clone import ROOT, configured, copied
+
 HOW = {"solver": "docs/how/my-solver.md", "scene": "docs/how/my-scene.md"}
 CAMPAIGN = """
 name: accuracy
@@ -27,7 +26,6 @@ parts:
     solvers: [SOLVER, lemke, jacobi]
     steps: [0.01, 0.005, 0.0025]
 """
-KEPT = ("buildtype", "optimization", "debug", "werror", "warning_level", "b_ndebug", "siconos")
 
 
 def asked(kind: str) -> tuple[str, str, str]:
@@ -42,44 +40,6 @@ def given(page: str) -> tuple[str, str]:
     """Path and text of the C file that a page of docs/how shows."""
     text = (ROOT / page).read_text(encoding="utf-8")
     return re.search(r"<!-- (?:file|source): (\S+\.c) -->\n```c\n(.*?)```\n", text, re.S).groups()
-
-
-def copied(folder: pathlib.Path) -> None:
-    """The sources with their times, so that objects that were made from them are not made again."""
-    listed = subprocess.run(
-        ["git", "-C", ROOT, "ls-files", "-co", "--exclude-standard"],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    for name in listed.stdout.splitlines():
-        if not name.startswith(("results/", "tests/")) and (ROOT / name).is_file():
-            (folder / name).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy2(ROOT / name, folder / name)
-    (folder / "tests").mkdir()
-    (folder / "tests" / "meson.build").touch()
-    (folder / ".venv").symlink_to(ROOT / ".venv")
-
-
-def configured(folder: pathlib.Path) -> pathlib.Path:
-    """A build tree in the copy, with the options and the objects of the build under test."""
-    told = json.loads((BUILD / "meson-info" / "intro-buildoptions.json").read_text())
-    options = [f"-D{o['name']}={str(o['value']).lower()}" for o in told if o["name"] in KEPT]
-    compiler = json.loads((BUILD / "compile_commands.json").read_text())[0]["command"].split()[0]
-    build = folder / "build"
-    subprocess.run(
-        ["meson", "setup", build, folder, "-Dtests=disabled", *options],
-        env=dict(os.environ, CC=compiler),
-        check=True,
-        capture_output=True,
-    )
-    for path in BUILD.rglob("*"):
-        if path.suffix in (".o", ".a") or path.name in (".ninja_log", ".ninja_deps"):
-            to = build / path.relative_to(BUILD)
-            if not to.is_relative_to(build / "tests"):
-                to.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(path, to)
-    return build
 
 
 class Contributing(unittest.TestCase):
