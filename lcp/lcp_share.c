@@ -14,6 +14,8 @@ static const double delta_share =
 static const double friction_share =
     1e-2; /* of delta, on rows without compliance: holds what is left */
 static const double joint_share = 1e-5; /* the same, of joints that say the same twice */
+static const double body_joint_share =
+    1e-3;                               /* the same in body space, where every row needs some */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
 base_status lcp_share_open(lcp_share **out, base_error *err) {
@@ -24,6 +26,7 @@ base_status lcp_share_open(lcp_share **out, base_error *err) {
 void lcp_share_close(lcp_share *s) {
   if (s != NULL) {
     lcp_share_system_close(&s->system);
+    lcp_share_bodies_close(&s->bodies);
     lcp_csc_free(&s->copy);
     free(s->mem);
     free(s);
@@ -43,6 +46,7 @@ static void layout(lcp_share *s, base_arena *a) {
   s->contact = BASE_ARRAY(a, int, n);
   s->owner = BASE_ARRAY(a, int, n);
   s->island = BASE_ARRAY(a, int, n);
+  s->met = BASE_ARRAY(a, int, s->cap_body);
   s->rests = BASE_ARRAY(a, bool, n);
   s->rows.kind = BASE_ARRAY(a, unsigned char, n);
   s->rows.delta = BASE_ARRAY(a, double, n);
@@ -54,11 +58,12 @@ static void layout(lcp_share *s, base_arena *a) {
   s->rows.gain = BASE_ARRAY(a, double, 2 * (size_t)n);
 }
 
-static base_status grow(lcp_share *s, int n, base_error *err) {
-  if (s->mem != NULL && n <= s->cap_n) {
+static base_status grow(lcp_share *s, int n, int n_body, base_error *err) {
+  if (s->mem != NULL && n <= s->cap_n && n_body <= s->cap_body) {
     return BASE_OK;
   }
   s->cap_n = n + n / 2;
+  s->cap_body = n_body + n_body / 2;
   base_arena measure = base_arena_measuring();
   layout(s, &measure);
   free(s->mem);
@@ -75,6 +80,10 @@ static base_status grow(lcp_share *s, int n, base_error *err) {
 /* w = M z + q; size: the sum of what each row is made of, unless NULL. */
 static void product(lcp_share *s, double *size) {
   const int n = s->p->M.n;
+  if (s->by_bodies) {
+    lcp_share_bodies_product(&s->bodies, s->z, s->w, size);
+    return;
+  }
   memcpy(s->w, s->p->q, (size_t)n * sizeof *s->w);
   for (int i = 0; i < n && size != NULL; i++) {
     size[i] = fabs(s->p->q[i]);
@@ -137,11 +146,34 @@ static void set_delta(lcp_share *s, double most_soft) {
   }
 }
 
+/* The system for the rows as they are. */
+static base_status factor(lcp_share *s, bool *regular, base_error *err) {
+  if (!s->by_bodies) {
+    return lcp_share_system_factor(&s->system, &s->M, &s->rows, regular, err);
+  }
+  BASE_TRY(lcp_share_system_list(&s->system, s->p->M.n, &s->rows, err));
+  s->system.factorizations++;
+  return lcp_share_bodies_factor(&s->bodies, &s->rows, regular, err);
+}
+
+/* s->z of the unknowns from s->right. */
+static void solve(lcp_share *s) {
+  if (s->by_bodies) {
+    s->system.backsolves += lcp_share_bodies_solve(&s->bodies, &s->rows, s->right, s->z);
+  } else {
+    lcp_share_system_solve(&s->system, s->right, s->z);
+  }
+}
+
 /* Factors the active rows; how many of them are too many. */
 static base_status rank_of_active(lcp_share *s, int count, int *deficit, base_error *err) {
   bool regular;
-  BASE_TRY(lcp_share_system_factor(&s->system, &s->M, &s->rows, &regular, err));
+  BASE_TRY(factor(s, &regular, err));
   s->normals_regular = regular;
+  *deficit = 0;
+  if (s->by_bodies) {
+    return regular ? lcp_share_bodies_deficit(&s->bodies, &s->rows, deficit, err) : BASE_OK;
+  }
   *deficit = regular ? lcp_share_system_small_pivots(&s->system, 10.0 * count * s->delta)
                      : s->system.lu.deficient;
   return BASE_OK;
@@ -168,9 +200,11 @@ static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, bas
   if (*count == 0) {
     return BASE_OK;
   }
-  hold_joints(s, 0);
+  hold_joints(s, s->by_bodies ? body_joint_share * s->delta : 0);
   BASE_TRY(rank_of_active(s, *count, deficit, err));
-  hold_joints(s, (*deficit > 0) ? joint_share * s->delta : 0);
+  if (!s->by_bodies) {
+    hold_joints(s, (*deficit > 0) ? joint_share * s->delta : 0);
+  }
   return BASE_OK;
 }
 
@@ -197,8 +231,12 @@ static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_err
 static void fill_right(lcp_share *s) {
   const int n = s->p->M.n;
   const share_rows *r = &s->rows;
-  memcpy(s->right, s->p->q, (size_t)n * sizeof *s->right);
-  for (int j = 0; j < n; j++) {
+  if (s->by_bodies) {
+    lcp_share_bodies_right(&s->bodies, r, s->z, s->right);
+  } else {
+    memcpy(s->right, s->p->q, (size_t)n * sizeof *s->right);
+  }
+  for (int j = 0; j < n && !s->by_bodies; j++) {
     if (r->kind[j] == SHARE_FIXED && s->z[j] != 0) {
       lcp_column_add(lcp_column_of(&s->M, j), s->z[j], s->right);
     }
@@ -251,13 +289,13 @@ static base_status find_rows(lcp_share *s, int last, lcp_share_result *out, bool
   while (!*found && out->rounds < last) {
     bool regular = true;
     if (out->rounds++ > 0 || !is_factored(s)) {
-      BASE_TRY(lcp_share_system_factor(&s->system, &s->M, &s->rows, &regular, err));
+      BASE_TRY(factor(s, &regular, err));
     }
     if (!regular) {
       return BASE_OK;
     }
     fill_right(s);
-    lcp_share_system_solve(&s->system, s->right, s->z);
+    solve(s);
     product(s, NULL);
     if (!is_finite(s)) {
       return BASE_OK;
@@ -273,7 +311,7 @@ static void approach_limit(lcp_share *s) {
     double off = 0;
     memcpy(s->anchor, s->z, (size_t)s->p->M.n * sizeof *s->z);
     fill_right(s);
-    lcp_share_system_solve(&s->system, s->right, s->z);
+    solve(s);
     for (int m = 0; m < s->system.count; m++) {
       const int i = s->system.unknown[m];
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);
@@ -384,13 +422,17 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_s
     return BASE_OK;
   }
   s->p = p;
-  BASE_TRY(grow(s, n, err));
+  const int n_body = (p->M.storage == LCP_FACTORED) ? p->M.factored->n_body : 0;
+  BASE_TRY(grow(s, n, n_body, err));
   double most_soft;
   if (!collect(s, &most_soft)) {
     return BASE_OK;
   }
   s->M = p->M;
-  if (p->M.storage == LCP_FACTORED) {
+  s->by_bodies = p->M.storage == LCP_FACTORED && lcp_share_bodies_take(p);
+  if (s->by_bodies) {
+    BASE_TRY(lcp_share_bodies_begin(&s->bodies, p, err));
+  } else if (p->M.storage == LCP_FACTORED) {
     lcp_csc_free(&s->copy);
     BASE_TRY(lcp_matrix_to_csc(&p->M, &s->copy, err));
     s->M = (lcp_matrix){.storage = LCP_CSC, .n = n, .csc = s->copy};

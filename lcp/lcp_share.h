@@ -17,6 +17,9 @@
  *      this proximal iteration never leaves the C-orthogonal complement of what M does not see, so that it ends in
  *      the limit and not near it.
  *
+ * Of M = J W J' + S in factors all three are done in the body velocities (lcp_share_bodies.h): nothing grows with the square
+ * of the contacts, and the rank is counted, not guessed from pivots.
+ *
  * Where active rows are not found, or the result does not solve the problem, z stays as it was and the outcome is
  * LCP_SHARE_MISSED. */
 #pragma once

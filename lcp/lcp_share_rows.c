@@ -227,6 +227,40 @@ static void join_column(lcp_share *s, int row) {
   }
 }
 
+/* Contacts and joints in whose columns M has rows of one another. */
+static void join_by_columns(lcp_share *s) {
+  for (int k = 0; k < s->n_contact; k++) {
+    join_column(s, lcp_share_block(s, k)->start);
+  }
+  for (int i = 0; i < s->p->M.n; i++) {
+    if (s->owner[i] < LCP_SHARE_NOBODY) {
+      join_column(s, i);
+    }
+  }
+}
+
+/* Contacts and joints at one body that moves. */
+static void join_at_bodies(lcp_share *s) {
+  const lcp_factored *f = s->p->M.factored;
+  for (int b = 0; b < f->n_body; b++) {
+    s->met[b] = -1;
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    const bool owned =
+        f->row_start[g + 1] > f->row_start[g] && s->owner[f->row_start[g]] != LCP_SHARE_NOBODY;
+    const int k = owned ? node_of(s, f->row_start[g]) : -1;
+    for (int side = 0; side < 2 && k >= 0; side++) {
+      const int b = f->body[2 * (ptrdiff_t)g + side];
+      if (b >= 0 && f->dof_start[b + 1] > f->dof_start[b]) {
+        if (s->met[b] >= 0) {
+          join(s, s->met[b], k);
+        }
+        s->met[b] = k;
+      }
+    }
+  }
+}
+
 static void own_free_rows(lcp_share *s) {
   for (int k = 0, n_free = 0; k < s->p->n_block; k++) {
     const lcp_block *b = &s->p->block[k];
@@ -257,14 +291,7 @@ void lcp_share_find_islands(lcp_share *s) {
       s->owner[i] = k;
     }
   }
-  for (int k = 0; k < s->n_contact; k++) {
-    join_column(s, lcp_share_block(s, k)->start);
-  }
-  for (int i = 0; i < s->p->M.n; i++) {
-    if (s->owner[i] < LCP_SHARE_NOBODY) {
-      join_column(s, i);
-    }
-  }
+  (s->by_bodies ? join_at_bodies : join_by_columns)(s);
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
     if (lcp_share_touches(s, b->start) && !is_still(s, b)) {

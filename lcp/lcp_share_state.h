@@ -3,6 +3,7 @@
 #pragma once
 
 #include "lcp/lcp_share.h"
+#include "lcp/lcp_share_bodies.h"
 #include "lcp/lcp_share_system.h"
 
 #define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
@@ -13,6 +14,8 @@ enum { LCP_SHARE_NOBODY = -1 };
 
 struct lcp_share {
   share_system system;
+  share_bodies bodies; /* in its place where M is held in factors */
+  bool by_bodies;
   share_rows rows;
   double *z, *w, *size, *right, *anchor, *diagonal; /* cap_n */
   double *kept;  /* cap_n: an answer, while a better one is looked for */
@@ -20,12 +23,13 @@ struct lcp_share {
   int *contact;  /* cap_n: blocks with compliance */
   int *owner;    /* cap_n: contact of a row, or a number below zero */
   int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */
+  int *met;      /* cap_body: a contact or joint at a body, -1 */
   bool *rests;   /* cap_n: of a contact's island */
   int n_contact;
-  int cap_n;
+  int cap_n, cap_body;
   void *mem; /* owned */
   const lcp_problem *p;
-  lcp_matrix M; /* of p, or its columns where p has factors */
+  lcp_matrix M; /* of p, or its columns where p has factors that the body space does not take */
   lcp_csc copy; /* owned */
   double delta;
   bool normals_regular; /* step 1 left a factor */

@@ -134,18 +134,25 @@ static void add_column(share_system *s, const lcp_matrix *M, const share_rows *r
   }
 }
 
-static base_status build(share_system *s, const lcp_matrix *M, const share_rows *r,
-                         base_error *err) {
+base_status lcp_share_system_list(share_system *s, int n, const share_rows *r, base_error *err) {
+  BASE_TRY(grow_rows(s, n, err));
   s->count = 0;
-  for (int i = 0; i < M->n; i++) {
+  for (int i = 0; i < n; i++) {
     s->local[i] = -1;
     if (r->kind[i] != SHARE_FIXED) {
-      s->stamp[s->count] = -1;
       s->local[i] = s->count;
       s->unknown[s->count++] = i;
     }
   }
+  return BASE_OK;
+}
+
+static base_status build(share_system *s, const lcp_matrix *M, const share_rows *r,
+                         base_error *err) {
   size_t at = 0;
+  for (int c = 0; c < s->count; c++) {
+    s->stamp[c] = -1;
+  }
   for (int c = 0; c < s->count; c++) {
     int count = 0;
     s->colptr[c] = (int)at;
@@ -162,7 +169,7 @@ static base_status build(share_system *s, const lcp_matrix *M, const share_rows 
 
 base_status lcp_share_system_factor(share_system *s, const lcp_matrix *M, const share_rows *r,
                                     bool *regular, base_error *err) {
-  BASE_TRY(grow_rows(s, M->n, err));
+  BASE_TRY(lcp_share_system_list(s, M->n, r, err));
   BASE_TRY(build(s, M, r, err));
   const lin_columns A = {s->count, s->colptr, s->rowind, s->val};
   const size_t nnz = (size_t)s->colptr[s->count];

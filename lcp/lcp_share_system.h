@@ -35,6 +35,9 @@ typedef struct share_system {
 
 void lcp_share_system_close(share_system *s);
 
+/* The unknowns of the system alone: count, unknown, local. */
+base_status lcp_share_system_list(share_system *s, int n, const share_rows *r, base_error *err);
+
 /* Builds and factors the system for the kinds in r, n unknowns. *regular = false: singular. BASE_ENOMEM only. */
 base_status lcp_share_system_factor(share_system *s, const lcp_matrix *M, const share_rows *r,
                                     bool *regular, base_error *err);

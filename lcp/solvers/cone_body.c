@@ -2,15 +2,13 @@
 
 #include <string.h>
 
-enum { DOF_MAX = 12 }; /* of one body in the small products */
-
 base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
                                 const lcp_cone_scaled *c, base_error *err) {
   const lcp_factored *f = p->M.factored;
   for (int b = 0; b < f->n_body; b++) {
-    if (f->dof_start[b + 1] - f->dof_start[b] > DOF_MAX) {
+    if (f->dof_start[b + 1] - f->dof_start[b] > LIN_BLOCK_MAX) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "body %d has %d velocities: need at most %d", b,
-                       f->dof_start[b + 1] - f->dof_start[b], (int)DOF_MAX);
+                       f->dof_start[b + 1] - f->dof_start[b], (int)LIN_BLOCK_MAX);
     }
   }
   for (int k = 0; k < c->n_piece; k++) {
@@ -30,141 +28,6 @@ base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
     }
   }
   return BASE_OK;
-}
-
-size_t lcp_cone_body_pairs(const lcp_factored *f) {
-  return (size_t)f->n_body + 2 * (size_t)f->n_group;
-}
-
-static int dofs(const lcp_factored *f, int b) {
-  return f->dof_start[b + 1] - f->dof_start[b];
-}
-
-static bool meet(const lcp_factored *f, int g) {
-  return f->body[2 * g] >= 0 && f->body[2 * g + 1] >= 0 && f->body[2 * g] != f->body[2 * g + 1];
-}
-
-size_t lcp_cone_body_entries(const lcp_factored *f) {
-  size_t count = 0;
-  for (int b = 0; b < f->n_body; b++) {
-    count += (size_t)dofs(f, b) * (size_t)dofs(f, b);
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    count +=
-        meet(f, g) ? 2 * (size_t)dofs(f, f->body[2 * g]) * (size_t)dofs(f, f->body[2 * g + 1]) : 0;
-  }
-  return count;
-}
-
-/* Sorts a short list and drops what is double; returns its new length. */
-static int sort_unique(int *list, int count) {
-  for (int i = 1; i < count; i++) {
-    const int x = list[i];
-    int k = i;
-    for (; k > 0 && list[k - 1] > x; k--) {
-      list[k] = list[k - 1];
-    }
-    list[k] = x;
-  }
-  int kept = 0;
-  for (int i = 0; i < count; i++) {
-    if (i == 0 || list[i] != list[kept - 1]) {
-      list[kept++] = list[i];
-    }
-  }
-  return kept;
-}
-
-/* Neighbours of every body in joined groups, itself among them, sorted. */
-static void neighbours(lcp_cone_step *s, const lcp_factored *f) {
-  int *start = s->near_start, *next = s->near_at; /* near_at is filled later */
-  for (int b = 0; b <= f->n_body; b++) {
-    start[b] = (b < f->n_body) ? 1 : 0;
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    for (int side = 0; side < 2 && s->joined[g] && meet(f, g); side++) {
-      start[f->body[2 * g + side]]++;
-    }
-  }
-  for (int b = 0, sum = 0; b <= f->n_body; b++) {
-    const int count = start[b];
-    start[b] = sum;
-    sum += count;
-  }
-  for (int b = 0; b < f->n_body; b++) {
-    next[b] = start[b];
-    s->near[next[b]++] = b;
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    for (int side = 0; side < 2 && s->joined[g] && meet(f, g); side++) {
-      s->near[next[f->body[2 * g + side]]++] = f->body[2 * g + 1 - side];
-    }
-  }
-  int kept = 0;
-  for (int b = 0; b < f->n_body; b++) {
-    const int first = start[b], count = sort_unique(s->near + first, start[b + 1] - first);
-    memmove(s->near + kept, s->near + first, (size_t)count * sizeof *s->near);
-    start[b] = kept;
-    kept += count;
-  }
-  start[f->n_body] = kept;
-}
-
-static void pattern(lcp_cone_step *s, const lcp_factored *f) {
-  neighbours(s, f);
-  int at = 0;
-  for (int b = 0; b < f->n_body; b++) {
-    int height = 0;
-    for (int k = s->near_start[b]; k < s->near_start[b + 1]; k++) {
-      s->near_at[k] = height;
-      height += dofs(f, s->near[k]);
-    }
-    for (int j = f->dof_start[b]; j < f->dof_start[b + 1]; j++) {
-      s->colptr[j] = at;
-      for (int k = s->near_start[b]; k < s->near_start[b + 1]; k++) {
-        for (int i = f->dof_start[s->near[k]]; i < f->dof_start[s->near[k] + 1]; i++) {
-          s->rowind[at++] = i;
-        }
-      }
-    }
-  }
-  s->colptr[f->dof_start[f->n_body]] = at;
-  s->entries = (size_t)at;
-}
-
-void lcp_cone_body_begin(lcp_cone_step *s, const lcp_factored *f) {
-  memset(s->joined, 0, (size_t)f->n_group);
-  pattern(s, f);
-}
-
-/* Groups come and go with their contacts: a new pattern where that happened. */
-static void join(lcp_cone_step *s, const lcp_factored *f) {
-  bool changed = false;
-  for (int g = 0; g < f->n_group; g++) {
-    unsigned char now = 0;
-    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
-      now |= s->active[i];
-    }
-    changed = changed || now != s->joined[g];
-    s->joined[g] = now;
-  }
-  if (changed) {
-    pattern(s, f);
-  }
-}
-
-/* First row of body a in the columns of body b. */
-static int row_at(const lcp_cone_step *s, int a, int b) {
-  int low = s->near_start[b], high = s->near_start[b + 1] - 1;
-  while (low < high) {
-    const int mid = low + (high - low) / 2;
-    if (s->near[mid] < a) {
-      low = mid + 1;
-    } else {
-      high = mid;
-    }
-  }
-  return s->near_at[low];
 }
 
 /* Undoes on the columns of an inverse the exchanges of rows k and row[k] that made it, the last one first. */
@@ -249,71 +112,64 @@ static bool local(const lcp_factored *f, const lcp_cone_scaled *c, const lcp_blo
   return true;
 }
 
-/* Adds G_a' Q to the rows of body a in the columns of body b, Q = s K s G_b: size x dofs, row-major. */
-static void add_block(lcp_cone_step *s, const lcp_factored *f, int size, const lcp_sweep_side *a,
-                      const lcp_sweep_side *b, const double *Q) {
-  const int first = s->colptr[f->dof_start[b->body]],
-            height = s->colptr[f->dof_start[b->body] + 1] - first;
-  double *to = s->val + first + row_at(s, a->body, b->body);
-  for (int j = 0; j < b->dof; j++, to += height) {
-    for (int r = 0; r < size; r++) {
-      const double q = Q[r * b->dof + j];
-      for (int i = 0; i < a->dof; i++) {
-        to[i] += a->g[r * a->dof + i] * q;
+/* The groups with an active piece. */
+static void join(lcp_cone_step *s, const lcp_factored *f) {
+  for (int g = 0; g < f->n_group; g++) {
+    s->joined[g] = 0;
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      s->joined[g] |= s->active[i];
+    }
+  }
+}
+
+/* Without slip K is symmetric, to the last bit. */
+static bool is_symmetric(const lcp_cone_step *s, const lcp_cone_scaled *c) {
+  for (int k = 0; k < c->n_piece; k++) {
+    const lcp_block *b = &c->piece[k];
+    const double *K = c->Y + (size_t)b->start * LCP_CONE_MAX;
+    for (int j = 0; j < b->size && s->active[b->start]; j++) {
+      for (int i = 0; i < j; i++) {
+        if (K[i + j * b->size] != K[j + i * b->size]) {
+          return false;
+        }
       }
     }
   }
+  return true;
 }
 
 static void add_piece(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
                       const lcp_block *b) {
-  const int n = b->size;
+  const int n = b->size, g = s->sweep.group[b->start];
   const double *K = c->Y + (size_t)b->start * LCP_CONE_MAX, *scale = c->s + b->start;
-  lcp_sweep_side side[2];
-  for (int k = 0; k < 2; k++) {
-    side[k] = lcp_sweep_side_of(&s->sweep, f, b->start, k);
-  }
-  for (int k = 0; k < 2; k++) {
-    if (side[k].body < 0) {
-      continue;
-    }
-    double Q[LCP_CONE_MAX * DOF_MAX] = {0};
-    for (int r = 0; r < n; r++) {
-      for (int i = 0; i < n; i++) {
-        const double factor = scale[r] * K[r + i * n] * scale[i];
-        for (int j = 0; j < side[k].dof && factor != 0.0; j++) {
-          Q[r * side[k].dof + j] += factor * side[k].g[i * side[k].dof + j];
-        }
-      }
-    }
-    for (int l = 0; l < 2; l++) {
-      if (side[l].body >= 0) {
-        add_block(s, f, n, &side[l], &side[k], Q);
-      }
+  double scaled[LCP_CONE_MAX * LCP_CONE_MAX];
+  for (int j = 0; j < n; j++) {
+    for (int i = 0; i < n; i++) {
+      scaled[i + j * n] = scale[i] * K[i + j * n] * scale[j];
     }
   }
+  lin_body_space_add(&s->body, f, s->sweep.G, g, b->start - f->row_start[g], n, scaled);
 }
 
-bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c,
-                        double weight) {
-  join(s, f);
-  memset(s->val, 0, s->entries * sizeof *s->val);
-  for (int b = 0; b < f->n_body; b++) {
-    const int at = row_at(s, b, b);
-    for (int j = f->dof_start[b]; j < f->dof_start[b + 1]; j++) {
-      s->val[s->colptr[j] + at + j - f->dof_start[b]] = 1.0;
-    }
-  }
+bool lcp_cone_body_factor(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c,
+                          double weight, base_status *status) {
   for (int k = 0; k < c->n_piece; k++) {
-    const lcp_block *b = &c->piece[k];
-    if (!local(f, c, b, weight)) {
+    if (!local(f, c, &c->piece[k], weight)) {
       return false;
     }
-    if (s->active[b->start]) {
-      add_piece(s, f, c, b);
+  }
+  join(s, f);
+  base_error unused;
+  *status = lin_body_space_begin(&s->body, f, s->joined, is_symmetric(s, c), &unused);
+  if (*status != BASE_OK) {
+    return false;
+  }
+  for (int k = 0; k < c->n_piece; k++) {
+    if (s->active[c->piece[k].start]) {
+      add_piece(s, f, c, &c->piece[k]);
     }
   }
-  return true;
+  return lin_blocks_factor(&s->body.blocks);
 }
 
 /* out = -T^-1 F of a piece, and out -= K t where t is given. */
@@ -331,34 +187,26 @@ static void local_step(const lcp_cone_scaled *c, const lcp_block *b, const doubl
 
 void lcp_cone_body_solve(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
                          double *dx) {
-  memset(s->v, 0, (size_t)s->rows * sizeof *s->v);
+  const int n = f->row_start[f->n_group];
+  memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
   for (int k = 0; k < c->n_piece; k++) {
-    const lcp_block *b = &c->piece[k];
-    double out[LCP_CONE_MAX];
-    local_step(c, b, NULL, out);
-    for (int r = 0; r < b->size; r++) {
-      for (int l = 0; l < 2; l++) {
-        const lcp_sweep_side a = lcp_sweep_side_of(&s->sweep, f, b->start + r, l);
-        for (int i = 0; i < a.dof; i++) {
-          s->v[f->dof_start[a.body] + i] += a.g[i] * c->s[b->start + r] * out[r];
-        }
-      }
-    }
+    local_step(c, &c->piece[k], NULL, s->t + c->piece[k].start);
   }
-  lcp_direct_solve(&s->direct, s->rows, s->v);
+  for (int i = 0; i < n; i++) {
+    s->t[i] *= c->s[i];
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    lin_body_space_push(f, s->sweep.G, g, s->t + f->row_start[g], s->v);
+  }
+  lin_blocks_solve(&s->body.blocks, s->v);
+  for (int g = 0; g < f->n_group; g++) {
+    lin_body_space_pull(f, s->sweep.G, g, s->v, s->t + f->row_start[g]);
+  }
+  for (int i = 0; i < n; i++) {
+    s->t[i] *= c->s[i];
+  }
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *b = &c->piece[k];
-    double t[LCP_CONE_MAX];
-    for (int r = 0; r < b->size; r++) {
-      t[r] = 0.0;
-      for (int l = 0; l < 2; l++) {
-        const lcp_sweep_side a = lcp_sweep_side_of(&s->sweep, f, b->start + r, l);
-        for (int i = 0; i < a.dof; i++) {
-          t[r] += a.g[i] * s->v[f->dof_start[a.body] + i];
-        }
-      }
-      t[r] *= c->s[b->start + r];
-    }
-    local_step(c, b, t, dx + b->start);
+    local_step(c, b, s->t + b->start, dx + b->start);
   }
 }

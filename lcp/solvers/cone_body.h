@@ -7,14 +7,9 @@
 base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
                                 const lcp_cone_scaled *c, base_error *err);
 
-/* Bounds on the pairs of bodies that meet, and on the entries of I + G'KG. */
-size_t lcp_cone_body_pairs(const lcp_factored *f);
-size_t lcp_cone_body_entries(const lcp_factored *f);
-
-/* The pattern of no contact; lcp_cone_body_fill keeps it up. */
-void lcp_cone_body_begin(lcp_cone_step *s, const lcp_factored *f);
-
-/* I + G'KG over the active rows (s->active); T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T. */
-bool lcp_cone_body_fill(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c, double weight);
+/* Factors I + G'KG over the active rows (s->active); T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T or
+ * system, or *status says why not. */
+bool lcp_cone_body_factor(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c,
+                          double weight, base_status *status);
 void lcp_cone_body_solve(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
                          double *dx);

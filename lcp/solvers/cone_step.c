@@ -12,6 +12,7 @@ void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena 
   s->dz = BASE_ARRAY(a, double, cap->n);
   s->t = BASE_ARRAY(a, double, cap->n);
   s->v = BASE_ARRAY(a, double, cap->n_dof);
+  s->joined = BASE_ARRAY(a, unsigned char, (cap->n_body > 0) ? cap->n : 0);
 }
 
 void lcp_cone_step_release(lcp_cone_step *s) {
@@ -20,11 +21,13 @@ void lcp_cone_step_release(lcp_cone_step *s) {
     free(s->mem);
     s->mem = NULL;
   }
+  lin_body_space_close(&s->body);
 }
 
 base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,
                                   base_error *err) {
   s->mem = NULL;
+  s->body = (lin_body_space){0};
   for (int k = 0; k < c->n_piece; k++) {
     for (int i = c->piece[k].start; i < c->piece[k].start + c->piece[k].size; i++) {
       s->piece_of[i] = k;
@@ -94,31 +97,18 @@ static size_t count_csc(const lcp_cone_step *s, const lcp_csc *m, const lcp_cone
 }
 
 static void layout_system(lcp_cone_step *s, const lcp_problem *p, base_arena *a) {
-  const lcp_capacity cap = {.n = s->rows, .nnz = (int)s->entries};
-  const bool sparse = p->M.storage != LCP_DENSE;
+  const lcp_capacity cap = {.n = p->M.n, .nnz = (int)s->entries};
+  const bool sparse = p->M.storage == LCP_CSC;
   lcp_direct_layout(&s->direct, &cap, a);
   s->val = BASE_ARRAY(a, double, s->entries);
-  s->colptr = BASE_ARRAY(a, int, sparse ? s->rows + 1 : 0);
+  s->colptr = BASE_ARRAY(a, int, sparse ? p->M.n + 1 : 0);
   s->rowind = BASE_ARRAY(a, int, sparse ? s->entries : 0);
-  if (p->M.storage == LCP_FACTORED) {
-    const size_t pairs = lcp_cone_body_pairs(p->M.factored);
-    s->joined = BASE_ARRAY(a, unsigned char, p->M.factored->n_group);
-    s->near_start = BASE_ARRAY(a, int, p->M.factored->n_body + 1);
-    s->near = BASE_ARRAY(a, int, pairs);
-    s->near_at = BASE_ARRAY(a, int, pairs);
-  }
 }
 
-/* Memory and pattern of the system: once, when the first step is due. */
+/* Memory and pattern of the system of a matrix that is stored: once, when the first step is due. */
 static base_status build(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c) {
-  s->rows = p->M.n;
-  s->entries = (size_t)p->M.n * (size_t)p->M.n;
-  if (p->M.storage == LCP_CSC) {
-    s->entries = count_csc(s, &p->M.csc, c);
-  } else if (p->M.storage == LCP_FACTORED) {
-    s->rows = p->M.factored->dof_start[p->M.factored->n_body];
-    s->entries = lcp_cone_body_entries(p->M.factored);
-  }
+  const int n = p->M.n;
+  s->entries = (p->M.storage == LCP_CSC) ? count_csc(s, &p->M.csc, c) : (size_t)n * (size_t)n;
   base_arena measure = base_arena_measuring();
   layout_system(s, p, &measure);
   s->mem = (measure.overflow || s->entries > INT32_MAX) ? NULL : base_alloc(measure.used);
@@ -128,15 +118,10 @@ static base_status build(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
   base_arena real = base_arena_over(s->mem, measure.used);
   layout_system(s, p, &real);
   lcp_direct_begin(&s->direct);
-  s->A = (lcp_matrix){.storage = LCP_DENSE, .n = s->rows, .val = s->val};
-  if (p->M.storage != LCP_DENSE) {
-    s->A = (lcp_matrix){
-        .storage = LCP_CSC, .n = s->rows, .csc = {s->rows, s->rows, s->colptr, s->rowind, s->val}};
-  }
+  s->A = (lcp_matrix){.storage = LCP_DENSE, .n = n, .val = s->val};
   if (p->M.storage == LCP_CSC) {
+    s->A = (lcp_matrix){.storage = LCP_CSC, .n = n, .csc = {n, n, s->colptr, s->rowind, s->val}};
     pattern_csc(s, &p->M.csc, c);
-  } else if (p->M.storage == LCP_FACTORED) {
-    lcp_cone_body_begin(s, p->M.factored);
   }
   return BASE_OK;
 }
@@ -225,17 +210,16 @@ static void fill_csc(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scal
 
 bool lcp_cone_step_factor(lcp_cone_step *s, const lcp_problem *p, lcp_cone_scaled *c, double weight,
                           lcp_work *work, base_status *status) {
+  work->factorizations++;
+  find_active(s, c);
+  if (p->M.storage == LCP_FACTORED) {
+    return lcp_cone_body_factor(s, p->M.factored, c, weight, status);
+  }
   if (s->mem == NULL) {
     *status = build(s, p, c);
     if (*status != BASE_OK) {
       return false;
     }
-  }
-  work->factorizations++;
-  find_active(s, c);
-  if (p->M.storage == LCP_FACTORED) {
-    return lcp_cone_body_fill(s, p->M.factored, c, weight) &&
-           lcp_direct_factor(&s->direct, &s->A, NULL, NULL, NULL, NULL, status);
   }
   (p->M.storage == LCP_DENSE ? fill_dense : fill_csc)(s, p, c, weight);
   return lcp_direct_factor(&s->direct, &s->A, s->active, NULL, NULL, NULL, status);

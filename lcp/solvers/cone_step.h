@@ -7,11 +7,11 @@
  *   CSC     KLU of the rest
  *   factored  M = J W J' + S, S inside the pieces: with W = L L', G = s J L, T = X + Y (s S s + weight I), K = T^-1 Y
  *           (I + G' K G) v = -G' T^-1 F,   dx = -T^-1 F - K G v,
- *           a system in the body velocities with the pattern of the graph of active contacts (KLU), regular however
- *           redundant the contacts are, and no inverse of W is needed. The pattern, and with it KLU's analysis, stays
- *           while the same groups are active */
+ *           a system in the body velocities (linear/body_space.h), regular however redundant the contacts are, and no inverse
+ *           of W is needed; symmetric where nothing slips. Its order of elimination stays while the same bodies meet */
 #pragma once
 
+#include "lcp/linear/body_space.h"
 #include "lcp/linear/direct.h"
 #include "lcp/solvers/cone_scaled.h"
 #include "lcp/solvers/sweep.h"
@@ -24,14 +24,12 @@ typedef struct lcp_cone_step {
   double *v;             /* n_dof */
   void *mem;             /* owned, made by the first factorisation; NULL before */
   lcp_matrix A;          /* the system, views of the arrays in mem: */
-  int rows;              /* n, or the body velocities */
   size_t entries;
   double *val;
   int *colptr, *rowind;
-  unsigned char *joined; /* per group: in the pattern, as one of its pieces is active */
-  int *near_start, *near,
-      *near_at; /* per body: bodies that meet it, sorted; first entry of their rows in its columns */
   lcp_direct direct;
+  lin_body_space body;   /* factored: the system */
+  unsigned char *joined; /* n_group: one of its pieces is active */
 } lcp_cone_step;
 
 void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a);

@@ -1,6 +1,7 @@
 #include "lcp/solvers/sweep.h"
 
 #include "lcp/lcp_column.h"
+#include "lcp/linear/body_space.h"
 
 #include <string.h>
 
@@ -13,69 +14,15 @@ void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
   s->group = BASE_ARRAY(a, int, (cap->n_body > 0) ? cap->n : 0);
 }
 
-/* Lower Cholesky factor; a pivot that is zero makes a zero column (a direction without mobility). */
-static bool cholesky(int n, const double *W, double *L) {
-  memcpy(L, W, (size_t)(n * n) * sizeof *L);
-  for (int k = 0; k < n; k++) {
-    double pivot = L[k + k * n];
-    for (int j = 0; j < k; j++) {
-      pivot -= L[k + j * n] * L[k + j * n];
-    }
-    if (pivot < -1e-12 * fabs(W[k + k * n])) {
-      return false;
-    }
-    const double root = (pivot > 0.0) ? sqrt(pivot) : 0.0;
-    for (int i = 0; i < n; i++) {
-      double v = (i < k) ? 0.0 : L[i + k * n];
-      for (int j = 0; i >= k && j < k; j++) {
-        v -= L[i + j * n] * L[k + j * n];
-      }
-      L[i + k * n] = (root > 0.0) ? v / root : 0.0;
-    }
-    L[k + k * n] = root;
-  }
-  return true;
-}
-
-/* G = J L of one group. */
-static void weigh_group(lcp_sweep *s, const lcp_factored *f, int g) {
-  const double *jac = f->jac + f->jac_start[g];
-  double *out = s->G + f->jac_start[g];
-  const int rows = f->row_start[g + 1] - f->row_start[g];
-  for (int k = 0; k < 2; k++) {
-    const int b = f->body[2 * (ptrdiff_t)g + k];
-    const int n = (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
-    const double *L = s->L + ((b >= 0) ? f->weight_start[b] : 0);
-    for (int r = 0; r < rows; r++, jac += n, out += n) {
-      for (int j = 0; j < n; j++) { /* (J L)_j = sum_i>=j J_i L_ij */
-        out[j] = 0.0;
-        for (int i = j; i < n; i++) {
-          out[j] += jac[i] * L[i + j * n];
-        }
-      }
-    }
-  }
-}
-
-static base_status weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
-  for (int b = 0; b < f->n_body; b++) {
-    const int n = f->dof_start[b + 1] - f->dof_start[b];
-    if (!cholesky(n, f->weight + f->weight_start[b], s->L + f->weight_start[b])) {
-      return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
-    }
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
-      s->group[i] = g;
-    }
-    weigh_group(s, f, g);
-  }
-  return BASE_OK;
-}
-
 base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err) {
   if (p->M.storage == LCP_FACTORED) {
-    BASE_TRY(weigh(s, p->M.factored, err));
+    const lcp_factored *f = p->M.factored;
+    BASE_TRY(lin_weigh(f, s->L, s->G, err));
+    for (int g = 0; g < f->n_group; g++) {
+      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+        s->group[i] = g;
+      }
+    }
   }
   lcp_matrix_diagonal(&p->M, s->d);
   return BASE_OK;

@@ -1,0 +1,47 @@
+/* lcp/lcp_share_bodies.h - the system of lcp_share_system.h for M = J W J' + S in factors, solved in the body velocities
+ * (linear/body_space.h), so that nothing of the size of contact space squared is made. Private to lcp_share*.c. */
+#pragma once
+
+#include "lcp/lcp_share_system.h"
+#include "lcp/linear/body_space.h"
+
+typedef struct share_bodies {
+  lin_body_space space;
+  const lcp_problem *p;      /* of the last begin */
+  double *L, *G;             /* lin_weigh */
+  unsigned char *joined;     /* cap_group */
+  size_t *at;                /* cap_group + 1: the matrices of each group */
+  int *wide;                 /* cap_group: unknowns of each group in the system */
+  double *T, *K;             /* T^-1, and K = T^-1 Y: unknowns x unknowns of each group */
+  double *scratch, *v;       /* of lcp_matrix_apply; cap_dof */
+  double *x, *w, *off, *sum; /* cap_n */
+  size_t cap_weight, cap_jac, cap_matrices, cap_scratch;
+  int cap_group, cap_dof, cap_n;
+  void *mem, *matrix_mem; /* owned */
+} share_bodies;
+
+void lcp_share_bodies_close(share_bodies *s);
+
+/* Is every S of p inside a group, and every group and body of a size that linear/body_space.h takes? */
+bool lcp_share_bodies_take(const lcp_problem *p);
+
+/* Factors of W and G for the matrix of p. BASE_EINVAL: a weight is not positive semidefinite; BASE_ENOMEM. */
+base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_error *err);
+
+/* w = M z + q; size_i: the sum of what it is made of, in body velocities first (an upper bound of sum |M_ij z_j| + |q_i|), unless
+ * NULL. */
+void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, double *size);
+
+/* right = q + M z over the z that stand outside the system. */
+void lcp_share_bodies_right(share_bodies *s, const share_rows *r, const double *z, double *right);
+
+/* The system for the kinds in r. *regular = false: singular. */
+base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *regular,
+                                    base_error *err);
+
+/* Unknowns less their rank, of a system of single ACTIVE rows in each group, after it was factored. BASE_ENOMEM only. */
+base_status lcp_share_bodies_deficit(share_bodies *s, const share_rows *r, int *deficit,
+                                     base_error *err);
+
+/* z of the unknowns from right, with corrections from the residual; returns how many solutions that took. */
+int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *right, double *z);
