@@ -84,3 +84,45 @@ void contact_memory_close(contact_memory *m) {
   free(m->mem);
   *m = (contact_memory){0};
 }
+
+_Static_assert(sizeof(uint64_t) == sizeof(double), "ids and numbers share an array");
+
+base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err) {
+  const int need = m->n * (1 + m->stride);
+  if (need > past->cap) {
+    contact_memory_drop(past);
+    past->number = malloc((size_t)need * sizeof *past->number);
+    if (past->number == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory to keep %d contacts", m->n);
+    }
+    past->cap = need;
+  }
+  past->stride = m->stride;
+  past->n = m->n;
+  past->h = m->h_now;
+  if (m->n > 0) {
+    memcpy(past->number, m->id, (size_t)m->n * sizeof *m->id);
+    memcpy(past->number + m->n, m->now, (size_t)m->n * (size_t)m->stride * sizeof *m->now);
+  }
+  return BASE_OK;
+}
+
+base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err) {
+  if (past->n > m->cap || past->stride != m->stride) {
+    m->stride = past->stride;
+    m->n_old = 0;
+    BASE_TRY(grow(m, past->n, err));
+  }
+  m->n = past->n;
+  m->h_now = past->h;
+  if (past->n > 0) {
+    memcpy(m->id, past->number, (size_t)past->n * sizeof *m->id);
+    memcpy(m->now, past->number + past->n, (size_t)past->n * (size_t)past->stride * sizeof *m->now);
+  }
+  return BASE_OK;
+}
+
+void contact_memory_drop(contact_past *past) {
+  free(past->number);
+  *past = (contact_past){0};
+}

@@ -16,6 +16,18 @@ typedef struct contact_memory {
   double h_now;
 } contact_memory;
 
+/* A copy of what is remembered, to come back to. */
+typedef struct contact_past {
+  int stride, n, cap;
+  double h;       /* [s], as h_now */
+  double *number; /* n ids, then stride numbers a contact; owned */
+} contact_past;
+
+/* The next contact_memory_begin after a recall finds what it would have found after the keep. */
+base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err);
+base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err);
+void contact_memory_drop(contact_past *past);
+
 /* Moves the present to the past and matches the contacts of c with it; new entries are zero. */
 base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
                                  base_error *err);

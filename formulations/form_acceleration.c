@@ -221,6 +221,7 @@ const formulation form_acceleration = {
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),
     .state_size = sizeof(state),
+    .memory = offsetof(state, memory),
     .dimension = dimension,
     .close = close,
     .begin = begin,

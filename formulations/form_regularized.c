@@ -337,6 +337,7 @@ const formulation form_regularized = {
     .n_fields = BASE_COUNT(fields),
     .options_size = sizeof(options),
     .state_size = sizeof(regularized),
+    .memory = offsetof(regularized, memory),
     .dimension = dimension,
     .close = close,
     .begin = begin,

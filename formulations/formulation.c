@@ -99,6 +99,27 @@ base_status formulation_admits(const formulation *f, const world *w, base_error 
   return refuse(f, world_occurring(w) | (world_has_coordinates(w) ? FORM_COORDINATES : 0u), err);
 }
 
+static base_status memory_of(const formulation_run *r, contact_memory **memory, base_error *err) {
+  if (r->form->memory == 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: cannot come back to an earlier step",
+                     r->form->name);
+  }
+  *memory = (contact_memory *)((char *)r->state + r->form->memory);
+  return BASE_OK;
+}
+
+base_status formulation_keep(const formulation_run *r, contact_past *past, base_error *err) {
+  contact_memory *m;
+  BASE_TRY(memory_of(r, &m, err));
+  return contact_memory_keep(m, past, err);
+}
+
+base_status formulation_recall(formulation_run *r, const contact_past *past, base_error *err) {
+  contact_memory *m;
+  BASE_TRY(memory_of(r, &m, err));
+  return contact_memory_recall(m, past, err);
+}
+
 /* What the rows of a set show of its scene's effects. */
 static unsigned effects_of_rows(const contact_set *c) {
   unsigned seen = (c->n_group > c->n_contact) ? EFFECT_JOINTS : 0u;

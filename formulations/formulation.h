@@ -10,6 +10,7 @@
  * id. The formulation never sees a solver. */
 #pragma once
 
+#include "formulations/contact_memory.h"
 #include "lcp/base/fields.h"
 #include "lcp/lcp_outcome.h"
 #include "lcp/lcp_problem.h"
@@ -96,6 +97,9 @@ struct formulation {
   const base_field *fields;
   int n_fields;
   size_t options_size, state_size;
+  size_t
+      memory; /* where in the state its contact_memory lies: all that survives a step. 0: it has none, or keeps more
+                    than that, and no run of it can come back to an earlier step */
 
   /* LCP dimension in closed form: p active contacts, of which all have friction. */
   long (*dimension)(int dim, int p, const void *opt);
@@ -132,6 +136,9 @@ void formulation_close(formulation_run *r);
  * BASE_EUNSUPPORTED names what. To be asked before the first step; begin and step refuse what they see of it in
  * their contact set or world. */
 base_status formulation_admits(const formulation *f, const world *w, base_error *err);
+/* What the run remembers from step to step, to come back to (contact_memory.h). BASE_EUNSUPPORTED where f->memory is 0. */
+base_status formulation_keep(const formulation_run *r, contact_past *past, base_error *err);
+base_status formulation_recall(formulation_run *r, const contact_past *past, base_error *err);
 base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
                               base_error *err);
 base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,

@@ -101,5 +101,5 @@ void poly_close(void *state);
 /* What the descriptors of polyhedral formulations share; `fields`, `options` and `begin` are their own. */
 #define POLY_FORM_PARTS                                                                            \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
-  .state_size = sizeof(polyhedral), .close = poly_close, .begin = begin,                           \
-  .assemble = poly_assemble, .recover = poly_recover, .answer = poly_answer
+  .state_size = sizeof(polyhedral), .memory = offsetof(polyhedral, memory), .close = poly_close,   \
+  .begin = begin, .assemble = poly_assemble, .recover = poly_recover, .answer = poly_answer

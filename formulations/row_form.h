@@ -47,8 +47,9 @@ void row_form_close(void *state);
 /* What the descriptors of formulations by rows share; what is not named row_form_ is their own. */
 #define ROW_FORM_PARTS                                                                             \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
-  .state_size = sizeof(row_form), .dimension = dimension, .close = row_form_close, .begin = begin, \
-  .assemble = assemble, .recover = recover, .answer = row_form_answer
+  .state_size = sizeof(row_form), .memory = offsetof(row_form, memory), .dimension = dimension,    \
+  .close = row_form_close, .begin = begin, .assemble = assemble, .recover = recover,               \
+  .answer = row_form_answer
 
 #define ROW_FORM_FIELDS(T)                                                                         \
   FORM_STORAGE_FIELD(T),                                                                           \

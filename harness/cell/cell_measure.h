@@ -4,7 +4,7 @@
 
 #include "harness/cell/cell_run.h"
 #include "harness/measure/problem_source.h"
-#include "harness/measure/simulation.h"
+#include "harness/control/simulation.h"
 
 typedef struct measured {
   /* One evaluation, or n_inner of them: fills the row and gives the seconds of one. */

@@ -1,7 +1,7 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/cli/cli.h"
+#include "harness/control/simulation.h"
 #include "harness/measure/predictions.h"
-#include "harness/measure/simulation.h"
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
@@ -111,6 +111,50 @@ static void put_auto(json_t *o, const effects_choice *e) {
   (void)json_object_set_new(o, "effects_auto", a);
 }
 
+/* What --error asked for and got. */
+static void put_error(json_t *o, const simulation *s) {
+  const error_result *r = &s->found;
+  if (!(s->error.E > 0.0)) {
+    return;
+  }
+  json_t *e = json_object();
+  json_out_real(e, "asked", r->asked.E);
+  json_out_text(e, "unit", r->asked.unit[0] != '\0' ? r->asked.unit : "of the scale");
+  json_out_real(e, "err_estimate", r->estimate);
+  json_out_bool(e, "promised", r->promised);
+  json_out_text(e, "reason", r->reason);
+  json_out_int(e, "steps_solved", r->solved);
+  json_out_int(e, "steps_limit", r->asked.limit);
+  json_t *all = json_array();
+  for (int i = 0; i < r->n_quantity; i++) {
+    const error_quantity *q = &r->quantity[i];
+    json_t *one = json_object();
+    json_out_text(one, "quantity", q->name);
+    json_out_real(one, "value", q->value);
+    json_out_real(one, "err_estimate", q->estimate);
+    json_out_real(one, "scale", q->scale);
+    json_out_text(one, "unit", q->unit);
+    (void)json_array_append_new(all, one);
+  }
+  (void)json_object_set_new(e, "quantities", all);
+  all = json_array();
+  for (int i = 0; i < r->n_level; i++) {
+    const error_level *l = &r->level[i];
+    json_t *one = json_object();
+    json_out_real(one, "tolerance_m", l->tolerance);
+    json_out_real(one, "change_over_asked", l->change);
+    json_out_int(one, "steps_solved", l->account.solved);
+    json_out_int(one, "steps_rejected", l->account.rejected);
+    json_out_int(one, "steps_forced", l->account.forced);
+    json_out_real(one, "step_min_s", l->account.least);
+    json_out_real(one, "step_max_s", l->account.most);
+    json_out_real(one, "t_total_s", l->seconds);
+    (void)json_array_append_new(all, one);
+  }
+  (void)json_object_set_new(e, "runs", all);
+  (void)json_object_set_new(o, "error", e);
+}
+
 static void put_counts(json_t *o, const sim_result *r) {
   json_out_int(o, "lcp_dim_max", r->lcp_dim_max);
   json_out_int(o, "n_contact_max", r->n_contact_max);
@@ -188,6 +232,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   put_effects(o, "effects_simulated", s->request.effects);
   put_effects(o, "effects_seen", r->effects_seen);
   put_auto(o, &s->effects);
+  put_error(o, s);
   json_out_text(o, "solution_hash", hash);
   put_times(o, r);
   return o;
@@ -196,7 +241,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
 /* ---- verb ------------------------------------------------------------------------------------ */
 
 typedef struct simulate_files {
-  const char *trajectory, *trace, *dump_step, *dump_steps, *out;
+  const char *trajectory, *trace, *dump_step, *dump_steps, *out, *steps;
 } simulate_files;
 
 typedef struct simulate_options {
@@ -210,15 +255,16 @@ typedef struct simulate_report {
   int code;
 } simulate_report;
 
-static base_status simulate_and_judge(const simulation *s, const char *scene, simulate_report *out,
+static base_status simulate_and_judge(simulation *s, const char *scene, simulate_report *out,
                                       base_error *err) {
   series record;
   sim_result r;
-  const base_status done = simulate(&s->request, &record, &r, err);
+  const base_status done = simulation_run(s, &record, &r, err);
   if (done == BASE_OK) {
     bool all_ok;
     out->object = to_json(s, scene, &record, &r, &all_ok);
-    out->code = (r.status == RUN_OK && r.verified && all_ok) ? CLI_OK : CLI_HONEST;
+    const bool promised = !(s->error.E > 0.0) || s->found.promised;
+    out->code = (r.status == RUN_OK && r.verified && all_ok && promised) ? CLI_OK : CLI_HONEST;
   }
   series_close(&record);
   return done;
@@ -289,6 +335,14 @@ static const arg_option options[] = {
         "solver with its options behind a colon; formulations without a problem need none"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
         .unit = "s", .above = true),
+    ARG(simulate_options, t.error, "--error", ARG_TEXT, "E",
+        "error of the motion in place of a step: 1%, of the scene's scale, or 1e-3m, 0.01rad"),
+    ARG(simulate_options, t.work, "--work", ARG_TEXT, "N",
+        "most steps that the runs for --error may solve", .unit = "1", .above = true),
+    ARG(simulate_options, t.steps, "--steps", ARG_TEXT, "FILE",
+        "lengths of the steps, one a line [s]"),
+    ARG(simulate_options, f.steps, "--write-steps", ARG_OUTPUT, "FILE",
+        "the steps found by --error, for --steps"),
     ARG(simulate_options, t.duration, "--duration", ARG_TEXT, "T",
         "duration instead of the scene's", .unit = "s", .above = true),
     ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
@@ -325,6 +379,9 @@ static int run(int argc, char **argv) {
   base_status done = simulation_open(&o.t, &s, &err);
   if (done == BASE_OK) {
     done = with_files(&s, o.t.scene, &o.f, &report, &err);
+  }
+  if (done == BASE_OK && o.f.steps != NULL) {
+    done = step_list_write(&s.steps, o.f.steps, &err);
   }
   simulation_close(&s);
   if (done != BASE_OK) {

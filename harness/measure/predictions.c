@@ -11,6 +11,9 @@ static const char *stands_for(const sim_request *q) {
 static bool in_time(const sim_request *q, const spec_check *c) {
   const double end = q->duration * (1.0 + 1e-9);
   const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
+  if (c->kind == CHECK_STATE_AFTER_STEPS && q->step != NULL) {
+    return false; /* of even steps */
+  }
   return last <= end && (c->kind != CHECK_EVENT_TIME || c->value <= end);
 }
 

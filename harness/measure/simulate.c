@@ -11,6 +11,16 @@ double sim_times_sum(const sim_times *t) {
   return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->share + t->advance;
 }
 
+void sim_times_add(sim_times *sum, const sim_times *t) {
+  sum->contacts += t->contacts;
+  sum->assemble += t->assemble;
+  sum->setup += t->setup;
+  sum->factor += t->factor;
+  sum->solve += t->solve;
+  sum->share += t->share;
+  sum->advance += t->advance;
+}
+
 double sim_total_seconds(const sim_result *r) {
   return sim_times_sum(&r->time);
 }
@@ -66,6 +76,41 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   }
 }
 
+/* Two steps whose contacts with a normal impulse are the same have the same number. */
+static uint64_t carrying(const contact_set *set, const formulation_answer *a) {
+  uint64_t hash = SIM_HASH_START;
+  for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
+    if (a->impulse[set->row_start[i]] > 0.0) {
+      hash = (hash ^ set->id[i]) * 0x100000001b3u;
+    }
+  }
+  return hash;
+}
+
+/* Depths of the step that ends with v_next, those at its end by what the gaps change at that velocity. */
+static base_status note_depth(sim *s, const contact_set *set, const formulation_answer *a,
+                              base_error *err) {
+  s->depth[0] = s->depth[1] = 0.0;
+  if (!s->controlled || set->n_contact == 0) {
+    return BASE_OK;
+  }
+  if (set->n_row > s->u_cap) {
+    free(s->u);
+    s->u_cap = 2 * set->n_row;
+    s->u = malloc((size_t)s->u_cap * sizeof *s->u);
+    if (s->u == NULL) {
+      s->u_cap = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the velocities of %d rows", set->n_row);
+    }
+  }
+  contact_relative_velocity(set, a->v_next, set->u_drift, s->u);
+  for (int i = 0; i < set->n_contact; i++) {
+    s->depth[0] = fmax(s->depth[0], -set->gap[i]);
+    s->depth[1] = fmax(s->depth[1], -set->gap[i] - set->h * s->u[set->row_start[i]]);
+  }
+  return BASE_OK;
+}
+
 static base_status merit_of(sim *s, const contact_set *set, const formulation_answer *a,
                             base_error *err) {
   contact_merit m;
@@ -87,8 +132,8 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   sim_times *t = &s->out->time;
   double from = base_seconds();
   const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
-  BASE_TRY(curved ? world_contacts_curved(s->w, s->q->h, -1.0, &set, err)
-                  : world_contacts(s->w, s->q->h, -1.0, &set, err));
+  BASE_TRY(curved ? world_contacts_curved(s->w, s->h, -1.0, &set, err)
+                  : world_contacts(s->w, s->h, -1.0, &set, err));
   lap(&t->contacts, &from);
   BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
   from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */
@@ -98,6 +143,8 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   lap(&t->assemble, &from);
   contact_order_restore(&s->order, &set, &a);
   sim_settle_held(s);
+  s->carrying = carrying(&set, &a);
+  BASE_TRY(note_depth(s, &set, &a, err));
   series_penetration(record, &set);
   note_answer(s, &set, &a);
   BASE_TRY(merit_of(s, &set, &a, err));
@@ -122,7 +169,7 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   }
   const double from = base_seconds();
   s->called = 0;
-  BASE_TRY(formulation_step(s->form, s->w, s->q->h, &solver, &a, err));
+  BASE_TRY(formulation_step(s->form, s->w, s->h, &solver, &a, err));
   s->out->time.assemble += base_seconds() - from - s->called;
   note_answer(s, a.set, &a);
   if (a.set != NULL) {
@@ -139,40 +186,41 @@ static base_status step_own(sim *s, series *record, base_error *err) {
 }
 
 /* After these nothing further is physics. */
-static bool hopeless(run_status s) {
-  return sim_without_solution(s) || s == RUN_UNSUPPORTED;
+bool sim_hopeless(const sim *s) {
+  return sim_without_solution(s->out->status) || s->out->status == RUN_UNSUPPORTED;
+}
+
+base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err) {
+  sim_result *r = s->out;
+  const double from = sim_total_seconds(r);
+  base_error why = {0};
+  s->h = h;
+  const base_status done = s->iterates ? step_lcp(s, record, &why) : step_own(s, record, &why);
+  *taken = done == BASE_OK;
+  if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
+    sim_trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
+    return BASE_OK;
+  }
+  if (done != BASE_OK) {
+    *err = why;
+    return done;
+  }
+  r->steps++;
+  const double spent = sim_total_seconds(r) - from;
+  r->step_longest = fmax(r->step_longest, spent);
+  record->column[SERIES_STEP][record->n_row - 1] = spent;
+  if (!world_finite(s->w)) {
+    r->finite = false;
+    sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
+  }
+  return trajectory_row(s->q->trajectory, s->w, err);
 }
 
 static base_status run_steps(sim *s, series *record, base_error *err) {
-  const bool own = (s->q->form->form->model & FORM_NO_LCP) != 0;
+  const sim_request *q = s->q;
   sim_result *r = s->out;
-  s->iterates = !own;
-  base_error refusal = {0};
-  if (formulation_admits(s->q->form->form, s->w, &refusal) != BASE_OK) {
-    sim_trouble(s, RUN_UNSUPPORTED, refusal.text);
-    return BASE_OK;
-  }
-  while (r->steps < r->steps_planned && !hopeless(r->status)) {
-    const double from = sim_total_seconds(r);
-    base_error why = {0};
-    const base_status done = own ? step_own(s, record, &why) : step_lcp(s, record, &why);
-    if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
-      sim_trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
-      return BASE_OK;
-    }
-    if (done != BASE_OK) {
-      *err = why;
-      return done;
-    }
-    r->steps++;
-    const double spent = sim_total_seconds(r) - from;
-    r->step_longest = fmax(r->step_longest, spent);
-    record->column[SERIES_STEP][record->n_row - 1] = spent;
-    if (!world_finite(s->w)) {
-      r->finite = false;
-      sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
-    }
-    BASE_TRY(trajectory_row(s->q->trajectory, s->w, err));
+  for (bool taken = true; taken && r->steps < r->steps_planned && !sim_hopeless(s);) {
+    BASE_TRY(sim_step(s, record, q->step != NULL ? q->step[r->steps] : q->h, &taken, err));
   }
   return BASE_OK;
 }
@@ -221,47 +269,63 @@ static void forget_unmeasured(sim *s) {
   }
 }
 
-static base_status run_opened(sim *s, series *record, base_error *err) {
-  const sim_request *q = s->q;
-  sim_result *r = s->out;
-  BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
-  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
-  r->steps_planned = lround(ceil(q->duration / q->h - SIM_LAST_STEP));
-  BASE_TRY(series_open(record, q->spec, (int)r->steps_planned, err));
-  BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
-  BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
-  BASE_TRY(trajectory_row(q->trajectory, s->w, err));
-  r->n_dof = world_n_dof(s->w);
-  r->n_body = world_n_body(s->w);
-  const base_status done = run_steps(s, record, err);
-  forget_unmeasured(s);
-  if (done == BASE_OK) {
-    const double gap = world_min_gap(s->w);
-    double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];
-    *deepest = fmax(*deepest, -gap);
-    summarise(s, record);
-  }
-  return done;
-}
-
-base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {
+base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *out,
+                     base_error *err) {
   *record = (series){0};
   *out = (sim_result){.status = RUN_OK,
                       .claimed = RUN_OK,
                       .verified = true,
                       .finite = true,
-                      .stiffness_ratio = HUGE_VAL};
-  out->hash = SIM_HASH_START;
+                      .stiffness_ratio = HUGE_VAL,
+                      .hash = SIM_HASH_START};
+  *s = (sim){.q = q,
+             .out = out,
+             .order.seed = q->contact_order,
+             .iterates = (q->form->form->model & FORM_NO_LCP) == 0};
   BASE_TRY(sim_check_times(q->h, q->duration, err));
-  sim s = {.q = q, .out = out, .order.seed = q->contact_order};
-  const base_status done = run_opened(&s, record, err);
-  lcp_instance_close(s.instance);
-  lcp_share_close(s.share);
-  formulation_close(s.form);
-  contact_order_close(&s.order);
-  if (s.w != NULL) {
-    world_close(s.w);
+  BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
+  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
+  out->steps_planned =
+      (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
+  BASE_TRY(series_open(record, q->spec, (int)out->steps_planned, err));
+  BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
+  BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
+  BASE_TRY(trajectory_row(q->trajectory, s->w, err));
+  out->n_dof = world_n_dof(s->w);
+  out->n_body = world_n_body(s->w);
+  base_error refusal = {0};
+  if (formulation_admits(q->form->form, s->w, &refusal) != BASE_OK) {
+    sim_trouble(s, RUN_UNSUPPORTED, refusal.text);
   }
-  free(s.z);
+  return BASE_OK;
+}
+
+void sim_finish(sim *s, series *record) {
+  forget_unmeasured(s);
+  double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];
+  *deepest = fmax(*deepest, -world_min_gap(s->w));
+  summarise(s, record);
+}
+
+void sim_close(sim *s) {
+  lcp_instance_close(s->instance);
+  lcp_share_close(s->share);
+  formulation_close(s->form);
+  contact_order_close(&s->order);
+  world_close(s->w);
+  free(s->z);
+  free(s->u);
+}
+
+base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {
+  sim s;
+  base_status done = sim_open(&s, q, record, out, err);
+  if (done == BASE_OK) {
+    done = run_steps(&s, record, err);
+  }
+  if (done == BASE_OK) {
+    sim_finish(&s, record);
+  }
+  sim_close(&s);
   return done;
 }

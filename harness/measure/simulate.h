@@ -23,7 +23,10 @@ typedef struct sim_request {
   bool judged; /* though effects are left out, the scene's predictions apply (effects_auto.h) */
   const formulation_choice *form;
   const solver_choice *solver;
-  double h;        /* [s] */
+  double h; /* [s] */
+  const double
+      *step; /* NULL: all steps take h; otherwise one length for each of n_step steps [s] */
+  long n_step;
   double duration; /* [s] */
   formulation_start start;
   uint64_t contact_order; /* seed of the order of contacts; 0: as the scene lists them */
@@ -39,6 +42,7 @@ typedef struct sim_times {
 } sim_times;
 
 double sim_times_sum(const sim_times *t); /* [s] */
+void sim_times_add(sim_times *sum, const sim_times *t);
 
 typedef struct sim_result {
   run_status status;  /* worst over the steps */

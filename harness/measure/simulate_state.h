@@ -1,4 +1,4 @@
-/* harness/measure/simulate_state.h - what the step loop and its solves share. Private to simulate*.c. */
+/* harness/measure/simulate_state.h - what the step loop and its solves share. Private to simulate*.c and harness/control. */
 #pragma once
 
 #include "harness/measure/contact_order.h"
@@ -22,12 +22,30 @@ typedef struct sim {
   lcp_instance *instance;
   lcp_share *share; /* opened with the first problem */
   contact_order order;
-  double *z; /* z_cap of the answer, and as many for the solver's own */
+  double h;          /* of this step [s] */
+  uint64_t carrying; /* hash of the ids of the contacts that carried in the last step */
+  double *z;         /* z_cap of the answer, and as many for the solver's own */
   int z_cap;
-  double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
-  bool iterates; /* the formulation may try again where a problem has no solution */
-  solved held;   /* such a try, until the step is over; word RUN_OK: none */
+  double called;   /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
+  bool iterates;   /* the formulation may try again where a problem has no solution */
+  solved held;     /* such a try, until the step is over; word RUN_OK: none */
+  bool controlled; /* depth is asked for */
+  double depth
+      [2]; /* how deep bodies are in each other at the start and at the end of the last step [m] */
+  double *u; /* u_cap rows' velocities at its end */
+  int u_cap;
 } sim;
+
+/* A run from its start to what it leaves behind: open, steps, finish, close. sim_close takes whatever sim_open left. */
+base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *out,
+                     base_error *err);
+/* One step of h [s] into the record; *taken = false: it could not be taken, and the status says why. */
+base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err);
+void sim_finish(sim *s, series *record);
+void sim_close(sim *s);
+
+/* Has the run come to a state after which nothing further is physics? */
+bool sim_hopeless(const sim *s);
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text);

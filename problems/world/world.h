@@ -49,6 +49,17 @@ void world_config_rate(const world *w, const double *config, const double *v, do
 /* a = W f: acceleration of the free dofs at the current state without contacts and joints. */
 base_status world_acceleration(world *w, double *a, base_error *err);
 
+/* Everything of a world that its next step depends on, its clock included, as world_saved_size numbers: a step from a
+ * loaded state has the bits of the step from the state that was saved. Of a world of the same spec; the effects may
+ * differ where both move the same axes. */
+size_t world_saved_size(const world *w);
+void world_save(const world *w, double *state);
+void world_load(world *w, const double *state);
+/* How far two saved states of a world are apart: the largest way between two places of one point of a body [m], and the
+ * largest difference of its velocities [m/s]. Generalised coordinates count as metres. */
+void world_saved_distance(const world *w, const double *a, const double *b, double *position,
+                          double *velocity);
+
 /* "body.x", "body.pos", "body.vel", "body.omega.z", "body.angle", ...: false if there is no such
  * quantity. dir (or NULL) picks a component of a vector; without dir a vector gives its norm. */
 bool world_observe(const world *w, const char *var, const double *dir, double *value);

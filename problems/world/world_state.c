@@ -1,4 +1,5 @@
-/* world_state.c - the configuration as one vector, for formulations that integrate themselves. */
+/* world_state.c - the configuration as one vector, for formulations that integrate themselves, and the whole state as
+ * one, to come back to. */
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
@@ -104,5 +105,84 @@ void world_config_rate(const world *w, const double *config, const double *v, do
     }
     config += n_config(w, &moving);
     rate += n_config(w, &moving);
+  }
+}
+
+/* ---- saved states ---------------------------------------------------------------------------- */
+
+/* What of a body changes with time. */
+typedef struct body_state {
+  pose at;
+  double quat[4], angle, v[6];
+} body_state;
+_Static_assert(sizeof(body_state) % sizeof(double) == 0, "a saved body is a list of numbers");
+
+enum { BODY_NUMBERS = sizeof(body_state) / sizeof(double) };
+
+size_t world_saved_size(const world *w) {
+  return (w->model != NULL) ? 1 + 2 * (size_t)w->n_dof : 1 + BODY_NUMBERS * (size_t)w->n_body;
+}
+
+void world_save(const world *w, double *state) {
+  *state++ = w->t;
+  if (w->model != NULL) {
+    memcpy(state, w->q, (size_t)w->n_dof * sizeof *state);
+    memcpy(state + w->n_dof, w->qv, (size_t)w->n_dof * sizeof *state);
+    return;
+  }
+  for (int i = 0; i < w->n_body; i++, state += BODY_NUMBERS) {
+    const body *b = &w->body[i];
+    body_state now = {.at = b->at, .angle = b->angle};
+    memcpy(now.quat, b->quat, sizeof now.quat);
+    memcpy(now.v, b->v, sizeof now.v);
+    memcpy(state, &now, sizeof now);
+  }
+}
+
+void world_load(world *w, const double *state) {
+  w->t = *state++;
+  if (w->model != NULL) {
+    memcpy(w->q, state, (size_t)w->n_dof * sizeof *state);
+    memcpy(w->qv, state + w->n_dof, (size_t)w->n_dof * sizeof *state);
+    return;
+  }
+  for (int i = 0; i < w->n_body; i++, state += BODY_NUMBERS) {
+    body *b = &w->body[i];
+    body_state then;
+    memcpy(&then, state, sizeof then);
+    b->at = then.at;
+    b->angle = then.angle;
+    memcpy(b->quat, then.quat, sizeof b->quat);
+    memcpy(b->v, then.v, sizeof b->v);
+  }
+}
+
+/* sqrt of the sum of squares of a - b. */
+static double apart(const double *a, const double *b, int n) {
+  double sum = 0.0;
+  for (int k = 0; k < n; k++) {
+    sum += (a[k] - b[k]) * (a[k] - b[k]);
+  }
+  return sqrt(sum);
+}
+
+void world_saved_distance(const world *w, const double *a, const double *b, double *position,
+                          double *velocity) {
+  *position = *velocity = 0.0;
+  if (w->model != NULL) {
+    *position = apart(a + 1, b + 1, w->n_dof);
+    *velocity = apart(a + 1 + w->n_dof, b + 1 + w->n_dof, w->n_dof);
+    return;
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    body_state s;
+    body_state t;
+    memcpy(&s, a + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof s);
+    memcpy(&t, b + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof t);
+    /* |R_s - R_t| is 2 sqrt(2) sin of half the angle between them, in Frobenius' norm */
+    const double turn =
+        (w->dim == 2) ? fabs(s.angle - t.angle) : apart(s.at.R, t.at.R, 9) / sqrt(2.0);
+    *position = fmax(*position, apart(s.at.x, t.at.x, 3) + w->body[i].bound * turn);
+    *velocity = fmax(*velocity, apart(s.v, t.v, 3) + w->body[i].bound * apart(s.v + 3, t.v + 3, 3));
   }
 }

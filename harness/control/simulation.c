@@ -1,4 +1,4 @@
-#include "harness/measure/simulation.h"
+#include "harness/control/simulation.h"
 
 #include "harness/measure/contact_order.h"
 #include "lcp/base/fields.h"
@@ -29,6 +29,58 @@ static base_status start_of(const char *text, formulation_start *out, base_error
   return BASE_OK;
 }
 
+/* Repeats the steps of a list. */
+static void repeat_steps(simulation *s) {
+  sim_request *q = &s->request;
+  q->step = s->steps.h;
+  q->n_step = s->steps.n;
+  q->h = 0.0;
+  for (long i = 0; i < s->steps.n; i++) {
+    q->h = fmax(q->h, s->steps.h[i]);
+  }
+}
+
+static base_status open_steps(const simulation_texts *t, simulation *out, base_error *err) {
+  if (given(t->steps) + given(t->step) + given(t->error) > 1) {
+    return BASE_FAIL(err, BASE_EINVAL, "--error, --step and --steps: need one of them");
+  }
+  if (given(t->work) && !given(t->error)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--work %s: limits --error, which is missing", t->work);
+  }
+  if (given(t->steps)) {
+    BASE_TRY(step_list_read(&out->steps, t->steps, out->request.duration, err));
+    repeat_steps(out);
+  }
+  if (given(t->error)) {
+    double limit = ERROR_LIMIT;
+    BASE_TRY(error_parse(t->error, &out->error, err));
+    BASE_TRY(positive("--work", t->work, limit, &limit, err));
+    out->error.limit = lround(fmin(limit, 1e12));
+  }
+  return BASE_OK;
+}
+
+base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
+  sim_request *q = &s->request;
+  if (!(s->error.E > 0.0)) {
+    return simulate(q, record, out, err);
+  }
+  sim_request silent = *q;
+  silent.trajectory = NULL;
+  silent.trace = NULL;
+  silent.dump = NULL;
+  BASE_TRY(error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
+  repeat_steps(s);
+  if (q->trajectory == NULL && q->trace == NULL && q->dump == NULL) {
+    return BASE_OK;
+  }
+  const sim_times spent = out->time;
+  series_close(record);
+  BASE_TRY(simulate(q, record, out, err));
+  sim_times_add(&out->time, &spent);
+  return BASE_OK;
+}
+
 base_status simulation_open(const simulation_texts *t, simulation *out, base_error *err) {
   *out = (simulation){0};
   spec_init(&out->spec);
@@ -48,6 +100,7 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
   BASE_TRY(sim_check_times(q->h, q->duration, err));
+  BASE_TRY(open_steps(t, out, err));
   BASE_TRY(start_of(t->start, &q->start, err));
   if (given(t->contact_order)) {
     BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));
@@ -56,6 +109,7 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
 }
 
 void simulation_close(simulation *s) {
+  step_list_close(&s->steps);
   spec_free(&s->spec);
   formulation_choice_free(&s->form);
   solver_choice_free(&s->solver);

@@ -1,12 +1,15 @@
-/* harness/measure/simulation.h - one run of a scene, from the texts of a command line or of a cell. */
+/* harness/control/simulation.h - one run of a scene, from the texts of a command line or of a cell. */
 #pragma once
 
+#include "harness/control/error_run.h"
 #include "harness/measure/effects_auto.h"
 
 /* As typed; NULL or "": the default. */
 typedef struct simulation_texts {
   const char *scene, *formulation, *solver, *tol;
   const char *step, *duration, *effects, *start, *contact_order;
+  const char *error, *work; /* --error E, and its limit of steps */
+  const char *steps;        /* a file of step lengths */
 } simulation_texts;
 
 /* What the texts choose; owns everything the request points to. */
@@ -16,9 +19,15 @@ typedef struct simulation {
   solver_choice solver;
   sim_request request;
   effects_choice effects; /* what --effects auto:E decided */
+  error_asked error;      /* E = 0: not asked for */
+  error_result found;     /* what it came to */
+  step_list steps;        /* given or found; n = 0: even ones */
 } simulation;
 
 /* Whatever is returned, simulation_close gives back what was opened. Errors: BASE_EINVAL with the
  * option's name, and what scene, formulation and solver say. */
 base_status simulation_open(const simulation_texts *t, simulation *out, base_error *err);
+/* The run. With --error the request has the steps that were found, and where it asks for files they are written by
+ * a run with these steps. */
+base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err);
 void simulation_close(simulation *s);

@@ -1,0 +1,42 @@
+#include "harness/control/checkpoint.h"
+
+#include <stdlib.h>
+
+base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err) {
+  *c = (checkpoint){.state = malloc(world_saved_size(s->w) * sizeof *c->state)};
+  return (c->state != NULL) ? BASE_OK
+                            : BASE_FAIL(err, BASE_ENOMEM, "no memory to keep the state of a run");
+}
+
+base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, base_error *err) {
+  BASE_TRY(formulation_keep(s->form, &c->past, err));
+  world_save(s->w, c->state);
+  c->out = *s->out;
+  c->held = s->held;
+  c->n_row = record->n_row;
+  return BASE_OK;
+}
+
+base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_error *err) {
+  BASE_TRY(formulation_recall(s->form, &c->past, err));
+  world_load(s->w, c->state);
+  const sim_result spent = *s->out;
+  *s->out = c->out;
+  s->out->time = spent.time;
+  s->out->work = spent.work;
+  s->out->n_solves = spent.n_solves;
+  s->out->n_modes = spent.n_modes;
+  s->out->n_fallbacks = spent.n_fallbacks;
+  s->out->n_evaluations = spent.n_evaluations;
+  s->out->workspace = spent.workspace;
+  s->out->step_longest = spent.step_longest;
+  s->held = c->held;
+  record->n_row = c->n_row;
+  return BASE_OK;
+}
+
+void checkpoint_close(checkpoint *c) {
+  free(c->state);
+  contact_memory_drop(&c->past);
+  *c = (checkpoint){0};
+}

@@ -1,0 +1,62 @@
+/* harness/control/step_control.h - a run whose steps are chosen so that each adds no more than its share to the error.
+ *
+ * One step of h is compared with two of h/2 from the same state; the two are kept. Their distance e [m] is that of the
+ * places of all points of all bodies, and of their velocities times how long these last: what is left of the run, or the
+ * time in which the fastest body has come as far as the bodies get. A step is taken where
+ *
+ *   e <= tolerance max(h / T, s),    s = 1/32 where the carrying contacts change inside the step, else 1/16384
+ *
+ * because an impact inside a step costs h |dv| however short the step: it is located by halving until its share
+ * covers that, and how deep bodies come into each other in the step. Otherwise, or where a solve of the step fails, h is shortened; PI control (Gustafsson 1991) chooses
+ * the next. A step of the shortest length is taken as it is and counted. Formulations that integrate by themselves
+ * (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
+ *
+ * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
+#pragma once
+
+#include "harness/measure/simulate.h"
+
+typedef struct step_rule {
+  double tolerance;   /* [m] over the whole run */
+  double first;       /* step to begin with [s] */
+  double least, most; /* [s] */
+  const double *
+      stop; /* n_stop times that a step must end at, ascending [s]; the last is the end of the run */
+  int n_stop;
+  long limit; /* of steps solved, trials included */
+} step_rule;
+
+/* Lengths of the steps of a run, for sim_request.step. */
+typedef struct step_list {
+  double *h; /* [s]; owned */
+  long n, cap;
+} step_list;
+
+typedef struct step_account {
+  long solved, rejected,
+      forced;         /* forced: taken at the shortest length though not within its share */
+  double least, most; /* of the steps kept [s] */
+  double located;     /* largest error of a step in which the contacts changed [m] */
+  bool ended;         /* the run came to its end within the limit */
+} step_account;
+
+/* Where the bodies are at the end, and how far they came. */
+typedef struct run_places {
+  int n;         /* bodies */
+  double *start; /* 3 n [m]; owned, `end` behind it */
+  double *end;
+  double travel; /* the longest way of a centre from where it began, at the end of any step [m] */
+  double size;   /* of the smallest body (world_size) [m] */
+} run_places;
+
+/* As simulate(), with the steps that were kept; q->h is the first. The request must not ask for files. */
+base_status simulate_controlled(const sim_request *q, const step_rule *rule, series *record,
+                                sim_result *out, step_list *kept, run_places *places,
+                                step_account *account, base_error *err);
+void run_places_close(run_places *p);
+
+/* What steps a run is repeated with. Of a file: one length a line [s]; BASE_EINVAL names the line. The sum must be the
+ * duration up to SIM_LAST_STEP. */
+base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
+base_status step_list_write(const step_list *l, const char *path, base_error *err);
+void step_list_close(step_list *l);

@@ -1,0 +1,132 @@
+"""simulate --error: the error asked for is kept, what cannot be promised is said, and every choice can be repeated."""
+
+from support import one_line_error, run, run_json, tap
+
+RUN = ("--formulation", "coulomb", "--solver", "nsgs")
+
+
+def simulate(scene, error, *more, formulation=RUN, **kw):
+    return run_json("simulate", scene, *formulation, "--error", error, *more, **kw)
+
+
+def reference(o):
+    """The reference quantity of the scene among the quantities watched, and its true error."""
+    true = o["trajectory_error"]
+    q = next(q for q in o["error"]["quantities"] if q["quantity"].startswith(true["quantity"]))
+    return q, true["error"]
+
+
+def the_error_asked_for_is_kept(_):
+    for scene in ("slide", "bounce", "drop", "gripper", "top", "tip", "push", "projectile"):
+        solved = []
+        for E in (1e-1, 1e-2, 1e-3):
+            o = simulate(scene, E)
+            e, (q, true) = o["error"], reference(o)
+            assert e["promised"] and e["err_estimate"] <= E, (scene, E, e)
+            assert true <= E * q["scale"], (scene, E, true, q)
+            assert o["verified"] and o["status"] == "ok"
+            solved.append(e["steps_solved"])
+        assert solved[2] > solved[0], (scene, solved)
+
+
+def absolute_errors_have_a_unit(_):
+    o = simulate("slide", "5e-4m")
+    q, true = reference(o)
+    assert true <= 5e-4 and o["error"]["err_estimate"] <= 5e-4, (true, o["error"])
+    assert {q["unit"] for q in o["error"]["quantities"]} == {"m"} and o["error"]["unit"] == "m"
+    assert simulate("slide", "5e-2m")["error"]["steps_solved"] < o["error"]["steps_solved"]
+
+
+def all_formulations_are_controlled(_):
+    for form in (
+        "velocity:facets=8",
+        "position",
+        "boxed",
+        "acceleration",
+        "regularized",
+        "event",
+        "penalty",
+    ):
+        solver = "pgs" if form == "boxed" else "lemke"
+        o = simulate(
+            "slide:dim=2", "1%", formulation=("--formulation", form, "--solver", solver), code=None
+        )
+        assert o["error"]["promised"] and len(o["error"]["runs"]) > 1, (form, o["error"])
+        assert o["error"]["runs"][-1]["change_over_asked"] is not None
+
+
+def the_steps_repeat_the_run(d):
+    for scene in ("slide", "bounce", "tip"):
+        steps = d / f"{scene}.txt"
+        found = simulate(scene, "1%", "--write-steps", steps)
+        again = run_json("simulate", scene, *RUN, "--steps", steps)
+        assert again["solution_hash"] == found["solution_hash"], scene
+        assert again["steps"] == found["steps"] and again["observables"] == found["observables"]
+        assert "error" not in again
+
+
+def files_are_those_of_the_steps_found(d):
+    o = simulate("bounce", "1%", "--trajectory", d / "t.csv", "--write-steps", d / "s.txt")
+    times = {line.split(",")[0] for line in (d / "t.csv").read_text().splitlines()[1:]}
+    assert len(times) == o["steps"] + 1 == len((d / "s.txt").read_text().split()) + 1
+
+
+def the_end_is_honest_where_work_is_limited(_):
+    o = simulate("bounce", "1e-4", "--work", 3000, code=3)
+    e = o["error"]
+    assert not e["promised"] and "limit of work" in e["reason"], e
+    assert e["steps_solved"] <= 3000 == e["steps_limit"]
+    assert o["steps"] > 0 and o["error"]["quantities"][0]["value"] is not None
+
+
+def the_end_is_honest_where_a_step_has_no_solution(_):
+    done = run_json(
+        "simulate",
+        "painleve:mu=3,theta_deg=63.4",
+        "--formulation",
+        "acceleration",
+        "--solver",
+        "lemke",
+        "--error",
+        "1%",
+        code=3,
+    )
+    assert not done["error"]["promised"] and done["error"]["reason"].startswith("a step is "), done[
+        "error"
+    ]
+
+
+def bad_input_is_named(d):
+    for text in ("0", "-1", "x", "1km", "1%%", "nan"):
+        one_line_error("simulate", "slide", *RUN, "--error", text, names=["--error"])
+    one_line_error("simulate", "slide", *RUN, "--error", "1J", names=["--error", "J"])
+    one_line_error("simulate", "slide", *RUN, "--error", "1%", "--step", 0.01, names=["--step"])
+    one_line_error("simulate", "slide", *RUN, "--work", 10, names=["--work"])
+    one_line_error("simulate", "slide", *RUN, "--error", "1%", "--work", 0, names=["--work"])
+    short, wrong = d / "short", d / "wrong"
+    short.write_text("0.1\n0.1\n")
+    wrong.write_text("0.1\nx\n")
+    one_line_error("simulate", "slide", *RUN, "--steps", short, names=[short, "0.2 s"])
+    one_line_error("simulate", "slide", *RUN, "--steps", wrong, names=[wrong, "line 2"])
+    one_line_error("simulate", "slide", *RUN, "--steps", d / "none", names=[d / "none"])
+
+
+def the_same_bits_each_time(_):
+    a, b = (run("simulate", "tip", *RUN, "--error", "1%").stdout for _ in range(2))
+    strip = lambda t: [line for line in t.splitlines() if '"t_' not in line]  # noqa: E731
+    assert strip(a) == strip(b)
+
+
+tap(
+    [
+        the_error_asked_for_is_kept,
+        absolute_errors_have_a_unit,
+        all_formulations_are_controlled,
+        the_steps_repeat_the_run,
+        files_are_those_of_the_steps_found,
+        the_end_is_honest_where_work_is_limited,
+        the_end_is_honest_where_a_step_has_no_solution,
+        bad_input_is_named,
+        the_same_bits_each_time,
+    ]
+)
