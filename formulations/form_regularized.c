@@ -9,7 +9,13 @@
 
 typedef reg_options options;
 
+/* The law solved for exactly, and three others (MATHEMATICS 2.3.13). */
+static const char *const variants[] = {NULL, "stiffness=fixed,modes=once,prox=0",
+                                       "modes=plain,prox=0", "model=lugre"};
+
 static const base_field fields[] = {
+    BASE_FIELD_PRESET(options, variant, "newton|paper|plain|lugre", 0, variants,
+                      "named choice of the options behind it"),
     BASE_FIELD_CHOICE(options, model, "bristle|viscous|lugre", 0, "law of the static phase"),
     BASE_FIELD_CHOICE(options, bias, "velocity|position", 0, "level of the normal rows"),
     BASE_FIELD_CHOICE(options, stiffness, "ratio|fixed", 0, "scaled to the masses, or k and c"),
@@ -23,7 +29,10 @@ static const base_field fields[] = {
     BASE_FIELD(options, v_stribeck, BASE_REAL, "m/s", 1e-3, 1e-12, 1e6, "LuGre Stribeck speed"),
     BASE_FIELD(options, ellipse, BASE_REAL, "1", 1, 1e-3, 1e3, "mu along t2 over mu along t1"),
     BASE_FIELD_CHOICE(options, impact, "keep|boost", 0, "raise G to the ratio at impacts"),
-    BASE_FIELD_CHOICE(options, modes, "newton|plain|secant", 0, "iteration of stick and slip"),
+    BASE_FIELD_CHOICE(options, modes, "newton|plain|secant|once", 0, "iteration of stick and slip"),
+    BASE_FIELD_CHOICE(options, bound, "current|previous", 0, "once: normal impulse of this step"),
+    BASE_FIELD_CHOICE(options, integration, "implicit|explicit", 0, "once: force of the bristle"),
+    BASE_FIELD_CHOICE(options, bristle, "saturated|reset", 0, "once: deflection while it slides"),
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
     BASE_FIELD_CHOICE(options, factor, "auto|envelope|cholmod", 0, "of form=mass"),
     BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
@@ -59,6 +68,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->u = BASE_ARRAY(m, double, s->cap_row);
   s->best = BASE_ARRAY(m, double, s->cap_row);
   s->base = BASE_ARRAY(m, double, s->cap_row);
+  s->given = BASE_ARRAY(m, double, s->cap_row);
   s->t = BASE_ARRAY(m, double, s->cap_row);
   s->block = BASE_ARRAY(m, lcp_block, p);
 }
@@ -144,7 +154,7 @@ static void reduce(regularized *s) {
  * takes friction so stiff that M_hat would lose the mass in it. */
 static void choose_form(regularized *s, const contact_set *c) {
   const bool joints = c->n_group > c->n_contact;
-  const bool stiff = s->opt.stiffness == 1 || s->opt.ratio > 1e6;
+  const bool stiff = s->opt.stiffness == 1 || s->opt.ratio > 1e6 || s->opt.modes == REG_ONCE;
   s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
 }
 
@@ -187,6 +197,22 @@ static void joints_alone(regularized *s) {
   }
 }
 
+static base_status open(void *state, const void *opt, base_error *err) {
+  (void)state;
+  const options *o = opt;
+  const bool once = o->bound != REG_BOUND_CURRENT || o->integration != REG_IMPLICIT ||
+                    o->bristle != REG_SATURATED;
+  if (once && o->modes != REG_ONCE) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "regularized: bound, integration and bristle are readings of modes=once");
+  }
+  if (o->modes == REG_ONCE && (o->model == REG_LUGRE || o->form == 2)) {
+    return BASE_FAIL(err, BASE_EINVAL, "regularized: modes=once needs %s",
+                     (o->form == 2) ? "form=contact" : "model=bristle or viscous");
+  }
+  return BASE_OK;
+}
+
 static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   regularized *s = state;
@@ -207,6 +233,9 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     BASE_TRY(reg_mass_begin(s, err));
   }
   start_point(s);
+  if (s->opt.modes == REG_ONCE) {
+    reg_once_begin(s);
+  }
   if (p == 0) {
     joints_alone(s);
   } else {
@@ -274,7 +303,8 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
   const bool broken = claimed == LCP_RAY || claimed == LCP_INFEASIBLE || claimed == LCP_NUMERICAL;
   s->iteration++;
   s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
-  if (broken && s->any_slip && s->opt.modes != REG_PLAIN && s->iteration < s->opt.mode_iter) {
+  const bool free = s->opt.modes == REG_NEWTON || s->opt.modes == REG_SECANT_ONLY;
+  if (broken && s->any_slip && free && s->iteration < s->opt.mode_iter) {
     reg_modes_without_solution(s);
     reduce(s);
     return BASE_OK;
@@ -285,9 +315,12 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     reg_contact_expand(s, z, s->lambda);
     form_assembly_velocity(&s->a, s->lambda, s->u);
   }
+  for (int r = 0; r < s->a.n_row && s->opt.modes == REG_ONCE; r++) {
+    s->lambda[r] += s->given[r];
+  }
   const double residual = fmax(reg_law_residual(s, s->lambda, s->u), proximal_residual(s, z));
   memcpy(s->anchor, z, (size_t)s->a.n_contact * sizeof *z);
-  if (broken || residual <= s->opt.tol) {
+  if (broken || residual <= s->opt.tol || s->opt.modes == REG_ONCE) {
     s->answer.residual = residual;
     finish(s, claimed == LCP_SOLVED);
     return BASE_OK;
@@ -328,7 +361,7 @@ const formulation form_regularized = {
     .words = "Solves for normal impulses only; friction acts as a stiff spring.",
     .when = "Many contacts rub and the smallest problem is wanted; a sticking contact may give way "
             "a little.",
-    .apart = "model",
+    .apart = "variant model",
     .model =
         FORM_NORMAL_ONLY | FORM_UNILATERAL | FORM_FRICTION | FORM_CONE_EXACT | FORM_REGULARISED,
     .stands_for = "regularized",
@@ -339,6 +372,7 @@ const formulation form_regularized = {
     .state_size = sizeof(regularized),
     .memory = offsetof(regularized, memory),
     .dimension = dimension,
+    .open = open,
     .close = close,
     .begin = begin,
     .assemble = assemble,

@@ -13,6 +13,7 @@
  *   S  stick            lambda_t = -h tau
  *   L  slip, linearised lambda_t = -mu lambda_n d - r (I - d d') h tau
  *   R  secant           lambda_t = -r h tau,   r = min(1, mu lambda_n / |h tau|) of the last iterate
+ *   G  given            lambda_t known before the solve (regularized_once.c)
  * and the modes are found by solving again: L is a Newton step, R always converges. With an ellipse
  * of friction coefficients the second tangent is scaled so that the law is a circle again; k and c
  * then differ along the axes like mu^2, for which the radial return is exact (MATHEMATICS 2.3.11). */
@@ -23,9 +24,13 @@
 enum { REG_KINDS = 3 };    /* friction, torsion, rolling */
 enum { REG_ROWS_MAX = 8 }; /* of a group */
 enum { REG_PAIRS = 8 };    /* steps that the secant iteration remembers */
-typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT } reg_mode;
+typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT, REG_GIVEN } reg_mode;
 typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
-typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY } reg_modes;
+typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY, REG_ONCE } reg_modes;
+/* Readings of what the paper leaves open, with modes decided once a step (MATHEMATICS 2.3.13). */
+enum { REG_BOUND_CURRENT, REG_BOUND_PREVIOUS };
+enum { REG_IMPLICIT, REG_EXPLICIT };
+enum { REG_SATURATED, REG_RESET };
 
 /* A memory entry: closed, lambda_n, then for each kind of part the numbers below: of these S (deflections) and SLIDING are state
  * of the model, the others only where a step starts from the previous one. */
@@ -40,14 +45,18 @@ enum {
 enum { REG_PAST_PARTS = 2, REG_STRIDE = REG_PAST_PARTS + REG_KINDS * REG_PAST_PART };
 
 typedef struct reg_options {
-  int model;        /* reg_model */
-  int bias;         /* form_level */
-  int stiffness;    /* 0: G/m_t fixed, 1: k and c fixed */
-  double ratio;     /* G/m_t [1] */
-  double zeta;      /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
-  double k, c;      /* [N/m], [N s/m] */
-  int impact;       /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
-  int modes;        /* reg_modes */
+  int variant;   /* names a choice of the others */
+  int model;     /* reg_model */
+  int bias;      /* form_level */
+  int stiffness; /* 0: G/m_t fixed, 1: k and c fixed */
+  double ratio;  /* G/m_t [1] */
+  double zeta;   /* damping of the bristle, c = 2 zeta sqrt(k m_t) [1] */
+  double k, c;   /* [N/m], [N s/m] */
+  int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
+  int modes;     /* reg_modes */
+  int bound, integration,
+      bristle;      /* of REG_ONCE: the normal impulse behind the friction, the bristle's force, and
+                                      what is left of it while it slides */
   int distribution; /* form_distribution */
   int form;         /* 0 by size, 1 contact space, 2 mass matrix */
   int factor;       /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
@@ -156,7 +165,8 @@ typedef struct regularized {
   double *sigma;      /* n_rows^2: Q C Q' + compliance, then its Cholesky factor */
   double *xyc;        /* n_rows x (2p+1): L^-1 [Q C N' | Q C B | Q r + offset] */
   double *lambda, *u, *best, *base; /* assembly rows */
-  double *t;                        /* n_rows */
+  double *given; /* assembly rows: friction that is known before the solve, REG_ONCE [N s] */
+  double *t;     /* n_rows */
   lcp_block *block;
 
   bool by_mass; /* which of the two forms this step takes */
@@ -193,6 +203,11 @@ bool reg_is_idle(const regularized *s, const reg_part *p);
 void reg_modes_begin(regularized *s);
 void reg_modes_next(regularized *s, double residual);
 void reg_modes_without_solution(regularized *s);
+
+/* regularized_once.c: modes from the state alone; friction known before the solve goes into `given` and into the free
+ * velocities. Then what a part leaves behind: the impulse of the solve, and the next deflections. */
+void reg_once_begin(regularized *s);
+void reg_once_settle(const regularized *s, const reg_part *p, const double *lambda, double *next);
 
 /* regularized_lugre.c */
 void reg_lugre_begin(const reg_options *o, double h, reg_part *p);

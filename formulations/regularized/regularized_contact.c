@@ -28,9 +28,9 @@ static void add_row(regularized *s, int group, int row, int n, const double *c, 
 /* The compliant directions of one part. */
 static void part_rows(regularized *s, const reg_part *p) {
   const double axis[2] = {1, p->axis2};
-  const double r = (p->mode == REG_STICK) ? 1 : p->r;
+  const double r = (p->mode == REG_STICK || s->opt.modes == REG_ONCE) ? 1 : p->r;
   const double stiffness = p->G * r;
-  if (!(stiffness > 0)) {
+  if (!(stiffness > 0) || p->mode == REG_GIVEN) {
     return;
   }
   const double spring = p->pull / p->G; /* of s, as a velocity */
@@ -38,7 +38,7 @@ static void part_rows(regularized *s, const reg_part *p) {
     for (int m = 0; m < p->dim; m++) {
       add_row(s, p->contact, p->row + m, 1, &axis[m], stiffness, spring * p->s[m]);
     }
-  } else if (p->dim == 2 && s->opt.modes != REG_PLAIN) {
+  } else if (p->dim == 2 && s->opt.modes != REG_PLAIN && s->opt.modes != REG_ONCE) {
     const double across[2] = {-p->d[1], p->d[0]};
     const double scaled[2] = {across[0], p->axis2 * across[1]};
     add_row(s, p->contact, p->row, 2, scaled, stiffness,

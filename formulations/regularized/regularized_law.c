@@ -313,8 +313,8 @@ static double bound_of(const reg_part *p, double lambda_n) {
 /* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATHEMATICS 2.3.6). At
  * most one change to and fro in a step. */
 static void choose_coefficient(const regularized *s, reg_part *p, double lambda_n) {
-  if (reg_is_lugre(s, p)) {
-    return; /* mu_k and mu_s are both in its g */
+  if (reg_is_lugre(s, p) || s->opt.modes == REG_ONCE) {
+    return; /* mu_k and mu_s are both in its g; or what slides was decided before the solve */
   }
   const bool slides = p->size > bound_of(p, lambda_n);
   if (slides != (p->sliding != 0) && p->flips < 2) {
@@ -386,6 +386,10 @@ static void store(regularized *s, const reg_part *p, const double *next) {
 
 /* Law impulse and next state of one part; lambda gets the impulse. */
 static void settle(regularized *s, const reg_part *p, double ln, double *lambda, double *next) {
+  if (s->opt.modes == REG_ONCE) {
+    reg_once_settle(s, p, lambda, next);
+    return;
+  }
   const double h = s->a.set->h;
   const double creep = h * p->k + p->c;
   const bool idle = reg_is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
@@ -408,7 +412,8 @@ static void report(regularized *s, const reg_part *p, double ln) {
   const double bound = bound_of(p, ln);
   const double h = s->a.set->h;
   out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / p->m);
-  s->a.mode[s->a.group[p->contact]] = (unsigned char)((ln > 0) ? 1 + (p->next_r < 1) : 0);
+  const bool slips = ((s->opt.modes == REG_ONCE) ? p->r : p->next_r) < 1;
+  s->a.mode[s->a.group[p->contact]] = (unsigned char)((ln > 0) ? 1 + slips : 0);
   if (p->k > 0) {
     out->deflection = fmax(out->deflection, bound / (h * p->k));
   } else if (p->c > 0) {

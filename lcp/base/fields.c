@@ -124,7 +124,7 @@ base_status base_fields_set(const base_field *f, int nf, void *opt, const char *
                        base_nearest_word(text, f[i].words, hint));
     }
     store(&f[i], opt, index);
-    return BASE_OK;
+    return base_fields_parse(f, nf, opt, (f[i].preset != NULL) ? f[i].preset[index] : NULL, err);
   }
   char known[240] = "";
   char hint[BASE_NEAREST_HINT];
@@ -138,8 +138,28 @@ base_status base_fields_set(const base_field *f, int nf, void *opt, const char *
                    base_nearest_hint(&near, hint)[0] != '\0' ? hint : ":", nf > 0 ? known : "none");
 }
 
+/* The field of which `word` is a preset; NULL: none is. */
+static const base_field *preset_of(const base_field *f, int nf, const char *word) {
+  for (int i = 0; i < nf; i++) {
+    if (f[i].preset != NULL && word_index(f[i].words, word) >= 0) {
+      return &f[i];
+    }
+  }
+  return NULL;
+}
+
+static bool is_preset(const base_field *f, int nf, const char *name) {
+  for (int i = 0; i < nf; i++) {
+    if (f[i].preset != NULL && strcmp(f[i].name, name) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 base_status base_fields_parse(const base_field *f, int nf, void *opt, const char *text,
                               base_error *err) {
+  const char *const first = text;
   while (text != NULL && *text != '\0') {
     char item[160];
     const size_t len = strcspn(text, ",");
@@ -150,11 +170,20 @@ base_status base_fields_parse(const base_field *f, int nf, void *opt, const char
     memcpy(item, text, len);
     item[len] = '\0';
     char *eq = strchr(item, '=');
-    if (eq == NULL) {
+    const base_field *preset = (eq == NULL) ? preset_of(f, nf, item) : NULL;
+    if (eq == NULL && preset == NULL) {
       return BASE_FAIL(err, BASE_EINVAL, "'%s': need name=value", item);
     }
-    *eq = '\0';
-    BASE_TRY(base_fields_set(f, nf, opt, item, eq + 1, err));
+    if (eq != NULL) {
+      *eq = '\0';
+    }
+    const char *name = (preset != NULL) ? preset->name : item;
+    const char *value = (eq != NULL) ? eq + 1 : item;
+    if (text != first && is_preset(f, nf, name)) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need it first, it sets other options", name,
+                       value);
+    }
+    BASE_TRY(base_fields_set(f, nf, opt, name, value, err));
     text += len + (text[len] == ',');
   }
   return BASE_OK;

@@ -23,7 +23,10 @@ typedef struct base_field {
   size_t offset; /* of an int or a double inside the options struct */
   double dflt, min, max;
   const char *words; /* BASE_CHOICE: "first|second|third"; else NULL */
-  const char *help;  /* one sentence */
+  const char *const *
+      preset; /* BASE_CHOICE: what each word sets of the other fields, "name=value,..." or NULL; such a word
+                                may be given alone, and before all others; else NULL */
+  const char *help; /* one sentence */
 } base_field;
 
 #define BASE_FIELD_NAMED(T, member, name_, kind_, unit_, dflt_, min_, max_, help_)                 \
@@ -40,6 +43,13 @@ typedef struct base_field {
     .dflt = (dflt_), .words = (words_), .help = (help_)                                            \
   }
 
+/* preset_: one text a word, see base_field. */
+#define BASE_FIELD_PRESET(T, member, words_, dflt_, preset_, help_)                                \
+  {                                                                                                \
+    .name = #member, .unit = "1", .kind = BASE_CHOICE, .offset = offsetof(T, member),              \
+    .dflt = (dflt_), .words = (words_), .preset = (preset_), .help = (help_)                       \
+  }
+
 void base_fields_default(const base_field *f, int nf, void *opt);
 
 /* Parses `text` into the field called `name`; rejects unknown names and values
@@ -47,7 +57,7 @@ void base_fields_default(const base_field *f, int nf, void *opt);
 base_status base_fields_set(const base_field *f, int nf, void *opt, const char *name,
                             const char *text, base_error *err);
 
-/* Parses "name=value,name=value" (empty or NULL: nothing to do). */
+/* Parses "name=value,name=value" (empty or NULL: nothing to do); the first may be the word of a preset alone. */
 base_status base_fields_parse(const base_field *f, int nf, void *opt, const char *text,
                               base_error *err);
 

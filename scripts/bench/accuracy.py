@@ -214,9 +214,10 @@ def kept(cells: pd.DataFrame) -> pd.DataFrame:
         all(v in values[form, o] for o, v in options.items())
         for form, options in zip(cells["formulation"], given, strict=True)
     ]
+    configs = cells.get("formulation_config", cells["formulation"].map(lambda _: ""))
     labels = [
-        rows_.formulation_label(form, ",".join(f"{o}={v}" for o, v in options.items()))
-        for form, options in zip(cells["formulation"], given, strict=True)
+        rows_.formulation_label(form, ",".join(f"{o}={v}" for o, v in options.items()), config)
+        for form, options, config in zip(cells["formulation"], given, configs, strict=True)
     ]
     return cells.assign(label=labels)[shown]
 

@@ -158,15 +158,19 @@ def manifest(folder: pathlib.Path) -> dict:
 
 
 def options(text: str) -> dict[str, str]:
-    """'facets=8,side=in' -> {'facets': '8', 'side': 'in'}"""
-    return dict(part.split("=", 1) for part in str(text).split(",") if "=" in part)
+    """'facets=8,side=in' -> {'facets': '8', 'side': 'in'}; a preset may stand alone, 'paper,k=1e5'
+    -> {'variant': 'paper', 'k': '1e5'}"""
+    parts = [part for part in str(text).split(",") if part and text == text]
+    return dict(part.split("=", 1) if "=" in part else ("variant", part) for part in parts)
 
 
-def formulation_label(name: str, opts: str) -> str:
-    """Short name for a plot: 'velocity, 8 facets', 'regularized'."""
+def formulation_label(name: str, opts: str, config: str = "") -> str:
+    """Short name for a plot: 'velocity, 8 facets', 'regularized paper'; which variant of its
+    formulation a row has stands in its config (all options) if it was not asked for by name."""
     o = options(opts)
     facets = o.pop("facets", None)
-    label = name + (f", {facets} facets" if facets else "")
+    variant = o.pop("variant", options(config).get("variant", ""))
+    label = f"{name} {variant}".strip() + (f", {facets} facets" if facets else "")
     return label + (f" ({','.join(f'{k}={v}' for k, v in o.items())})" if o else "")
 
 
@@ -219,8 +223,13 @@ def cells(rows: pd.DataFrame) -> pd.DataFrame:
         out.append(line)
     frame = pd.DataFrame(out)
     frame["label"] = [
-        formulation_label(f, o)
-        for f, o in zip(frame["formulation"], frame.get("formulation_options", ""), strict=False)
+        formulation_label(f, o, c)
+        for f, o, c in zip(
+            frame["formulation"],
+            frame.get("formulation_options", frame["formulation"].map(lambda _: "")),
+            frame.get("formulation_config", frame["formulation"].map(lambda _: "")),
+            strict=True,
+        )
     ]
     frame["combination"] = [
         combination(*r)

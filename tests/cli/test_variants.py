@@ -1,0 +1,158 @@
+"""The variants of `regularized`: presets of its options, and the readings of the paper
+(modes=once) against recursions of one block written down here, which share nothing with the code."""
+
+import itertools
+import json
+import math
+import pathlib
+
+from support import one_line_error, run, run_json, tap
+
+M, G, STATIC, KINETIC, K, C, H = 2.0, 9.81, 0.5, 0.3, 4e3, 60.0, 0.01
+SIDE, DOWN, OMEGA, START, T = 14.0, 6.0, 9.0, 0.8, 2.0
+READINGS = {
+    "bound": ("current", "previous"),
+    "integration": ("implicit", "explicit"),
+    "bristle": ("saturated", "reset"),
+}
+
+
+def block(d):
+    """A point on the floor, pushed to and fro, and down by a force that changes too."""
+    scene = {
+        "id": "rub",
+        "dim": 2,
+        "T": T,
+        "hs": [H],
+        "gravity": [0, -G],
+        "friction": {"default": STATIC},
+        "friction_kinetic": {"default": KINETIC},
+        "bodies": [
+            {"name": "b", "shape": {"type": "point"}, "mass": M, "pos": [0, 0], "vel": [START, 0]}
+        ],
+        "static": [{"name": "floor", "normal": [0, 1]}],
+        "loads": [
+            {"type": "force_sine", "body": "b", "dir": [1, 0], "amplitude": SIDE, "omega": OMEGA},
+            {"type": "force_sine", "body": "b", "dir": [0, -1], "amplitude": DOWN, "omega": 5.0},
+        ],
+        "observe": ["b.x", "b.vx"],
+    }
+    path = pathlib.Path(d) / "rub.json"
+    path.write_text(json.dumps(scene), encoding="utf-8")
+    return path
+
+
+def recursion(bound, integration, bristle):
+    """x, v at T and how often the block changed between holding and sliding."""
+    g = H * H * K + H * C
+    x, v, s, sliding, changes = 0.0, START, 0.0, False, 0
+    last = H * M * G
+    for n in range(round(T / H)):
+        t = n * H
+        normal = H * (M * G + DOWN * math.sin(5.0 * t))
+        free = v + H * SIDE * math.sin(OMEGA * t) / M
+        trial = H * K * s + (g if integration == "implicit" else H * C) * v
+        slides = abs(trial) > (KINETIC if sliding else STATIC) * last
+        if slides:
+            friction = -math.copysign(KINETIC * (normal if bound == "current" else last), trial)
+            v = free + friction / M
+            s = 0.0 if bristle == "reset" else (-friction + C * s) / (H * K + C)
+        else:
+            if integration == "implicit":
+                v = (M * free - H * K * s) / (M + g)
+            else:
+                v = free - trial / M
+            s += H * v
+        changes += slides != sliding
+        sliding, last = slides, normal
+        x += H * v
+    return x, v, changes
+
+
+def simulate(scene, formulation, *words):
+    return run_json("simulate", scene, "--formulation", formulation, "--solver", "lemke", *words)
+
+
+def readings_are_those_of_one_block(d):
+    scene, ends = block(d), set()
+    for words in itertools.product(*READINGS.values()):
+        chosen = ",".join(f"{o}={w}" for o, w in zip(READINGS, words, strict=True))
+        x, v, changes = recursion(*words)
+        assert changes >= 6, (chosen, changes)  # it holds and slides by turns
+        for start in ("cold", "previous"):
+            o = simulate(
+                scene, f"regularized:paper,k={K},c={C},{chosen}", "--start", start
+            )
+            got = [o["observables"][q]["value"] for q in ("b.x", "b.vx")]
+            assert abs(got[0] - x) < 1e-9 and abs(got[1] - v) < 1e-9, (chosen, got, (x, v))
+            assert o["n_solves"] == o["steps"], chosen
+        ends.add(round(x, 6))
+    assert len(ends) == 8, ends  # every reading is a motion of its own
+
+
+def a_variant_is_a_choice_of_options(_):
+    for word, options in (
+        ("newton", "prox=0.0001"),
+        ("plain", "modes=plain,prox=0"),
+        ("lugre", "model=lugre"),
+        ("paper", "stiffness=fixed,modes=once,prox=0"),
+    ):
+        runs = [
+            simulate("push", f"regularized:{text}", "--duration", 0.2)
+            for text in (word, f"variant={word}", options)
+        ]
+        assert len({o["solution_hash"] for o in runs}) == 1, word
+        for o, name in zip(runs, (word, word, "newton"), strict=True):
+            assert f"variant={name}," in o["formulation_options"], (word, o["formulation_options"])
+    assert (
+        simulate("push", "regularized")["solution_hash"]
+        == simulate("push", "regularized:newton")["solution_hash"]
+    )
+
+
+def what_follows_overrides_it(_):
+    o = simulate("incline", "regularized:paper,k=1234,bias=position", "--duration", 0.05)
+    for text in ("variant=paper", "k=1234", "bias=position", "modes=once", "stiffness=fixed"):
+        assert text in o["formulation_options"].split(","), text
+    again = simulate("incline", "regularized:" + o["formulation_options"], "--duration", 0.05)
+    assert again["formulation_options"] == o["formulation_options"]
+    assert again["solution_hash"] == o["solution_hash"]
+
+
+def joints_and_stacks_are_solved_once_a_step(_):
+    for scene in ("stack:n=3", "plank", "ladder"):
+        o = json.loads(
+            run(
+                *("simulate", scene, "--formulation", "regularized:paper", "--solver", "lemke"),
+                code=None,
+            ).stdout
+        )
+        assert o["status"] == "ok" and o["n_solves"] == o["steps"], (scene, o["status"])
+
+
+def nonsense_is_refused(_):
+    for text, names in (
+        ("regularized:k=1e5,paper", ["variant=paper", "first"]),
+        ("regularized:paper,plain", ["variant=plain", "first"]),
+        ("regularized:papper", ["papper"]),
+        ("regularized:variant=papper", ["papper", "paper"]),
+        ("regularized:bound=previous", ["bound", "modes=once"]),
+        ("regularized:plain,bristle=reset", ["bristle", "modes=once"]),
+        ("regularized:paper,model=lugre", ["modes=once"]),
+        ("regularized:paper,form=mass", ["modes=once", "form=contact"]),
+        ("velocity:paper", ["paper", "name=value"]),
+    ):
+        one_line_error(
+            "simulate", "incline", "--formulation", text, "--solver", "lemke", names=names
+        )
+
+
+tap(
+    [
+        readings_are_those_of_one_block,
+        a_variant_is_a_choice_of_options,
+        what_follows_overrides_it,
+        joints_and_stacks_are_solved_once_a_step,
+        nonsense_is_refused,
+    ]
+)
