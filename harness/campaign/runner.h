@@ -55,6 +55,7 @@ run_status runner_cell_status(const row_ref *row, int n);
 base_status runner_count_cells(const plan *p, const char *dir, int by_status[RUN_STATUS_COUNT],
                                base_error *err);
 
-/* DIR/results.csv, read and written whole (harness/plan/record.h). */
+/* DIR/results.csv, read and written whole (harness/plan/record.h). Read also: DIR/results.csv.xz, packed, and a file
+ * of rows itself in the place of DIR. BASE_EINVAL: both are there. */
 base_status runner_read_rows(const char *dir, record_table *out, base_error *err);
 base_status runner_write_rows(const char *dir, const record_table *t, base_error *err);

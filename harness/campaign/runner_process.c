@@ -1,5 +1,6 @@
 /* One process of one cell: started with its own offsets of stack and heap, watched, its rows completed. */
 #include "harness/campaign/runner_state.h"
+#include "harness/cell/death.h"
 #include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/versions.h"
@@ -44,36 +45,12 @@ static void parent_item(void *ctx, const void *item) {
 /* A death as the one row it deserves. */
 static void death_row(runner *r, const isolate_end *end, base_error *err) {
   record row;
-  run_status word = RUN_NO_OUTPUT;
   cell_identity(&r->job, &row);
   row.rep = 0;
   row.ctx_invol = end->ctx_invol;
   row.major_faults = end->major_faults;
-  switch (end->how) {
-  case ISOLATE_TIMEOUT:
-    word = RUN_TIMEOUT;
-    (void)snprintf(row.note, sizeof row.note, "killed after %g s", r->plan->campaign->limits.time);
-    break;
-  case ISOLATE_FLOOD:
-    word = RUN_FLOOD;
-    SET_TEXT(row.note, "killed for flooding its output");
-    break;
-  case ISOLATE_OOM:
-    word = RUN_OOM;
-    SET_TEXT(row.note, "killed by SIGKILL: by the kernel for memory, if not from outside");
-    break;
-  case ISOLATE_SIGNAL:
-    word = RUN_CRASH;
-    (void)snprintf(row.note, sizeof row.note, "signal %d %s: %.180s", end->signal,
-                   strsignal(end->signal), end->log);
-    break;
-  case ISOLATE_EXIT:
-  case ISOLATE_DONE:
-  case ISOLATE_INTERRUPTED:
-    (void)snprintf(row.note, sizeof row.note, "exit(%d) without a result: %.180s", end->exit_code,
-                   end->log);
-    break;
-  }
+  const run_status word =
+      death_word(end, r->plan->campaign->limits.time, row.note, sizeof row.note);
   if (end->signal != 0) {
     row.exit_signal = end->signal;
   }

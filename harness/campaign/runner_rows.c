@@ -177,6 +177,11 @@ static base_status settle_rows(runner *r, record_table *rows, base_error *err) {
 base_status runner_open_rows(runner *r, record_table *rows, base_error *err) {
   char path[1100];
   char header[RECORD_ROW];
+  folder_file(r->o->out, "results.csv.xz", path, sizeof path);
+  if (access(path, F_OK) == 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: packed rows are not gone on with; unpack them (xz -d)",
+                     path);
+  }
   folder_file(r->o->out, "results.csv", path, sizeof path);
   if (access(path, F_OK) == 0) {
     BASE_TRY(record_table_read(path, rows, err));

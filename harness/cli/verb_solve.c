@@ -1,23 +1,28 @@
 /* lcpbench solve: one complementarity problem, one solver, one JSON object. */
 #include "harness/cli/cli.h"
+#include "harness/cli/solve_all.h"
 #include "harness/measure/problem_source.h"
 #include "harness/measure/solve_once.h"
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/table.h"
 
-#include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct solve_options {
-  const char *solver, *q, *tol, *max_iter, *z, *certificate, *formulation, *trace;
+  arg_list solver;
+  const char *q, *tol, *max_iter, *z, *certificate, *formulation, *trace, *format;
   int facets;
-  FILE *report; /* where the JSON object goes */
+  double time_limit; /* NAN: not given */
+  FILE *report;      /* where the JSON object goes */
 } solve_options;
 
-static base_status choose(const solve_options *o, solver_choice *s, base_error *err) {
-  BASE_TRY(solver_choose(o->solver, s, err));
+static base_status choose(const solve_options *o, const char *text, solver_choice *s,
+                          base_error *err) {
+  BASE_TRY(solver_choose(text, s, err));
   if (o->tol != NULL) {
     BASE_TRY(solver_choice_set(s, "tol", o->tol, err));
   }
@@ -25,6 +30,59 @@ static base_status choose(const solve_options *o, solver_choice *s, base_error *
     BASE_TRY(solver_choice_set(s, "max_iter", o->max_iter, err));
   }
   return BASE_OK;
+}
+
+/* The solvers that are asked for, with their options. */
+typedef struct solver_choices {
+  solver_choice *item;
+  int n;
+} solver_choices;
+
+static base_status choose_all(const solve_options *o, solver_choices *c, base_error *err) {
+  int built = 0;
+  while (registry_solver(built) != NULL) {
+    built++;
+  }
+  const bool all = o->solver.count == 1 && strcmp(o->solver.item[0], "all") == 0;
+  const int n = all ? built : o->solver.count;
+  c->item = calloc((size_t)n + 1, sizeof *c->item);
+  if (c->item == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d solvers", n);
+  }
+  for (; c->n < n; c->n++) {
+    BASE_TRY(
+        choose(o, all ? registry_solver(c->n)->name : o->solver.item[c->n], &c->item[c->n], err));
+  }
+  return BASE_OK;
+}
+
+static void free_all(solver_choices *c) {
+  for (int i = 0; i < c->n; i++) {
+    solver_choice_free(&c->item[i]);
+  }
+  free(c->item);
+}
+
+/* One solver is told as an object, several as a table. */
+static bool is_table(const solve_options *o) {
+  return o->solver.count > 1 || o->format != NULL || strcmp(o->solver.item[0], "all") == 0;
+}
+
+static base_status check_table(const solve_options *o, base_error *err) {
+  if (!is_table(o)) {
+    return isnan(o->time_limit) ? BASE_OK
+                                : BASE_FAIL(err, BASE_EINVAL,
+                                            "--time-limit: is of a table; one solver has its "
+                                            "option max_seconds");
+  }
+  const char *file = (o->z != NULL)             ? "--z"
+                     : (o->certificate != NULL) ? "--certificate"
+                     : (o->trace != NULL)       ? "--trace"
+                                                : NULL;
+  if (file != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: is of one solver, not of a table", file);
+  }
+  return (o->format != NULL) ? table_format(o->format, err) : BASE_OK;
 }
 
 /* Friction problems are posed on the exact cone, or as the polyhedral LCP with facets. */
@@ -39,76 +97,6 @@ static base_status choose_pose(solve_options *o, base_error *err) {
   }
   o->facets = (polyhedral && o->facets == 0) ? 4 : o->facets;
   return BASE_OK;
-}
-
-static void put_verdict(json_t *o, const solve_record *r) {
-  const lcp_verdict *v = &r->verdict;
-  const bool judged = r->has_claim;
-  json_out_text(o, "status", run_status_name(r->status));
-  json_out_text(o, "claimed", judged ? lcp_outcome_name(r->claim.outcome) : NULL);
-  json_out_bool(o, "verified", r->verified);
-  json_out_real(o, "rho", judged ? v->rho : HUGE_VAL);
-  json_out_real(o, "res_natural", judged ? v->natural : HUGE_VAL);
-  json_out_real(o, "res_natural_rel", judged ? v->natural_rel : HUGE_VAL);
-  json_out_real(o, "res_comp", judged ? v->comp : HUGE_VAL);
-}
-
-/* Of a friction problem: how far the answer is from the true cone, whatever it was posed on. */
-static base_status put_cone(json_t *o, const problem_source *src, const solve_record *r,
-                            const double *z, base_error *err) {
-  lcp_verdict v = {.natural = HUGE_VAL, .natural_rel = HUGE_VAL, .infeasible_z = HUGE_VAL};
-  if (!problem_source_has_cone(src)) {
-    return BASE_OK;
-  }
-  if (r->has_claim) {
-    BASE_TRY(problem_source_judge_cone(src, z, &v, err));
-  }
-  json_out_real(o, "res_ncp", v.natural);
-  json_out_real(o, "res_ncp_rel", v.natural_rel);
-  json_out_real(o, "cone_violation_Ns", v.infeasible_z);
-  return BASE_OK;
-}
-
-/* null: the solver handed over none, or it is of a problem whose certificates are not checked. */
-static void put_certificate(json_t *o, const solve_record *r) {
-  const lcp_certificate_verdict *v = &r->certificate;
-  json_out_text(o, "certificate", certificate_name(r->claim.certificate.kind));
-  if (r->certificate_checked) {
-    json_out_bool(o, "certificate_holds", v->holds);
-    json_out_bool(o, "certificate_exact", v->exact);
-  } else {
-    json_out_text(o, "certificate_holds", NULL);
-    json_out_text(o, "certificate_exact", NULL);
-  }
-  json_out_text(o, "certificate_why", r->certificate_checked ? v->why : NULL);
-}
-
-static json_t *to_json(const problem_source *src, const solver_choice *s, const solve_record *r) {
-  assert(s->solver != NULL);
-  json_t *o = json_object();
-  const lcp_work *w = &r->claim.work;
-  json_out_text(o, "problem", src->name);
-  json_out_int(o, "n", src->p->M.n);
-  json_out_int(o, "nnz", lcp_matrix_entries(&src->p->M));
-  json_out_text(o, "storage", storage_name(src->p->M.storage));
-  json_out_text(o, "solver", s->solver->name);
-  json_out_text(o, "options", s->config);
-  json_out_text(o, "variant", r->claim.variant);
-  put_verdict(o, r);
-  json_out_int(o, "n_iter", w->iterations);
-  json_out_int(o, "n_pivot", w->pivots);
-  json_out_int(o, "n_factor", w->factorizations);
-  json_out_int(o, "n_matvec", w->matvecs);
-  json_out_int(o, "n_fallback", w->fallbacks);
-  json_out_real(o, "t_setup_s", r->time.setup);
-  json_out_real(o, "t_factor_s", r->time.factor);
-  json_out_real(o, "t_solve_s", r->time.solve);
-  put_certificate(o, r);
-  char hash[24];
-  (void)snprintf(hash, sizeof hash, "%016llx", (unsigned long long)r->hash);
-  json_out_text(o, "solution_hash", r->has_claim ? hash : NULL);
-  json_out_text(o, "note", r->note);
-  return o;
 }
 
 /* Solves, with the history written where one is asked for. */
@@ -135,27 +123,42 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
     return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for the answer", src->name);
   }
   solve_record r;
+  lcp_verdict room;
+  const lcp_verdict *cone = NULL;
   base_status done = solve_traced(src, s, o, z, &r, err);
   if (done == BASE_OK && o->z != NULL && r.has_claim) {
     done = lcp_write_mtx_vector(o->z, n, z, err);
   }
-  json_t *report = (done == BASE_OK) ? to_json(src, s, &r) : NULL;
   if (done == BASE_OK) {
-    done = put_cone(report, src, &r, z, err);
+    done = solve_cone(src, &r, z, &room, &cone, err);
   }
   free(z);
-  if (done != BASE_OK) {
-    json_decref(report);
-  } else {
-    const bool printed = json_out_print(report, o->report);
+  if (done == BASE_OK) {
+    const bool printed = json_out_print(solve_report(src, s, &r, cone), o->report);
     *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && r.verified) ? CLI_OK : CLI_HONEST;
   }
   return done;
 }
 
+static base_status solve_table(const problem_source *src, const solver_choices *c,
+                               const solve_options *o, int *code, base_error *err) {
+  bool verified;
+  bool stopped;
+  BASE_TRY(solve_all(src, c->item, c->n, isnan(o->time_limit) ? 10.0 : o->time_limit,
+                     o->format != NULL ? o->format : "table", o->report, &verified, &stopped, err));
+  *code = stopped ? cli_stopped() : verified ? CLI_OK : CLI_HONEST;
+  return BASE_OK;
+}
+
 static const arg_option options[] = {
-    ARG(solve_options, solver, "--solver", ARG_TEXT, "SOLVER",
-        "solver with its options behind a colon", .needed = true),
+    ARG(solve_options, solver, "--solver", ARG_LIST, "SOLVER|all",
+        "solver with its options behind a colon; all, or more than one, give a table",
+        .needed = true),
+    ARG(solve_options, format, "--format", ARG_TEXT, "table|csv|json",
+        "format of the table; table where none is given"),
+    ARG(solve_options, time_limit, "--time-limit", ARG_SECONDS, "T",
+        "wall time of each solver of a table; 10 s where none is given", .unit = "s",
+        .above = true),
     ARG(solve_options, q, "--q", ARG_TEXT, "FILE",
         "vector q of a Matrix Market problem; NAME.q.mtx beside NAME.M.mtx where none is given"),
     ARG(solve_options, tol, "--tol", ARG_TEXT, "T", "residual to stop at, the solver's option tol",
@@ -178,7 +181,7 @@ static const arg_table args = {
     "PROBLEM", "family with its parameters, or problem file; - is standard input"};
 
 static int run(int argc, char **argv) {
-  solve_options o = {0};
+  solve_options o = {.time_limit = (double)NAN};
   const char *problem;
   int n_positional;
   base_error err = {0};
@@ -186,10 +189,13 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   o.report = args_take_stdout(&args, &o) ? stderr : stdout;
-  solver_choice s = {0};
+  solver_choices s = {0};
   problem_source src = {0};
   int code = CLI_INTERNAL;
-  base_status done = choose(&o, &s, &err);
+  base_status done = check_table(&o, &err);
+  if (done == BASE_OK) {
+    done = choose_all(&o, &s, &err);
+  }
   if (done == BASE_OK) {
     done = choose_pose(&o, &err);
   }
@@ -201,10 +207,11 @@ static int run(int argc, char **argv) {
                      o.formulation, problem);
   }
   if (done == BASE_OK) {
-    done = solve_and_print(&src, &s, &o, &code, &err);
+    done = is_table(&o) ? solve_table(&src, &s, &o, &code, &err)
+                        : solve_and_print(&src, &s.item[0], &o, &code, &err);
   }
   problem_source_close(&src);
-  solver_choice_free(&s);
+  free_all(&s);
   return (done == BASE_OK) ? code : cli_report(&err);
 }
 
@@ -212,6 +219,7 @@ extern const cli_verb verb_solve;
 const cli_verb verb_solve = {
     .name = "solve",
     .args = &args,
-    .help = "solves one problem (file or family) and prints one JSON object",
+    .help =
+        "solves one problem (file or family) and prints one JSON object; by all solvers, a table",
     .run = run,
 };

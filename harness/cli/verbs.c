@@ -20,6 +20,10 @@
   X(doctor) \
   X(export) \
   X(submit) \
+  X(recommend) \
+  X(report) \
+  X(profile) \
+  X(render) \
   X(help) \
   X(complete)
 /* clang-format on */

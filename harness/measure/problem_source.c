@@ -1,6 +1,7 @@
 #include "harness/measure/problem_source.h"
 
 #include "lcp/base/fields.h"
+#include "lcp/base/input.h"
 #include "problems/families/family.h"
 #include "problems/import/import.h"
 
@@ -39,6 +40,21 @@ static base_status open_mtx(const char *text, const char *q_path, problem_source
   return lcp_read_mtx(text, q_path, &out->file, err);
 }
 
+/* What standard input holds, whose name does not tell. */
+static base_status sniff(char begin[16], base_error *err) {
+  FILE *f;
+  BASE_TRY(base_in_open("-", &f, err));
+  const size_t got = fread(begin, 1, 15, f);
+  begin[got] = '\0';
+  (void)fclose(f);
+  return BASE_OK;
+}
+
+static base_status open_npz(const char *text, problem_source *out, base_error *err) {
+  out->p = &out->file.p;
+  return lcp_read_npz(text, &out->file, err);
+}
+
 static base_status open_import(const char *text, int facets, problem_source *out, base_error *err) {
   import_kind kind;
   BASE_TRY(import_detect(text, &kind, err));
@@ -57,7 +73,7 @@ static bool is_import_text(const char *text) {
 }
 
 bool problem_is_file(const char *text) {
-  return ends_with(text, ".mtx") || is_import_text(text);
+  return ends_with(text, ".mtx") || ends_with(text, ".npz") || is_import_text(text);
 }
 
 base_status problem_file(const char *text, char *path, size_t cap, int *facets, base_error *err) {
@@ -105,14 +121,22 @@ base_status problem_source_open(const char *text, const char *q_path, int facets
                                 problem_source *out, base_error *err) {
   *out = (problem_source){0};
   (void)snprintf(out->name, sizeof out->name, "%s", text);
-  if (q_path != NULL && !ends_with(text, ".mtx")) {
+  char begin[16] = "";
+  if (base_in_is_stdin(text)) {
+    BASE_TRY(sniff(begin, err));
+  }
+  const bool mtx = ends_with(text, ".mtx") || strncmp(begin, "%%Matrix", 8) == 0;
+  const bool npz = ends_with(text, ".npz") || strncmp(begin, "PK", 2) == 0;
+  if (q_path != NULL && !mtx) {
     return BASE_FAIL(err, BASE_EINVAL, "--q %s: %s has a q already, only a .mtx needs one", q_path,
                      text);
   }
-  if (ends_with(text, ".mtx")) {
-    return (facets != 0) ? no_facets(text, err) : open_mtx(text, q_path, out, err);
+  if (mtx || npz) {
+    return (facets != 0) ? no_facets(text, err)
+           : mtx         ? open_mtx(text, q_path, out, err)
+                         : open_npz(text, out, err);
   }
-  if (is_import_text(text)) {
+  if (is_import_text(text) || base_in_is_stdin(text)) {
     return open_file(text, facets, out, err);
   }
   char name[64];

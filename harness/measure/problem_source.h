@@ -1,7 +1,7 @@
 /* harness/measure/problem_source.h - a complementarity problem from the text a user gives: a family with
  * parameters ("murty:n=12"), or a file: x.dat (Siconos text: LCP, mixed LCP, friction), x.hdf5
  * (FCLIB), both with ":facets=N" behind them for a polyhedral cone, NAME.M.mtx (Matrix Market, with
- * NAME.q.mtx or a q of its own). */
+ * NAME.q.mtx or a q of its own), x.npz (numpy: M, q, bounds), or -, standard input, told by how it begins. */
 #pragma once
 
 #include "lcp/io/lcp_read.h"

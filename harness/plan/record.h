@@ -72,7 +72,7 @@ bool record_has_real(const char *name);
 void record_flag(record *r, const char *word);
 bool record_has_flag(const record *r, const char *word);
 
-/* All rows of a results.csv, by the names in its header: columns this version does not know are left
+/* All rows of a results.csv (or .csv.xz, packed), by the names in its header: columns this version does not know are left
  * out, columns the file lacks are not measured, and `foreign` tells of either; rows of another schema
  * number are refused. A last line without its newline (a run killed while writing) is left out with
  * the rows of its process, and reported in torn. */

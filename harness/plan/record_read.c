@@ -1,8 +1,8 @@
 /* Rows read back from a file, and tables of them. */
 #include "harness/measure/verdict.h"
 #include "harness/plan/record_column.h"
+#include "harness/util/unpack.h"
 #include "lcp/base/fields.h"
-#include "lcp/base/input.h"
 #include "lcp/base/output.h"
 
 #include <errno.h>
@@ -246,7 +246,7 @@ static base_status read_lines(FILE *from, const char *path, record_table *out, b
 base_status record_table_read(const char *path, record_table *out, base_error *err) {
   *out = (record_table){0};
   FILE *from;
-  BASE_TRY(base_in_text(path, &from, err));
+  BASE_TRY(unpack_text(path, &from, err));
   const base_status done = read_lines(from, path, out, err);
   (void)fclose(from);
   if (done != BASE_OK) {

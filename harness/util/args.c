@@ -210,15 +210,25 @@ static const char *output_of(const arg_option *o, const void *options) {
   return (o->kind == ARG_OUTPUT) ? text_of(o, options) : NULL;
 }
 
-static base_status check_needed(const arg_table *t, const void *options, base_error *err) {
+/* A list that is needed and not given may come from the environment, as one item. */
+static base_status list_of_environment(const arg_option *o, void *options, base_error *err) {
+  char name[64];
+  variable_of(o->name, name, sizeof name);
+  const char *value = getenv(name);
+  return (value != NULL && *value != '\0') ? store(o, member(o, options), value, err) : BASE_OK;
+}
+
+static base_status check_needed(const arg_table *t, void *options, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
     const arg_option *o = &t->option[i];
     if (!o->needed) {
       continue;
     }
-    const bool given = (o->kind == ARG_LIST)
-                           ? *(const int *)(const void *)((const char *)options + o->offset) > 0
-                           : text_of(o, options) != NULL;
+    const arg_list *list = (o->kind == ARG_LIST) ? member(o, options) : NULL;
+    if (list != NULL && list->count == 0) {
+      BASE_TRY(list_of_environment(o, options, err));
+    }
+    const bool given = (list != NULL) ? list->count > 0 : text_of(o, options) != NULL;
     if (!given) {
       return BASE_FAIL(err, BASE_EINVAL, "%s %s is missing: %s", o->name, o->value, o->help);
     }

@@ -1,6 +1,6 @@
 /* harness/util/args.h - command-line options by table. An option given neither on the command line
  * nor in the table's default may come from the environment: --time-limit is LCPBENCH_TIME_LIMIT; a flag
- * is 1 or 0 there, lists are not taken. */
+ * is 1 or 0 there, a list is taken only where it is needed, as one item. */
 #pragma once
 
 #include "lcp/base/status.h"

@@ -44,10 +44,14 @@ static int letters(const char *text) {
   return n;
 }
 
-static void put_padded(const char *text, int width, bool right, bool last, FILE *to) {
+/* No blanks at the end of a line. */
+static void put_padded(const char *text, int width, bool right, int *owed, FILE *to) {
   const int pad = width - letters(text);
-  (void)fprintf(to, "%*s%s%*s%s", right ? pad : 0, "", text, right || last ? 0 : pad, "",
-                last ? "\n" : "  ");
+  if (text[0] != '\0') {
+    (void)fprintf(to, "%*s%s", *owed + (right ? pad : 0), "", text);
+    *owed = 0;
+  }
+  *owed += 2 + (right && text[0] != '\0' ? 0 : pad);
 }
 
 static void print_words(const json_t *rows, const char *const *column, int n, FILE *to) {
@@ -66,14 +70,18 @@ static void print_words(const json_t *rows, const char *const *column, int n, FI
       number[c] = number[c] || json_is_number(v);
     }
   }
+  int owed = 0;
   for (int c = 0; c < n; c++) {
-    put_padded(column[c], width[c], number[c], c == n - 1, to);
+    put_padded(column[c], width[c], number[c], &owed, to);
   }
+  (void)fputc('\n', to);
   json_array_foreach(rows, i, row) {
+    owed = 0;
     for (int c = 0; c < n; c++) {
-      put_padded(text_of(json_object_get(row, column[c]), 3, "-", buf), width[c], number[c],
-                 c == n - 1, to);
+      put_padded(text_of(json_object_get(row, column[c]), 3, "-", buf), width[c], number[c], &owed,
+                 to);
     }
+    (void)fputc('\n', to);
   }
 }
 

@@ -19,6 +19,10 @@ base_status lcp_read_siconos(const char *path, lcp_file_problem *out, base_error
 base_status lcp_read_mtx(const char *m_path, const char *q_path, lcp_file_problem *out,
                          base_error *err);
 
+/* numpy's .npz (read_npz.c): M dense, or the parts of scipy.sparse.save_npz; q; lo and hi, optional. A sparse M is
+ * stored as CSC. BASE_EINVAL also: an array of another name. */
+base_status lcp_read_npz(const char *path, lcp_file_problem *out, base_error *err);
+
 /* A Matrix Market vector of known length n into x[n]. */
 base_status lcp_read_mtx_vector(const char *path, int n, double *x, base_error *err);
 base_status lcp_write_mtx_vector(const char *path, int n, const double *x, base_error *err);

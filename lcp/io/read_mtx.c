@@ -3,6 +3,7 @@
 #include "lcp/base/output.h"
 #include "lcp/io/lcp_read.h"
 #include "lcp/io/lcp_text.h"
+#include "lcp/io/triplets.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -66,18 +67,7 @@ static base_status read_header(lcp_text *t, header *h, base_error *err) {
   return lcp_text_holds(t, 3.0 * (double)h->entries, "size", err);
 }
 
-typedef struct triplet {
-  int row, col;
-  double value;
-} triplet;
-
-static int by_column(const void *a, const void *b) {
-  const triplet *x = a, *y = b;
-  return (x->col != y->col) ? (x->col > y->col) - (x->col < y->col)
-                            : (x->row > y->row) - (x->row < y->row);
-}
-
-static base_status read_triplets(lcp_text *t, const header *h, triplet *e, size_t *count,
+static base_status read_triplets(lcp_text *t, const header *h, lcp_triplet *e, size_t *count,
                                  base_error *err) {
   size_t n = 0;
   for (long k = 0; k < h->entries; k++) {
@@ -86,60 +76,27 @@ static base_status read_triplets(lcp_text *t, const header *h, triplet *e, size_
     BASE_TRY(lcp_text_int(t, "a row index", 1, h->rows, &i, err));
     BASE_TRY(lcp_text_int(t, "a column index", 1, h->cols, &j, err));
     BASE_TRY(lcp_text_real(t, "an entry", &x, err));
-    e[n++] = (triplet){(int)i - 1, (int)j - 1, x};
+    e[n++] = (lcp_triplet){(int)i - 1, (int)j - 1, x};
     if (h->mirror != 0 && i != j) {
-      e[n++] = (triplet){(int)j - 1, (int)i - 1, h->mirror * x};
-    }
-  }
-  qsort(e, n, sizeof *e, by_column);
-  for (size_t k = 1; k < n; k++) {
-    if (by_column(&e[k - 1], &e[k]) == 0) {
-      return BASE_FAIL(err, BASE_EINVAL, "%s: entry (%d, %d) stands twice", t->path, e[k].row + 1,
-                       e[k].col + 1);
+      e[n++] = (lcp_triplet){(int)j - 1, (int)i - 1, h->mirror * x};
     }
   }
   *count = n;
   return BASE_OK;
 }
 
-static base_status own(lcp_file_problem *f, void *p, const lcp_text *t, base_error *err) {
-  if (p == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for its matrix", t->path);
-  }
-  f->owned[f->n_owned++] = p;
-  return BASE_OK;
-}
-
 static base_status coordinate_matrix(lcp_text *t, const header *h, lcp_file_problem *out,
                                      base_error *err) {
-  triplet *e = malloc((2 * (size_t)h->entries + 1) * sizeof *e);
+  lcp_triplet *e = malloc((2 * (size_t)h->entries + 1) * sizeof *e);
   size_t nnz = 0;
   base_status s = (e != NULL) ? read_triplets(t, h, e, &nnz, err)
                               : BASE_FAIL(err, BASE_ENOMEM, "%s: no memory for %ld entries",
                                           t->path, h->entries);
-  int *colptr = calloc((size_t)h->cols + 1, sizeof *colptr);
-  int *rowind = malloc((nnz + 1) * sizeof *rowind);
-  double *val = malloc((nnz + 1) * sizeof *val);
-  void *const arrays[] = {colptr, rowind, val};
-  for (int i = 0; i < 3; i++) {
-    const base_status got = own(out, arrays[i], t, err);
-    s = (s == BASE_OK) ? got : s;
-  }
-  for (size_t k = 0; s == BASE_OK && k < nnz; k++) {
-    colptr[e[k].col + 1] = (int)k + 1;
-    rowind[k] = e[k].row;
-    val[k] = e[k].value;
+  if (s == BASE_OK) {
+    s = lcp_from_triplets(t->path, (int)h->rows, e, nnz, out, err);
   }
   free(e);
-  if (s != BASE_OK) {
-    return s;
-  }
-  for (long j = 0; j < h->cols; j++) { /* empty columns start where the one before ended */
-    colptr[j + 1] = (colptr[j + 1] > colptr[j]) ? colptr[j + 1] : colptr[j];
-  }
-  const int n = (int)h->rows;
-  out->p.M = (lcp_matrix){.storage = LCP_CSC, .n = n, .csc = {n, n, colptr, rowind, val}};
-  return BASE_OK;
+  return s;
 }
 
 /* Array files list columns; symmetric ones only the lower triangle (skew: below the diagonal). */
@@ -161,7 +118,7 @@ static base_status array_values(lcp_text *t, const header *h, double *x, base_er
 static base_status array_matrix(lcp_text *t, const header *h, lcp_file_problem *out,
                                 base_error *err) {
   double *M = calloc((size_t)h->rows * (size_t)h->cols + 1, sizeof *M);
-  BASE_TRY(own(out, M, t, err));
+  BASE_TRY(lcp_file_own(out, M, t->path, err));
   BASE_TRY(array_values(t, h, M, err));
   out->p.M = (lcp_matrix){.storage = LCP_DENSE, .n = (int)h->rows, .val = M};
   return BASE_OK;

@@ -304,6 +304,33 @@ static base_status read_any(const source *s, friction_problem *p) {
   return BAD(s, "%s: no group fclib_local, fclib_global or fclib_global_rolling", s->path);
 }
 
+/* Standard input is no file that the library could open by its name: it gets the bytes. */
+static hid_t open_image(const char *path) {
+  FILE *f;
+  if (base_in_open(path, &f, NULL) != BASE_OK) {
+    return -1;
+  }
+  const long size = (fseek(f, 0, SEEK_END) == 0) ? ftell(f) : -1;
+  char *bytes = (size > 0 && fseek(f, 0, SEEK_SET) == 0) ? malloc((size_t)size) : NULL;
+  const bool whole = bytes != NULL && fread(bytes, 1, (size_t)size, f) == (size_t)size;
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  hid_t file = -1;
+  if (whole && access >= 0 && H5Pset_fapl_core(access, 65536, 0) >= 0 &&
+      H5Pset_file_image(access, bytes, (size_t)size) >= 0) { /* a copy */
+    file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  }
+  if (access >= 0) {
+    (void)H5Pclose(access);
+  }
+  free(bytes);
+  (void)fclose(f);
+  return file;
+}
+
+static hid_t open_file(const char *path) {
+  return base_in_is_stdin(path) ? open_image(path) : H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+}
+
 base_status friction_read_fclib_here(const char *path, friction_problem *out, base_error *err) {
   memset(out, 0, sizeof *out);
   H5E_auto2_t print;
@@ -311,7 +338,7 @@ base_status friction_read_fclib_here(const char *path, friction_problem *out, ba
   (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
   (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
   base_error inner = {0};
-  source s = {H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT), path, err};
+  source s = {open_file(path), path, err};
   base_status status = BASE_EINVAL;
   if (s.file < 0) {
     status = BASE_FAIL(err, BASE_EINVAL, "%s: not an HDF5 file, or damaged", path);

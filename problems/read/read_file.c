@@ -191,13 +191,26 @@ static bool ends_with(const char *text, const char *end) {
   return n >= m && strcasecmp(text + n - m, end) == 0;
 }
 
+/* Of standard input, whose name does not tell: what begins with a brace or a bracket is JSON. */
+static bool begins_as_yaml(FILE *f) {
+  int c = getc(f);
+  while (c == ' ' || c == '\n' || c == '\r' || c == '\t') {
+    c = getc(f);
+  }
+  return c != '{' && c != '[' && c != EOF;
+}
+
 static base_status read_open(FILE *f, const char *path, json_t **out, base_error *err) {
   const long from = ftell(f); /* behind a byte-order mark */
   const long size = (from >= 0 && fseek(f, 0, SEEK_END) == 0) ? ftell(f) : -1;
   if (size < 0 || size > FILE_MAX || fseek(f, from, SEEK_SET) != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "size of %ld bytes, need at most %d", size, FILE_MAX);
   }
-  const bool yaml = ends_with(path, ".yaml") || ends_with(path, ".yml");
+  const bool yaml = base_in_is_stdin(path) ? begins_as_yaml(f)
+                                           : ends_with(path, ".yaml") || ends_with(path, ".yml");
+  if (fseek(f, from, SEEK_SET) != 0) {
+    return BASE_FAIL(err, BASE_EIO, "cannot be read twice");
+  }
   return yaml ? read_yaml(f, out, err) : read_json(f, out, err);
 }
 

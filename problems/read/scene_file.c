@@ -153,7 +153,8 @@ static base_status load_file(const char *path, const char *id, scene_spec *out, 
 }
 
 bool scene_is_file(const char *text) {
-  return strchr(text, '/') != NULL || strstr(text, ".json") != NULL ||
+  const bool standard = text[0] == '-' && (text[1] == '\0' || text[1] == '#');
+  return standard || strchr(text, '/') != NULL || strstr(text, ".json") != NULL ||
          strstr(text, ".yaml") != NULL || strstr(text, ".yml") != NULL;
 }
 

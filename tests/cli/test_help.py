@@ -69,8 +69,11 @@ def needed_options_are_told(_):
 def components_are_explained(_):
     """Each with the defaults, ranges and sentences of its own table, as JSON tells them."""
     told = run("help", "stack").stdout
-    scene = next(s for s in json.loads(run("list", "scenes", "--format", "json").stdout)
-                 if s["name"] == "stack")
+    scene = next(
+        s
+        for s in json.loads(run("list", "scenes", "--format", "json").stdout)
+        if s["name"] == "stack"
+    )
     assert told.startswith(f"scene stack: {scene['title']}"), told
     for p in scene["parameters"]:
         if p["kind"] != "choice":
@@ -78,7 +81,11 @@ def components_are_explained(_):
             low = f"from {p['min']:.15g} to {p['max']:.15g}"
             assert f"[{p['unit']}]" in line[0] and low in line[0], line[0]
             assert line[1].strip() == p["help"], line[1]
-    for kind, of in (("solvers", "solver"), ("formulations", "formulation"), ("problems", "family")):
+    for kind, of in (
+        ("solvers", "solver"),
+        ("formulations", "formulation"),
+        ("problems", "family"),
+    ):
         for one in json.loads(run("list", kind, "--format", "json").stdout):
             told = run("help", one["name"]).stdout
             assert f"{of} " in told and one["title"] in told, (one["name"], told)

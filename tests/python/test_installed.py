@@ -7,6 +7,7 @@ import pathlib
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
@@ -114,6 +115,23 @@ class Installed(unittest.TestCase):
         self.assertIn("smoke", self.run_in(program, "list", "campaigns").split())
         out = self.run_in(program, "run", "smoke", "--quick", "--out", "rows", "--quiet")
         self.assertIn("rows/results.csv", out)
+
+    def test_scripts_manual_and_completion_are_installed(self):
+        program = self.prefix / "bin" / "lcpbench"
+        rows = ROOT / "results" / "reference" / "library"
+        out = self.run_in(
+            program, "profile", rows, "--out", "figures", LCPBENCH_PYTHON=sys.executable
+        )
+        self.assertIn("lemke", out)
+        self.assertTrue(pathlib.Path(self.scratch.name, "figures", "profile.pdf").exists())
+        share = self.prefix / "share"
+        self.assertIn(".SH VERBS", (share / "man" / "man1" / "lcpbench.1").read_text())
+        for file in (
+            "bash-completion/completions/lcpbench",
+            "zsh/site-functions/_lcpbench",
+            "fish/vendor_completions.d/lcpbench.fish",
+        ):
+            self.assertIn("lcpbench complete --", (share / file).read_text(), file)
 
     def test_without_its_data_the_program_says_so(self):
         bare = pathlib.Path(self.scratch.name, "bare")
