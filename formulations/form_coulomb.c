@@ -12,26 +12,11 @@ static long dimension(int dim, int p, const void *opt) {
   return (long)p * dim;
 }
 
-/* storage=auto: factors where the rows at a body are more than four times its velocities, as between boxes, whose contacts
- * are many for two bodies: J W J' has then about four times the entries of J. Joints are eliminated from the product
- * only, so with joints, and in small problems, row_matrix.h decides. */
-static bool factors_pay(const contact_set *c) {
-  long at_bodies = 0;
-  if (c->n_group > c->n_contact || c->n_row <= 64) {
-    return false;
-  }
-  for (int g = 0; g < c->n_group; g++) {
-    const int sides = (c->body[2 * g] >= 0) + (c->body[2 * g + 1] >= 0);
-    at_bodies += (long)sides * (c->row_start[g + 1] - c->row_start[g]);
-  }
-  return at_bodies > 4 * (long)c->n_dof;
-}
-
 static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   row_form *s = state;
   row_options own = *(const options *)opt;
-  own.storage = (own.storage == ROW_AUTO && factors_pay(c)) ? ROW_FACTORED : own.storage;
+  own.storage = (int)row_storage_of((row_storage)own.storage, c);
   BASE_TRY(row_form_begin(s, c, &own, start, err));
   for (int i = 0; i < s->a.n_group; i++) {
     lcp_block *block = &s->block[s->n_block++];

@@ -33,6 +33,8 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, bound, "current|previous", 0, "once: normal impulse of this step"),
     BASE_FIELD_CHOICE(options, integration, "implicit|explicit", 0, "once: force of the bristle"),
     BASE_FIELD_CHOICE(options, bristle, "saturated|reset", 0, "once: deflection while it slides"),
+    BASE_FIELD_CHOICE(options, pose, "reduced|cone", 0, "normal impulses alone, or with friction"),
+    FORM_STORAGE_FIELD(options),
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
     BASE_FIELD_CHOICE(options, factor, "auto|envelope|cholmod", 0, "of form=mass"),
     BASE_FIELD_CHOICE(options, restitution, "newton|none", 0, "law of impact"),
@@ -47,9 +49,7 @@ static const base_field fields[] = {
 };
 
 static long dimension(int dim, int p, const void *opt) {
-  (void)dim;
-  (void)opt;
-  return p;
+  return (((const options *)opt)->pose == REG_CONE) ? (long)dim * p : p;
 }
 
 static void layout_groups(void *state, base_arena *m) {
@@ -92,6 +92,9 @@ static base_status grow(regularized *s, base_error *err) {
     s->cap_group = (int)larger((size_t)s->cap_group, (size_t)c->n_group);
     s->cap_row = (int)larger((size_t)s->cap_row, (size_t)c->n_row);
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
+  }
+  if (s->opt.pose == REG_CONE) {
+    return BASE_OK;
   }
   const size_t p = (size_t)s->a.n_contact;
   const size_t n = s->by_mass ? 0 : (size_t)s->a.n_row - p; /* most compliant rows */
@@ -176,6 +179,11 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
                           .newton = s->opt.restitution == 0,
                           .repair = s->opt.repair};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
+  if (s->opt.pose == REG_CONE) {
+    s->by_mass = false;
+    s->cone.storage = row_storage_of((row_storage)s->opt.storage, c);
+    return row_assembly_begin(&s->a, c, (row_storage)s->cone.storage, &rule, &s->memory, err);
+  }
   choose_form(s, c);
   if (s->by_mass) {
     return form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err);
@@ -210,7 +218,11 @@ static base_status open(void *state, const void *opt, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL, "regularized: modes=once needs %s",
                      (o->form == 2) ? "form=contact" : "model=bristle or viscous");
   }
-  return BASE_OK;
+  if (o->pose != REG_CONE && o->storage != ROW_AUTO && o->storage != ROW_DENSE) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "regularized: storage: the reduced problem is dense, others need pose=cone");
+  }
+  return (o->pose == REG_CONE) ? reg_cone_admits(o, err) : BASE_OK;
 }
 
 static base_status begin(void *state, const contact_set *c, const void *opt,
@@ -236,7 +248,13 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   if (s->opt.modes == REG_ONCE) {
     reg_once_begin(s);
   }
-  if (p == 0) {
+  if (s->opt.pose == REG_CONE) {
+    s->answer.lcp_dim = s->a.n_row;
+    BASE_TRY(reg_cone_begin(s, err));
+    if (s->a.n_row == 0) {
+      finish(s, true);
+    }
+  } else if (p == 0) {
     joints_alone(s);
   } else {
     reduce(s);
@@ -266,6 +284,12 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
   if (s->done) {
     return BASE_OK;
   }
+  s->answer.work.solves++;
+  if (s->opt.pose == REG_CONE) {
+    *out = reg_cone_problem(s);
+    *z0 = s->cone.z0;
+    return BASE_OK;
+  }
   const int p = s->a.n_contact;
   unsigned traits = s->any_slip ? 0u : (unsigned)(LCP_SYMMETRIC | LCP_PSD);
   traits |= is_dominant(s->A, p) ? (unsigned)LCP_P_MATRIX : 0u;
@@ -275,7 +299,6 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
                        .n_block = p,
                        .traits = traits};
   *z0 = s->z0;
-  s->answer.work.solves++;
   return BASE_OK;
 }
 
@@ -297,12 +320,30 @@ static void give_up(regularized *s) {
   finish(s, false);
 }
 
+/* The solver found the modes; what is left is which of two coefficients holds. */
+static void recover_cone(regularized *s, const double *z, lcp_outcome claimed) {
+  const size_t n = (size_t)s->a.n_row;
+  memcpy(s->lambda, z, n * sizeof *z);
+  s->answer.residual = reg_law_residual(s, s->lambda, reg_cone_slips(s, z));
+  if (claimed != LCP_SOLVED || !reg_cone_bounds(s)) {
+    finish(s, claimed == LCP_SOLVED);
+  } else if (s->iteration >= s->opt.mode_iter) {
+    finish(s, false);
+  } else {
+    memcpy(s->cone.z0, z, n * sizeof *z);
+  }
+}
+
 static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
   (void)err;
   regularized *s = state;
   const bool broken = claimed == LCP_RAY || claimed == LCP_INFEASIBLE || claimed == LCP_NUMERICAL;
   s->iteration++;
   s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
+  if (s->opt.pose == REG_CONE) {
+    recover_cone(s, z, claimed);
+    return BASE_OK;
+  }
   const bool free = s->opt.modes == REG_NEWTON || s->opt.modes == REG_SECANT_ONLY;
   if (broken && s->any_slip && free && s->iteration < s->opt.mode_iter) {
     reg_modes_without_solution(s);
@@ -350,6 +391,7 @@ static void close(void *state) {
   form_assembly_close(&s->a);
   contact_memory_close(&s->memory);
   reg_mass_close(&s->mass);
+  reg_cone_close(&s->cone);
   free(s->mem);
   free(s->dense_mem);
 }

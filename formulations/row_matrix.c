@@ -3,6 +3,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Factors pay where the rows at a body are more than four times its velocities, as between boxes, whose contacts
+ * are many for two bodies: J W J' has then about four times the entries of J. Joints are eliminated from the product
+ * only, so with joints, and in small problems, row_matrix_build decides. */
+static bool factors_pay(const contact_set *c) {
+  long at_bodies = 0;
+  if (c->n_group > c->n_contact || c->n_row <= 64) {
+    return false;
+  }
+  for (int g = 0; g < c->n_group; g++) {
+    const int sides = (c->body[2 * g] >= 0) + (c->body[2 * g + 1] >= 0);
+    at_bodies += (long)sides * (c->row_start[g + 1] - c->row_start[g]);
+  }
+  return at_bodies > 4 * (long)c->n_dof;
+}
+
+row_storage row_storage_of(row_storage storage, const contact_set *c) {
+  return (storage == ROW_AUTO && factors_pay(c)) ? ROW_FACTORED : storage;
+}
+
+base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_storage storage,
+                               const form_rule *rule, contact_memory *memory, base_error *err) {
+  if (storage == ROW_FACTORED) { /* C is not needed but for its factors */
+    return form_assembly_begin_own(a, c, FORM_ROWS_ALL, rule, memory, err);
+  }
+  BASE_TRY(form_assembly_begin(a, c, FORM_ROWS_ALL, rule, memory, err));
+  return form_assembly_eliminate(a, err);
+}
+
 static void layout_rows(void *state, base_arena *a) {
   row_matrix *m = state;
   m->colptr = BASE_ARRAY(a, int, m->cap_n + 1);

@@ -19,7 +19,7 @@
  * then differ along the axes like mu^2, for which the radial return is exact (MATHEMATICS 2.3.11). */
 #pragma once
 
-#include "formulations/assembly.h"
+#include "formulations/row_matrix.h"
 
 enum { REG_KINDS = 3 };    /* friction, torsion, rolling */
 enum { REG_ROWS_MAX = 8 }; /* of a group */
@@ -27,6 +27,7 @@ enum { REG_PAIRS = 8 };    /* steps that the secant iteration remembers */
 typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT, REG_GIVEN } reg_mode;
 typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
 typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY, REG_ONCE } reg_modes;
+typedef enum reg_pose { REG_REDUCED, REG_CONE } reg_pose;
 /* Readings of what the paper leaves open, with modes decided once a step (MATHEMATICS 2.3.13). */
 enum { REG_BOUND_CURRENT, REG_BOUND_PREVIOUS };
 enum { REG_IMPLICIT, REG_EXPLICIT };
@@ -58,6 +59,8 @@ typedef struct reg_options {
       bristle;      /* of REG_ONCE: the normal impulse behind the friction, the bristle's force, and
                                       what is left of it while it slides */
   int distribution; /* form_distribution */
+  int pose;         /* reg_pose */
+  int storage;      /* row_storage, of pose=cone */
   int form;         /* 0 by size, 1 contact space, 2 mass matrix */
   int factor;       /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
   double sigma0, sigma1, sigma2, v_stribeck; /* LuGre [N/m], [N s/m], [N s/m], [m/s] */
@@ -146,6 +149,20 @@ typedef struct reg_schedule {
   double residual; /* where its last iteration began */
 } reg_schedule;
 
+/* regularized_cone.c: the step as one cone problem. */
+typedef struct reg_cone {
+  row_matrix matrix; /* C, with 1/G on its diagonal or in S */
+  int storage;       /* row_storage of this step */
+  lcp_csc shift;
+  double *q, *z0, *w, *give,
+      *scratch; /* n_row: give = 1/G [1/kg], then the values of S; a product's own */
+  int *colptr, *rowind;
+  lcp_block *block; /* n_group */
+  int cap_row, cap_group;
+  size_t cap_scratch;
+  void *mem; /* owned */
+} reg_cone;
+
 typedef struct regularized {
   form_assembly a;
   contact_memory memory;
@@ -171,6 +188,7 @@ typedef struct regularized {
 
   bool by_mass; /* which of the two forms this step takes */
   reg_mass mass;
+  reg_cone cone;
 
   int iteration;
   bool done;
@@ -189,8 +207,8 @@ typedef struct regularized {
 /* regularized_law.c: parts of the step with their stiffness and transported state; the law at an
  * iterate; the memory of the next step. */
 void reg_parts_build(regularized *s);
-/* Evaluates the law at (lambda, u), both over the assembly's rows: fills tau, r; returns the
- * largest deviation of lambda from the law over the largest impulse. */
+/* Evaluates the law at (lambda, u), both over the assembly's rows (pose=cone: u is w of regularized_cone.c): fills tau, r;
+ * returns the largest deviation of lambda from the law over the largest impulse. */
 double reg_law_residual(regularized *s, const double *lambda, const double *u);
 /* Puts the law's friction impulses into lambda and stores states and modes. */
 void reg_commit(regularized *s, double *lambda);
@@ -229,6 +247,17 @@ base_status reg_mass_begin(regularized *s, base_error *err);
 bool reg_mass_reduce(regularized *s);
 void reg_mass_expand(regularized *s, const double *lambda_n, double *lambda, double *u);
 void reg_mass_close(reg_mass *m);
+
+/* regularized_cone.c. BASE_EINVAL: options that the cone does not have. */
+base_status reg_cone_admits(const reg_options *o, base_error *err);
+/* The problem of this step, from assembly, parts and the normal impulses in z0; s->cone.storage says how it is held. */
+base_status reg_cone_begin(regularized *s, base_error *err);
+/* Sets the coefficients of friction that the parts have now; false where they had them already. */
+bool reg_cone_bounds(regularized *s);
+lcp_problem reg_cone_problem(const regularized *s);
+/* w of z over the assembly's rows, a view. */
+const double *reg_cone_slips(regularized *s, const double *z);
+void reg_cone_close(reg_cone *c);
 
 /* regularized_contact.c: MATHEMATICS 2.3.3. Builds A and b for the current modes; false if the compliance
  * matrix is not positive definite (rigid and redundant friction). */

@@ -295,6 +295,12 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
     reg_lugre_trial(&s->opt, s->a.set->h, p, lambda[s->a.row[p->contact]], v);
     return;
   }
+  for (int m = 0; m < p->dim && s->opt.pose == REG_CONE; m++) {
+    p->tau[m] = p->G * v[m] - lambda[p->row + m]; /* exact where it sticks */
+  }
+  if (s->opt.pose == REG_CONE) {
+    return;
+  }
   for (int m = 0; m < p->dim; m++) {
     p->tau[m] = p->pull * p->s[m] + p->G * v[m];
   }
@@ -392,7 +398,8 @@ static void settle(regularized *s, const reg_part *p, double ln, double *lambda,
   }
   const double h = s->a.set->h;
   const double creep = h * p->k + p->c;
-  const bool idle = reg_is_idle(s, p); /* what the tolerance cannot see stays as it was solved */
+  /* what the tolerance cannot see stays as it was solved, and so does what was solved with its bound */
+  const bool idle = reg_is_idle(s, p) || s->opt.pose == REG_CONE;
   for (int m = 0; m < p->dim; m++) {
     const double unit = axis_unit(p, m);
     const double l = idle ? lambda[p->row + m] / unit : -p->next_r * p->tau[m];

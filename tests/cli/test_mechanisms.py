@@ -22,6 +22,7 @@ PAIRS = (
     ("velocity", "lemke"),
     ("position", "lemke"),
     ("regularized", "lemke"),
+    ("regularized:pose=cone", "cone_newton"),
     ("boxed", "ppm"),
     ("coulomb", "cone_newton"),
 )
