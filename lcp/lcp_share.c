@@ -7,7 +7,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MOST_ROUNDS = 40, FIRST_ROUNDS = 10, FREE_ROUNDS = 6, MOST_CORRECTIONS = 12 };
+enum {
+  MOST_ROUNDS = 40,
+  FIRST_ROUNDS = 10,
+  FREE_ROUNDS = 6,
+  MOST_CORRECTIONS = 12,
+  JOINT_ROUNDS = 4
+};
 
 static const double delta_share =
     1e-7; /* of the diagonal; what M leaves open has 1e-16 over this as noise */
@@ -100,15 +106,28 @@ static void product(lcp_share *s, double *size) {
   }
 }
 
+/* Row i is held against row `other` as well, in its own unit. */
+static void level_row(lcp_share *s, int i, int other) {
+  const double a = s->diagonal[i], b = s->diagonal[other];
+  const double unit = (a > 0 && b > 0) ? sqrt(a / b) : 1;
+  s->size[i] = fmax(s->size[i], unit * s->size[other]);
+}
+
 /* Rows of one contact share their roundings: those of friction at rest are made of nothing, and are held against
- * the normal row, in their own unit. */
+ * the normal row. So do rows of one joint, which are held against all of them. */
 static void level_sizes(lcp_share *s) {
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
-    const double normal = s->size[b->start], own = s->diagonal[b->start];
     for (int i = b->start + 1; i < lcp_share_end(s, b); i++) {
-      const double unit = (s->diagonal[i] > 0 && own > 0) ? sqrt(s->diagonal[i] / own) : 1;
-      s->size[i] = fmax(s->size[i], unit * normal);
+      level_row(s, i, b->start);
+    }
+  }
+  for (int k = 0; k < s->p->n_block; k++) {
+    const lcp_block *b = &s->p->block[k];
+    for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
+      for (int other = b->start; other < b->start + b->size; other++) {
+        level_row(s, i, other);
+      }
     }
   }
 }
@@ -197,7 +216,8 @@ static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, bas
   for (int i = 0; i < s->p->M.n; i++) {
     s->rows.kind[i] = SHARE_FIXED;
   }
-  if (*count == 0) {
+  s->has_joints = *count > 0;
+  if (!s->has_joints) {
     return BASE_OK;
   }
   hold_joints(s, s->by_bodies ? body_joint_share * s->delta : 0);
@@ -276,6 +296,20 @@ static bool is_factored(const lcp_share *s) {
   return same && s->normals_regular;
 }
 
+/* Joints are rigid: what body space gives them of a spring is taken back by solving again from where they are. */
+static void stiffen_joints(lcp_share *s) {
+  for (int k = 0; k < JOINT_ROUNDS && s->by_bodies && s->has_joints; k++) {
+    for (int m = 0; m < s->p->n_block; m++) {
+      const lcp_block *b = &s->p->block[m];
+      for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
+        s->anchor[i] = s->z[i];
+      }
+    }
+    fill_right(s);
+    solve(s);
+  }
+}
+
 /* Step 2. True: active rows and z of M + delta C agree. */
 static base_status find_rows(lcp_share *s, int last, lcp_share_result *out, bool *found,
                              base_error *err) {
@@ -296,6 +330,7 @@ static base_status find_rows(lcp_share *s, int last, lcp_share_result *out, bool
     }
     fill_right(s);
     solve(s);
+    stiffen_joints(s);
     product(s, NULL);
     if (!is_finite(s)) {
       return BASE_OK;

@@ -15,7 +15,7 @@ enum { LCP_SHARE_NOBODY = -1 };
 struct lcp_share {
   share_system system;
   share_bodies bodies; /* in its place where M is held in factors */
-  bool by_bodies;
+  bool by_bodies, has_joints;
   share_rows rows;
   double *z, *w, *size, *right, *anchor, *diagonal; /* cap_n */
   double *kept;  /* cap_n: an answer, while a better one is looked for */
