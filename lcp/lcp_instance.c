@@ -34,6 +34,9 @@ static void release(lcp_instance *k) {
 static base_status fit(lcp_instance *k, const lcp_capacity *cap, base_error *err) {
   release(k);
   memset(k->state, 0, k->solver->state_size);
+  if (k->solver->context != NULL) {
+    memcpy(k->state, &k->solver->context, sizeof k->solver->context);
+  }
   k->cap = (lcp_capacity){.n = -1}; /* holds nothing until the new workspace stands */
   base_arena measure = base_arena_measuring();
   k->solver->layout(k->state, cap, k->opt, &measure);

@@ -74,6 +74,9 @@ typedef struct lcp_solver {
   int n_fields;
   size_t options_size;
   size_t state_size;
+  const void *
+      context; /* NULL, or what the first member of the state, a pointer, is set to before layout: functions that
+                          serve several descriptors (plug-ins) find their own there */
 
   /* Carves the arrays of *state out of `a`. Stores pointers, touches no memory:
    * called on a measuring arena first. */

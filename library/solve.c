@@ -1,5 +1,6 @@
 /* solve.c - solving and judging, and the list of solvers. */
-#include "harness/measure/solver_choice.h"
+#include "harness/choice/plugin_solver.h"
+#include "harness/choice/solver_choice.h"
 #include "harness/measure/verdict.h"
 #include "lcp/lcp_instance.h"
 #include "library/library.h"
@@ -173,6 +174,18 @@ int lcp_verify(const lcp_problem *p, const double *z, double tolerance, lcp_repo
     return library_failed(&err);
   }
   return r.verified ? LCP_OK : library_unsolved("rho is %.3g: need %g", v.rho, tolerance);
+}
+
+int lcp_plugin_load(const char *file) {
+  base_error err = {0};
+  const lcp_solver *s;
+  base_status done = BASE_OK;
+  if (file == NULL) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "file: missing");
+  } else {
+    done = plugin_load(file, &s, &err);
+  }
+  return (done == BASE_OK) ? LCP_OK : library_failed(&err);
 }
 
 /* ---- lists -------------------------------------------------------------------------------- */

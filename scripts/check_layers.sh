@@ -14,7 +14,7 @@ deny 'problems/|formulations/|harness/|library/|tests/' lcp
 deny 'formulations/|harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)' problems
 deny 'harness/|tests/|lcp/solvers/|lcp/lcp_(solver|instance)|problems/scenes/' formulations
 deny 'tests/|library/|lcp/solvers/' harness
-deny 'tests/|problems/|formulations/|lcp/solvers/|harness/(util|plan|cell|campaign|check|cli)/' library harness/measure/solver_choice.* harness/measure/verdict.*
+deny 'tests/|problems/|formulations/|lcp/solvers/|harness/(util|plan|cell|campaign|check|cli)/' library harness/choice/plugin_solver.* harness/choice/solver_choice.* harness/measure/verdict.*
 # Who judges shares with who is judged the problem and the words of a claim, no arithmetic but the
 # rounding of a factored M to entries and the geometry of its cone.
 judges() { # pattern of the includes that they may have

@@ -2,6 +2,7 @@
 
 #include "harness/campaign/noise.h"
 #include "harness/campaign/runner.h"
+#include "harness/choice/plugins.h"
 #include "harness/measure/machine.h"
 #include "harness/util/folder.h"
 #include "harness/util/json_file.h"
@@ -144,6 +145,18 @@ static json_t *libraries_json(void) {
   return o;
 }
 
+static json_t *plugins_json(void) {
+  json_t *o = json_object();
+  const plugin_file *f;
+  for (int i = 0; (f = plugins_at(i)) != NULL; i++) {
+    json_t *one = json_object();
+    json_out_text(one, "file", f->path);
+    json_out_text(one, "sha256", f->sha256);
+    (void)json_object_set_new(o, f->solver->name, one);
+  }
+  return o;
+}
+
 static json_t *inputs_json(const plan *p) {
   json_t *o = json_object();
   for (int i = 0; i < p->n_cell; i++) {
@@ -180,6 +193,7 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
   (void)json_object_set_new(o, "machine", machine_json());
   (void)json_object_set_new(o, "libraries", libraries_json());
   (void)json_object_set_new(o, "environment", environment_json());
+  (void)json_object_set_new(o, "plugins", plugins_json());
   (void)json_object_set_new(o, "inputs_sha256", inputs_json(p));
   folder_file(dir, "results.csv", path, sizeof path);
   if (sha256_file(path, sum, NULL) == BASE_OK) {

@@ -1,6 +1,7 @@
 #include "harness/cli/cli.h"
 
 #include "harness/cell/isolate.h"
+#include "harness/choice/plugins.h"
 #include "harness/cli/help.h"
 #include "harness/util/version.h"
 #include "lcp/base/nearest.h"
@@ -56,7 +57,35 @@ static int unknown_verb(const char *word) {
   return cli_report(&err);
 }
 
+/* Loads what --plugin FILE names, wherever it stands before a --, and LCPBENCH_PLUGINS; takes both words away. */
+static base_status take_plugins(int *argc, char **argv, base_error *err) {
+  int kept = 1;
+  BASE_TRY(plugins_take_environment(err));
+  for (int i = 1; i < *argc; i++) {
+    if (strcmp(argv[i], "--") == 0) {
+      while (i < *argc) {
+        argv[kept++] = argv[i++];
+      }
+      break;
+    }
+    if (strcmp(argv[i], "--plugin") != 0) {
+      argv[kept++] = argv[i];
+      continue;
+    }
+    if (++i == *argc) {
+      return BASE_FAIL(err, BASE_EINVAL, "--plugin: need FILE.so behind it");
+    }
+    BASE_TRY(plugins_take(argv[i], err));
+  }
+  *argc = kept;
+  return BASE_OK;
+}
+
 static int dispatch(int argc, char **argv) {
+  base_error err = {0};
+  if (take_plugins(&argc, argv, &err) != BASE_OK) {
+    return cli_report(&err);
+  }
   if (argc < 2) {
     help_all(stderr);
     return CLI_USAGE;

@@ -8,7 +8,10 @@ static const char *const ending =
     "A FILE to be written may be -, standard output; what else would stand there goes to stderr.\n"
     "A PROBLEM or SCENE that is - is read from standard input. Behind -- there are no options.\n"
     "An option that is not given is taken from the environment: --time-limit from\n"
-    "LCPBENCH_TIME_LIMIT.";
+    "LCPBENCH_TIME_LIMIT.\n"
+    "--plugin FILE.so, with every verb, loads a solver of one's own; so does LCPBENCH_PLUGINS, "
+    "the\n"
+    "files parted by colons.";
 
 static const struct exit_words {
   int code;

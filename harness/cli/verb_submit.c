@@ -1,6 +1,7 @@
 /* lcpbench submit: a campaign as shards for GNU parallel or a Slurm job array. The engine only starts
  * `lcpbench run --shard k/n`; which one it was cannot change a row. */
 #include "harness/campaign/runner.h"
+#include "harness/choice/plugins.h"
 #include "harness/cli/cli.h"
 #include "harness/plan/campaign.h"
 #include "harness/util/args.h"
@@ -47,11 +48,17 @@ static base_status absolute(const char *path, char *out, size_t cap, base_error 
 
 /* The texts of a submission as words of its script. */
 typedef struct script_words {
-  char exe[4096 + 64], dir[4096 + 64], campaign[4096 + 64];
+  char exe[65536], dir[4096 + 64], campaign[4096 + 64]; /* exe: with its plug-ins */
 } script_words;
 
 static void quote(const submission *s, script_words *w) {
-  (void)shell_quote(s->exe, w->exe, sizeof w->exe);
+  const plugin_file *f;
+  size_t used = shell_quote(s->exe, w->exe, sizeof w->exe);
+  for (int i = 0; (f = plugins_at(i)) != NULL;
+       i++) { /* at most 32, of 1 kB each, doubled by quotes at worst */
+    used += (size_t)snprintf(w->exe + used, sizeof w->exe - used, " --plugin ");
+    used += shell_quote(f->path, w->exe + used, sizeof w->exe - used);
+  }
   (void)shell_quote(s->dir, w->dir, sizeof w->dir);
   (void)shell_quote(s->campaign, w->campaign, sizeof w->campaign);
 }

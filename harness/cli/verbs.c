@@ -12,6 +12,7 @@
   X(simulate) \
   X(calibrate) \
   X(check) \
+  X(conform) \
   X(run) \
   X(status) \
   X(merge) \

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "formulations/formulation.h"
-#include "harness/measure/solver_choice.h"
+#include "harness/choice/solver_choice.h"
 
 typedef struct formulation_choice {
   const formulation *form;

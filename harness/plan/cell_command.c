@@ -1,6 +1,7 @@
 /* The command that reruns a cell, and the cell that a command names. */
 #include "harness/plan/cell_command.h"
 
+#include "harness/choice/plugins.h"
 #include "harness/measure/registry.h"
 #include "harness/util/shell.h"
 #include "lcp/base/fields.h"
@@ -43,6 +44,17 @@ double plan_solver_limit(const campaign_limits *l) {
   return l->time * 4.0 / 5.0; /* 1.2, not 1.2000000000000002, of 1.5 */
 }
 
+/* The file of the solver where that is a plug-in. */
+static const char *plugin_of(const cell *c) {
+  solver_choice s;
+  const plugin_file *f = NULL;
+  if (solver_choose(c->solver, &s, NULL) == BASE_OK) {
+    f = plugins_of(s.solver);
+  }
+  solver_choice_free(&s);
+  return (f != NULL) ? f->path : "";
+}
+
 /* The solver as the cell names it, and the limit it was told where that is lower than its own. */
 static void solver_text(const cell *c, const campaign_limits *l, char *buf, size_t cap) {
   solver_choice s;
@@ -68,6 +80,7 @@ size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, siz
   put_word(&l, c->problem);
   put_option(&l, "formulation", c->formulation);
   put_option(&l, "solver", solver);
+  put_option(&l, "plugin", plugin_of(c));
   put_option(&l, "tol", c->tol);
   if (is_scene) {
     put_option(&l, "step", c->step);
@@ -81,6 +94,7 @@ size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, siz
 
 base_status cell_of_command(char *text, cell *c, base_error *err) {
   char *word[CELL_WORDS];
+  const char *plugin;
   const int n = shell_split(text, word, CELL_WORDS);
   *c = (cell){.part = "",
               .formulation = "",
@@ -94,7 +108,8 @@ base_status cell_of_command(char *text, cell *c, base_error *err) {
               .skip = ""};
   const struct {
     const char *name, **to;
-  } options[] = {{"--formulation", &c->formulation},
+  } options[] = {{"--plugin", &plugin}, /* loaded as for any verb; not of the cell */
+                 {"--formulation", &c->formulation},
                  {"--solver", &c->solver},
                  {"--tol", &c->tol},
                  {"--step", &c->step},

@@ -20,7 +20,24 @@ static const char *find(const char *kind, const char *name) {
   return "external";
 }
 
+enum { ADDED_MAX = 32 };
+static struct { char name[48], hash[17]; } added[ADDED_MAX]; /* at start, read-only afterwards */
+static int n_added;
+
+void version_add_solver(const char *name, const char *hash) {
+  if (n_added < ADDED_MAX) {
+    (void)snprintf(added[n_added].name, sizeof added[n_added].name, "%s", name);
+    (void)snprintf(added[n_added].hash, sizeof added[n_added].hash, "%.16s", hash);
+    n_added++;
+  }
+}
+
 const char *version_of_solver(const char *name) {
+  for (int i = 0; i < n_added; i++) {
+    if (strcmp(added[i].name, name) == 0) {
+      return added[i].hash;
+    }
+  }
   return find("solver", name);
 }
 

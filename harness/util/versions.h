@@ -4,6 +4,9 @@
  * invalidates all. */
 #pragma once
 
+/* The solver of a plug-in: its version is the hash of its file, 16 hex digits. */
+void version_add_solver(const char *name, const char *hash);
+
 /* 16 hex digits, or "external" for components outside lcp/solvers, formulations, problems/scenes. */
 const char *version_of_solver(const char *name);
 const char *version_of_formulation(const char *name);

@@ -27,7 +27,15 @@ def git(*words: str) -> str | None:
 
 
 ROOT = Path(__file__).resolve().parents[2]
-SHARED = ("lcp", "formulations", "problems", "harness/measure", "harness/control", "harness/cell")
+SHARED = (
+    "lcp",
+    "formulations",
+    "problems",
+    "harness/choice",
+    "harness/measure",
+    "harness/control",
+    "harness/cell",
+)
 
 
 def digest(paths: Iterable[Path]) -> str:

@@ -190,6 +190,11 @@ int lcp_option_describe(int i, int k, lcp_option_info *info);
  * text[capacity]. LCP_INVALID where it does not fit. */
 int lcp_options(const char *solver, char *text, size_t capacity);
 
+/* Adds the solver of a plug-in (lcp_plugin.h) to the list, by its own name. file: its path. The plug-in runs in this process: one that
+ * crashes takes the program with it. Called before any other thread uses the library. LCP_IO: it cannot be loaded; LCP_INVALID:
+ * no plug-in, of another interface, or a name that is taken. */
+int lcp_plugin_load(const char *file);
+
 /* ## A step of contact dynamics */
 
 /* Rigid bodies and the points where they touch, in world axes. */

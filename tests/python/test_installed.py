@@ -13,7 +13,7 @@ import unittest
 
 from clone import ROOT, configured, copied
 
-EXAMPLES = sorted((ROOT / "examples").glob("*.c"))
+EXAMPLES = sorted(set((ROOT / "examples").glob("*.c")) - set((ROOT / "examples").glob("plugin_*")))
 HEADER = "include/lcpbench/lcpbench.h"
 STRICT = ["-std=c99", "-pedantic", "-Wall", "-Wextra", "-Wstrict-prototypes", "-Werror"]
 
@@ -76,6 +76,31 @@ class Installed(unittest.TestCase):
             exe = pathlib.Path(self.scratch.name, path.stem)
             self.run_in("cc", *STRICT, path, *self.flags(), "-lm", "-o", exe)
             self.run_in(exe, LD_LIBRARY_PATH=str(self.lib))
+
+    def test_a_plugin_in_a_program_and_in_the_installed_one(self):
+        plugin = pathlib.Path(self.scratch.name, "plugin_pgs.so")
+        flags = self.run_in("pkg-config", "--cflags", "lcpbench").split()
+        source = ROOT / "examples" / "plugin_pgs.c"
+        self.run_in("cc", *STRICT, "-shared", "-fPIC", source, *flags, "-o", plugin)
+        self.run_in(self.prefix / "bin" / "lcpbench", "conform", plugin)
+        path = pathlib.Path(self.scratch.name, "load.c")
+        path.write_text(
+            "#include <lcpbench/lcpbench.h>\n"
+            "int main(int n, char **file) {\n"
+            "  const double M[] = {2, 1, 1, 2}, q[] = {-5, -6};\n"
+            "  double z[] = {0, 0};\n"
+            "  lcp_problem *p = lcp_problem_dense(2, M, 0, q);\n"
+            '  if (n != 2 || lcp_solve(p, "my_pgs", z, NULL) != LCP_INVALID) return 1;\n'
+            "  if (lcp_plugin_load(file[1]) != LCP_OK) return 2;\n"
+            "  if (lcp_plugin_load(file[1]) != LCP_INVALID) return 3;\n"
+            '  if (lcp_solve(p, "my_pgs:omega=1.1", z, NULL) != LCP_OK) return 4;\n'
+            "  lcp_problem_free(p);\n"
+            "  return 0;\n"
+            "}\n"
+        )
+        exe = pathlib.Path(self.scratch.name, "load")
+        self.run_in("cc", *STRICT, path, *self.flags(), "-o", exe)
+        self.run_in(exe, plugin, LD_LIBRARY_PATH=str(self.lib))
 
     def test_an_example_against_the_static_library(self):
         alone = pathlib.Path(self.scratch.name, "static")

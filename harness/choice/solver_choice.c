@@ -1,4 +1,4 @@
-#include "harness/measure/solver_choice.h"
+#include "harness/choice/solver_choice.h"
 
 #include "lcp/base/nearest.h"
 
@@ -7,6 +7,10 @@
 #include <string.h>
 
 static const lcp_solver *const *extra_solvers; /* set once at start, read-only afterwards */
+
+enum { ADDED_MAX = 32 };
+static const lcp_solver *added[ADDED_MAX]; /* as long as solvers are added: before any is chosen */
+static int n_added;
 
 void registry_extend(const lcp_solver *const *extra) {
   extra_solvers = extra;
@@ -18,12 +22,25 @@ const lcp_solver *registry_solver(int i) {
   if (i < count) {
     return own[i];
   }
-  for (int k = 0; extra_solvers != NULL && extra_solvers[k] != NULL; k++) {
-    if (k == i - count) {
+  i -= count;
+  for (int k = 0; extra_solvers != NULL && extra_solvers[k] != NULL; k++, i--) {
+    if (i == 0) {
       return extra_solvers[k];
     }
   }
-  return NULL;
+  return (i < n_added) ? added[i] : NULL;
+}
+
+base_status registry_add(const lcp_solver *s, base_error *err) {
+  if (registry_solver_find(s->name) != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "a solver '%s' is there already", s->name);
+  }
+  if (n_added == ADDED_MAX) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: %d solvers have been added, no more can be", s->name,
+                     ADDED_MAX);
+  }
+  added[n_added++] = s;
+  return BASE_OK;
 }
 
 const lcp_solver *registry_solver_find(const char *name) {

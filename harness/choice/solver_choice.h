@@ -1,4 +1,4 @@
-/* harness/measure/solver_choice.h - solvers by "NAME:option=value,..." text.
+/* harness/choice/solver_choice.h - solvers by "NAME:option=value,..." text.
  *
  * The solvers of the build plus those that are added at start: plug-ins, and in a test program (tests/faulty) solvers that
  * lie, crash and hang, which no release binary contains. */
@@ -9,6 +9,10 @@
 /* Solvers added to the build's own; NULL-terminated, static storage. Called once, before any
  * other call. */
 void registry_extend(const lcp_solver *const *extra);
+
+/* One more, whose storage outlives every call. BASE_EINVAL: a name that is taken, or more than there is room for. Called before
+ * solvers are chosen, from one thread. */
+base_status registry_add(const lcp_solver *s, base_error *err);
 
 /* The i-th solver, NULL past the end. */
 const lcp_solver *registry_solver(int i);

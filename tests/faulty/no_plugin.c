@@ -1,0 +1,3 @@
+/* A shared object that is no plug-in. */
+extern int no_plugin;
+int no_plugin = 1;
