@@ -196,6 +196,10 @@ static inline const double *form_own_block(const form_assembly *a, int i) {
   return a->block + a->block_at[a->self[i]];
 }
 
+/* Largest eigenvalue of the dim x dim block of C (dim 1 or 2) at rows `at` of contact i [1/kg]: the inverse of the effective
+ * mass in these directions. */
+double form_mobility(const form_assembly *a, int i, int at, int dim);
+
 /* u = r + C lambda over the rows in use. */
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);
 /* The same as r + J W J' lambda, where C is known on its diagonal only and joints were not eliminated; writes the answer of

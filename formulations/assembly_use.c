@@ -26,6 +26,18 @@ void form_assembly_velocity(const form_assembly *a, const double *lambda, double
   }
 }
 
+double form_mobility(const form_assembly *a, int i, int at, int dim) {
+  const int n = form_rows_of(a, i);
+  const double *block = form_own_block(a, i);
+  const double p = block[at * n + at];
+  if (dim == 1) {
+    return p;
+  }
+  const double q = block[at * n + at + 1];
+  const double r = block[(at + 1) * n + at + 1];
+  return 0.5 * (p + r) + sqrt(0.25 * (p - r) * (p - r) + q * q);
+}
+
 void form_assembly_dense(const form_assembly *a, double *out) {
   const ptrdiff_t n = a->n_row;
   memset(out, 0, (size_t)(n * n) * sizeof *out);

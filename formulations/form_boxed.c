@@ -4,7 +4,15 @@
  * bounds are iterated until the answer satisfies the bounds that follow from it (outer = 1: once,
  * with the impulses of the last step), which takes no second solve where contacts stick inside them. Bounds that do not
  * settle in three solves are mixed (anderson.h).
- * A square box is up to sqrt(2) too strong along its diagonal. */
+ * A square box is up to sqrt(2) too strong along its diagonal.
+ *
+ * bristle=k, damper=c: a friction row gives way like a spring and a damper in parallel, s its deflection, implicit in the step
+ * as in regularized.h (MATHEMATICS 2.6.2):
+ *
+ *   w_t = v_t + (h k / G) s + lambda_t / G,   G = h^2 k + h c,   s+ = (c s - lambda_t) / (h k + c)
+ *
+ * at a bound and inside; in the plane this is the law of `regularized`. */
+#include "formulations/bristle.h"
 #include "formulations/row_form.h"
 
 #include <string.h>
@@ -13,6 +21,9 @@ typedef row_options options;
 
 static const base_field fields[] = {
     BASE_FIELD(options, outer, BASE_INT, "1", 100, 1, 1e6, "most solves in a step; 1: lagged"),
+    BASE_FIELD(options, bristle, BASE_REAL, "N/m", 0, 0, 1e18,
+               "stiffness of friction rows; 0: rigid"),
+    BASE_FIELD(options, damper, BASE_REAL, "N s/m", 0, 0, 1e18, "damping of friction rows"),
     BASE_FIELD(options, outer_tol, BASE_REAL, "1", 1e-8, 1e-15, 1, "what moved bounds change"),
     ROW_FORM_FIELDS(options),
 };
@@ -37,10 +48,123 @@ static void set_bounds(row_form *s) {
   }
 }
 
+/* ---- bristles ---------------------------------------------------------------------------------*/
+
+static bool has_bristles(const row_form *s) {
+  return s->opt.bristle > 0 || s->opt.damper > 0;
+}
+
+/* Torsion and rolling have the spring at an arm of their coefficient. */
+static double arm_of(const contact_set *c, int g, int kind) {
+  return (kind == 0) ? 1 : ((kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g]);
+}
+
+static void soften_contact(row_form *s, int i) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const double *past = row_form_past(s, g);
+  const double h = c->h;
+  double deflection[6] = {0}, soft[6] = {0}, pull[6] = {0};
+  for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
+    int first;
+    const int dim = form_bristle_rows(c->rows[g], kind, &first);
+    const double arm = (dim > 0) ? arm_of(c, g, kind) : 0;
+    const double k = s->opt.bristle * arm * arm, G = h * (h * k + s->opt.damper * arm * arm);
+    for (int m = 0; m < dim; m++) {
+      soft[first + m] = 1 / G;
+      pull[first + m] = h * k / G;
+    }
+    if (past != NULL && dim == 1) {
+      deflection[first] = past[BRISTLE_NUMBERS * kind];
+    } else if (past != NULL && dim == 2) {
+      form_bristle_to_frame(c, g, form_bristle_turn_of(c, g),
+                            past + (ptrdiff_t)BRISTLE_NUMBERS * kind, deflection + first);
+    }
+  }
+  const int row = s->a.row[i];
+  int at =
+      1; /* kinds keep their order in the rows in use, and one stiffness has all rows of a kind */
+  form_to_rows(&s->a, i, deflection, s->deflection + row);
+  for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
+    int first, unused;
+    (void)form_bristle_rows(c->rows[g], kind, &first);
+    for (int m = form_bristle_rows(s->a.rows[i], kind, &unused); m > 0; m--, at++) {
+      s->soft[row + at] = soft[first];
+      s->q[row + at] += pull[first] * s->deflection[row + at];
+    }
+  }
+}
+
+/* The compliance of friction rows into M, what their deflections push into q. */
+static void soften(row_form *s) {
+  memset(s->soft, 0, (size_t)s->a.n_row * sizeof *s->soft);
+  for (int i = 0; i < s->a.n_contact; i++) {
+    soften_contact(s, i);
+  }
+  row_matrix_soften(&s->matrix, s->soft);
+}
+
+/* Next deflections of contact i, and what is said of them. */
+static void deflect(row_form *s, int i, const double *lambda) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i], row = s->a.row[i];
+  const double h = c->h, creep = h * s->opt.bristle + s->opt.damper;
+  double next[6] = {0}, whole[6] = {0};
+  double *now = row_form_now(s, g);
+  int dim[LCP_PARTS_MAX], at = 1;
+  double mu[LCP_PARTS_MAX];
+  const int parts = row_form_parts(s, i, dim, mu);
+  formulation_answer *out = &s->answer;
+  for (int p = 0, kind = 0; p < parts; p++, kind++) {
+    int first;
+    while (form_bristle_rows(s->a.rows[i], kind, &first) == 0) {
+      kind++;
+    }
+    const double arm = arm_of(c, g, kind), stiffness = arm * arm;
+    for (int m = 0; m < dim[p]; m++, at++) {
+      next[at] = (s->opt.damper * stiffness * s->deflection[row + at] - lambda[row + at]) /
+                 (creep * stiffness);
+      out->spring_energy += 0.5 * s->opt.bristle * stiffness * next[at] * next[at];
+    }
+    if (kind == 0) {
+      const double mass = 1 / form_mobility(&s->a, i, 1, dim[p]),
+                   bound = mu[p] * fmax(lambda[row], 0.0);
+      out->stiffness_ratio = fmin(out->stiffness_ratio, h * creep / mass);
+      if (s->opt.bristle > 0) {
+        out->deflection = fmax(out->deflection, bound / (h * s->opt.bristle));
+      } else {
+        out->v_slip = fmax(out->v_slip, bound / (h * s->opt.damper));
+      }
+    }
+  }
+  form_to_set(&s->a, i, next, whole);
+  for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
+    int first;
+    const int rows = form_bristle_rows(c->rows[g], kind, &first);
+    if (rows > 0) {
+      form_bristle_remember(c, g, rows, whole + first, now + (ptrdiff_t)BRISTLE_NUMBERS * kind);
+    }
+  }
+}
+
+static void finish(row_form *s, const double *z, bool solved) {
+  for (int i = 0; i < s->a.n_contact && has_bristles(s); i++) {
+    if (z[s->a.row[i]] > 0 || s->a.set->gap[s->a.group[i]] <= 10 * s->a.set->tol) {
+      deflect(s, i, z); /* else separated: forgotten */
+    }
+  }
+  row_form_finish(s, z, solved);
+}
+
+/* ---- a step -----------------------------------------------------------------------------------*/
+
 static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   row_form *s = state;
   BASE_TRY(row_form_begin(s, c, opt, start, err));
+  if (has_bristles(s)) {
+    soften(s);
+  }
   lcp_matrix_diagonal(&s->matrix.M, s->diagonal); /* the bounds move in a step, M does not */
   for (int i = 0; i < s->a.n_group; i++) {
     const int rows = form_rows_of(&s->a, i);
@@ -131,7 +255,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
   s->answer.residual = residual(s, z, largest);
   const bool settled = s->answer.residual <= s->opt.outer_tol;
   if (settled || claimed != LCP_SOLVED || s->answer.work.solves >= s->opt.outer) {
-    row_form_finish(s, z, claimed == LCP_SOLVED && (settled || s->opt.outer == 1));
+    finish(s, z, claimed == LCP_SOLVED && (settled || s->opt.outer == 1));
     return BASE_OK;
   }
   BASE_TRY(go_on(s, err));

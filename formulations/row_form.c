@@ -1,10 +1,18 @@
 #include "formulations/row_form.h"
 
+#include "formulations/bristle.h"
+
 #include <stdlib.h>
 #include <string.h>
 
-/* A memory entry: closed, slipping, then the impulses of the contact's rows. */
-enum { PAST_CLOSED, PAST_SLIP, PAST_LAMBDA, PAST_STRIDE = PAST_LAMBDA + 6 };
+/* A memory entry: closed, slipping, then the impulses of the contact's rows, then the deflections of its bristles. */
+enum {
+  PAST_CLOSED,
+  PAST_SLIP,
+  PAST_LAMBDA,
+  PAST_BRISTLE = PAST_LAMBDA + 6,
+  PAST_STRIDE = PAST_BRISTLE + LCP_PARTS_MAX * BRISTLE_NUMBERS
+};
 
 static void layout(void *state, base_arena *m) {
   row_form *s = state;
@@ -19,6 +27,8 @@ static void layout(void *state, base_arena *m) {
     s->w = BASE_ARRAY(m, double, s->cap_row);
     s->diagonal = BASE_ARRAY(m, double, s->cap_row);
     s->scratch = BASE_ARRAY(m, double, s->cap_scratch);
+    s->deflection = BASE_ARRAY(m, double, s->cap_row);
+    s->soft = BASE_ARRAY(m, double, s->cap_row);
   }
   s->block = BASE_ARRAY(m, lcp_block, 4 * (size_t)s->cap_group);
 }
@@ -120,6 +130,15 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
     row_form_finish(s, s->z0, true);
   }
   return BASE_OK;
+}
+
+const double *row_form_past(const row_form *s, int g) {
+  const double *past = contact_memory_old(&s->memory, g);
+  return (past != NULL) ? past + PAST_BRISTLE : NULL;
+}
+
+double *row_form_now(row_form *s, int g) {
+  return contact_memory_now(&s->memory, g) + PAST_BRISTLE;
 }
 
 static double norm(const double *x, int n) {

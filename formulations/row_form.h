@@ -11,8 +11,9 @@ typedef struct row_options {
   int joints;  /* 0 eliminated, 1 kept as free rows */
   int activation, restitution, distribution;
   form_repair repair;
-  int outer;        /* boxed: most solves in a step */
-  double outer_tol; /* boxed: what moved bounds change, over the largest impulse [1] */
+  int outer;              /* boxed: most solves in a step */
+  double outer_tol;       /* boxed: what moved bounds change, over the largest impulse [1] */
+  double bristle, damper; /* boxed: of friction rows [N/m], [N s/m]; both 0: rigid */
 } row_options;
 
 typedef struct row_form {
@@ -26,7 +27,8 @@ typedef struct row_form {
   double *move;                   /* boxed: how far the answer's lambda_n is from them; n_contact */
   anderson mixing;                /* boxed: of those */
   double *w, *diagonal, *scratch; /* boxed: M z + q, diag M; n_row each, and a product's own */
-  lcp_block *block;               /* at most 4 a contact, 1 a joint */
+  double *deflection, *soft; /* boxed: of bristles [m], their compliance 1/G [1/kg]; n_row each */
+  lcp_block *block;          /* at most 4 a contact, 1 a joint */
   int n_block;
   bool done;
   formulation_answer answer;
@@ -39,6 +41,10 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
                            formulation_start start, base_error *err);
 /* Cone row dimensions and coefficients of contact i: friction, torsion, rolling. */
 int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]);
+/* What is remembered of the bristles of contact i of the set, three numbers for each kind of part: of the last step (NULL:
+ * none), and where that of this step is written. */
+const double *row_form_past(const row_form *s, int g);
+double *row_form_now(row_form *s, int g);
 /* Impulses of the step into the answer; modes and memory. */
 void row_form_finish(row_form *s, const double *lambda, bool solved);
 void row_form_answer(const void *state, formulation_answer *out);

@@ -148,7 +148,7 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
   for (int i = 0; storage == ROW_FACTORED && i < a->n_group; i++) {
     jac += jacobian_size(a, i);
   }
-  const size_t val = (storage == ROW_DENSE) ? n * n : ((storage == ROW_CSC) ? nnz : 0);
+  const size_t val = (storage == ROW_DENSE) ? n * n : ((storage == ROW_CSC) ? nnz : n);
   BASE_TRY(reserve(m, a, val, jac, err));
   m->M = (lcp_matrix){.n = a->n_row};
   switch (storage) {
@@ -168,4 +168,28 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
     break;
   }
   return BASE_OK;
+}
+
+void row_matrix_soften(row_matrix *m, const double *add) {
+  const int n = m->M.n;
+  if (m->M.storage == LCP_FACTORED) {
+    int at = 0;
+    for (int i = 0; i < n; i++) {
+      m->colptr[i] = at;
+      m->rowind[at] = i;
+      m->val[at] = add[i];
+      at += add[i] > 0;
+    }
+    m->colptr[n] = at;
+    m->shift = (lcp_csc){n, n, m->colptr, m->rowind, m->val};
+    m->factored.shift = (at > 0) ? &m->shift : NULL;
+    return;
+  }
+  for (int j = 0; j < n; j++) {
+    ptrdiff_t at = (ptrdiff_t)j * n + j;
+    for (int k = 0; m->M.storage == LCP_CSC && k < m->colptr[j + 1] - m->colptr[j]; k++) {
+      at = (m->rowind[m->colptr[j] + k] == j) ? m->colptr[j] + k : at;
+    }
+    m->val[at] += add[j];
+  }
 }

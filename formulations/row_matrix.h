@@ -9,6 +9,7 @@ typedef enum row_storage { ROW_AUTO, ROW_DENSE, ROW_CSC, ROW_FACTORED } row_stor
 typedef struct row_matrix {
   lcp_matrix M; /* view of the arrays below */
   lcp_factored factored;
+  lcp_csc shift; /* of factored */
   double *val, *jac;
   int *colptr, *rowind, *body, *jac_start;
   int cap_n, cap_group;
@@ -27,4 +28,6 @@ base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_stora
  * eliminated cannot be expressed by factors. */
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err);
+/* Adds add[n_row] >= 0 to the diagonal of the matrix that was built, as S where it is in factors; once. */
+void row_matrix_soften(row_matrix *m, const double *add);
 void row_matrix_close(row_matrix *m);

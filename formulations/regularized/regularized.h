@@ -151,13 +151,10 @@ typedef struct reg_schedule {
 
 /* regularized_cone.c: the step as one cone problem. */
 typedef struct reg_cone {
-  row_matrix matrix; /* C, with 1/G on its diagonal or in S */
-  int storage;       /* row_storage of this step */
-  lcp_csc shift;
-  double *q, *z0, *w, *give,
-      *scratch; /* n_row: give = 1/G [1/kg], then the values of S; a product's own */
-  int *colptr, *rowind;
-  lcp_block *block; /* n_group */
+  row_matrix matrix;                   /* C, with 1/G on its diagonal or in S */
+  int storage;                         /* row_storage of this step */
+  double *q, *z0, *w, *give, *scratch; /* n_row: give = 1/G [1/kg]; a product's own */
+  lcp_block *block;                    /* n_group */
   int cap_row, cap_group;
   size_t cap_scratch;
   void *mem; /* owned */

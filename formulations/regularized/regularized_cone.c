@@ -16,8 +16,6 @@ static void layout(void *state, base_arena *m) {
   c->z0 = BASE_ARRAY(m, double, c->cap_row);
   c->w = BASE_ARRAY(m, double, c->cap_row);
   c->give = BASE_ARRAY(m, double, c->cap_row);
-  c->colptr = BASE_ARRAY(m, int, c->cap_row + 1);
-  c->rowind = BASE_ARRAY(m, int, c->cap_row);
   c->scratch = BASE_ARRAY(m, double, c->cap_scratch);
   c->block = BASE_ARRAY(m, lcp_block, c->cap_group);
 }
@@ -38,30 +36,6 @@ base_status reg_cone_admits(const reg_options *o, base_error *err) {
   }
   return (why == NULL) ? BASE_OK
                        : BASE_FAIL(err, BASE_EINVAL, "regularized: pose=cone is not for %s", why);
-}
-
-/* 1/G on the diagonal, as S where the matrix is in factors. */
-static void add_compliance(reg_cone *c, int n) {
-  lcp_matrix *M = &c->matrix.M;
-  int at = 0;
-  for (int i = 0; i < n; i++) {
-    c->colptr[i] = at;
-    if (M->storage == LCP_DENSE) {
-      c->matrix.val[(ptrdiff_t)i * n + i] += c->give[i];
-    } else if (M->storage == LCP_CSC) {
-      for (int k = M->csc.colptr[i]; k < M->csc.colptr[i + 1]; k++) {
-        c->matrix.val[k] += (M->csc.rowind[k] == i) ? c->give[i] : 0;
-      }
-    } else if (c->give[i] > 0) {
-      c->rowind[at++] = i;
-      c->give[at - 1] = c->give[i];
-    }
-  }
-  c->colptr[n] = at;
-  if (M->storage == LCP_FACTORED && at > 0) {
-    c->shift = (lcp_csc){n, n, c->colptr, c->rowind, c->give};
-    c->matrix.factored.shift = &c->shift;
-  }
 }
 
 /* Friction of the last step where it slips, the force of its spring where it does not. */
@@ -155,7 +129,7 @@ base_status reg_cone_begin(regularized *s, base_error *err) {
     BASE_TRY(form_memory(&c->mem, layout, c, err));
   }
   fill(s);
-  add_compliance(c, s->a.n_row);
+  row_matrix_soften(&c->matrix, c->give); /* 1/G on the diagonal */
   fill_blocks(s);
   return BASE_OK;
 }

@@ -1,20 +1,8 @@
 /* regularized_law.c - friction parts: stiffness, transported state, the law, memory. */
+#include "formulations/bristle.h"
 #include "formulations/regularized/regularized.h"
 
 #include <string.h>
-
-/* Largest eigenvalue of the dim x dim block of C at rows `at` of contact i. */
-static double mobility(const form_assembly *a, int i, int at, int dim) {
-  const int n = form_rows_of(a, i);
-  const double *block = form_own_block(a, i);
-  const double p = block[at * n + at];
-  if (dim == 1) {
-    return p;
-  }
-  const double q = block[at * n + at + 1];
-  const double r = block[(at + 1) * n + at + 1];
-  return 0.5 * (p + r) + sqrt(0.25 * (p - r) * (p - r) + q * q);
-}
 
 /* k, c and G = h^2 k + h c. With a fixed ratio, G = ratio m_t and c = 2 zeta sqrt(k m_t). Torsion
  * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. */
@@ -40,58 +28,10 @@ static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *
   }
 }
 
-/* How a tangential world vector is carried into the frame of this step: projected onto the tangent plane,
- * brought back to its length, turned about the normal by the mean spin of the two bodies
- * (MATHEMATICS 2.3.11). */
-typedef struct turn {
-  double cosine, sine;
-} turn;
-
-static turn turn_of(const contact_set *c, int g) {
-  if (c->spin == NULL) {
-    return (turn){.cosine = 1};
-  }
-  const double *n = c->frame + 9 * (ptrdiff_t)g;
-  const double *w = c->spin + 3 * (ptrdiff_t)g;
-  const double angle = c->h * (n[0] * w[0] + n[1] * w[1] + n[2] * w[2]);
-  return (turn){.cosine = cos(angle), .sine = sin(angle)};
-}
-
-static void to_frame(const contact_set *c, int g, turn by, const double *vector, double *out) {
-  const double *t1 = c->frame + 9 * (ptrdiff_t)g + 3;
-  const double *t2 = t1 + 3;
-  const double x = t1[0] * vector[0] + t1[1] * vector[1] + t1[2] * vector[2];
-  const double y = t2[0] * vector[0] + t2[1] * vector[1] + t2[2] * vector[2];
-  const double length = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2]);
-  const double now = sqrt(x * x + y * y);
-  const double scale = (now > 0) ? length / now : 0;
-  out[0] = scale * (by.cosine * x - by.sine * y);
-  out[1] = scale * (by.sine * x + by.cosine * y);
-}
-
-/* A tangential vector as it is remembered: in the world, or one number. */
-static void carry(const contact_set *c, int g, int dim, const double *in, double *vector) {
-  const double *t1 = c->frame + 9 * (ptrdiff_t)g + 3;
-  const double *t2 = t1 + 3;
-  if (dim == 1) {
-    vector[0] = in[0];
-    return;
-  }
-  for (int k = 0; k < 3; k++) {
-    vector[k] = in[0] * t1[k] + in[1] * t2[k];
-  }
-}
-
-/* Rows of the set's contact that belong to a kind of part, and the first of them. */
-static int rows_of_kind(contact_rows rows, int kind, int *first) {
-  *first = 1 + ((kind > 0) ? rows.tangent : 0) + ((kind > 1) ? rows.torsion : 0);
-  return (kind == 0) ? rows.tangent : ((kind == 1) ? rows.torsion : rows.rolling);
-}
-
 /* The direction of row m of a part in the rows of its kind in the set. */
 static void axis_of(const regularized *s, const reg_part *p, int m, double axis[2]) {
   int first;
-  (void)rows_of_kind(s->a.set->rows[s->a.group[p->contact]], p->kind, &first);
+  (void)form_bristle_rows(s->a.set->rows[s->a.group[p->contact]], p->kind, &first);
   axis[0] = m == 0;
   axis[1] = m == 1;
   if (s->a.turned[p->contact]) {
@@ -177,16 +117,16 @@ static void restore(const regularized *s, int g, reg_part *p) {
     p->r = m[REG_PAST_R];
   }
   int first;
-  if (rows_of_kind(s->a.set->rows[g], p->kind, &first) == 1) {
+  if (form_bristle_rows(s->a.set->rows[g], p->kind, &first) == 1) {
     p->s[0] = m[REG_PAST_S];
     p->d[0] = warm ? m[REG_PAST_D] : 0;
   } else {
-    const turn by = turn_of(s->a.set, g);
+    const form_bristle_turn by = form_bristle_turn_of(s->a.set, g);
     double vector[2];
-    to_frame(s->a.set, g, by, m + REG_PAST_S, vector);
+    form_bristle_to_frame(s->a.set, g, by, m + REG_PAST_S, vector);
     to_part(s, p, vector, p->s);
     if (p->mode != REG_STICK) {
-      to_frame(s->a.set, g, by, m + REG_PAST_D, vector);
+      form_bristle_to_frame(s->a.set, g, by, m + REG_PAST_D, vector);
       to_part(s, p, vector, p->d);
     }
   }
@@ -224,7 +164,7 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
     p->mu_static = (kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g];
     p->mu_kinetic = p->mu_static;
   }
-  double inverse = mobility(&s->a, i, row - s->a.row[i], dim);
+  double inverse = form_mobility(&s->a, i, row - s->a.row[i], dim);
   if (!(inverse > 0) && kind == 0 && norm_of(s->a.r + row, dim) > 0) {
     inverse = form_own_block(&s->a, i)[0]; /* cannot move, and rubs on what moves past it */
   }
@@ -373,7 +313,8 @@ static void remember(const regularized *s, const reg_part *p, const double *in, 
   double whole[2];
   int first;
   from_part(s, p, in, whole);
-  carry(s->a.set, g, rows_of_kind(s->a.set->rows[g], p->kind, &first), whole, vector);
+  form_bristle_remember(s->a.set, g, form_bristle_rows(s->a.set->rows[g], p->kind, &first), whole,
+                        vector);
 }
 
 static void store(regularized *s, const reg_part *p, const double *next) {

@@ -1,5 +1,6 @@
-"""The variants of `regularized`: presets of its options, and the readings of the paper
-(modes=once) against recursions of one block written down here, which share nothing with the code."""
+"""The variants of `regularized`: presets of its options, the readings of the paper (modes=once), and
+the bristles of `boxed`, against recursions of one block written down here, which share nothing with
+the code."""
 
 import itertools
 import json
@@ -17,7 +18,7 @@ READINGS = {
 }
 
 
-def block(d):
+def block(d, kinetic=KINETIC):
     """A point on the floor, pushed to and fro, and down by a force that changes too."""
     scene = {
         "id": "rub",
@@ -26,7 +27,7 @@ def block(d):
         "hs": [H],
         "gravity": [0, -G],
         "friction": {"default": STATIC},
-        "friction_kinetic": {"default": KINETIC},
+        "friction_kinetic": {"default": kinetic},
         "bodies": [
             {"name": "b", "shape": {"type": "point"}, "mass": M, "pos": [0, 0], "vel": [START, 0]}
         ],
@@ -80,14 +81,130 @@ def readings_are_those_of_one_block(d):
         x, v, changes = recursion(*words)
         assert changes >= 6, (chosen, changes)  # it holds and slides by turns
         for start in ("cold", "previous"):
-            o = simulate(
-                scene, f"regularized:paper,k={K},c={C},{chosen}", "--start", start
-            )
+            o = simulate(scene, f"regularized:paper,k={K},c={C},{chosen}", "--start", start)
             got = [o["observables"][q]["value"] for q in ("b.x", "b.vx")]
             assert abs(got[0] - x) < 1e-9 and abs(got[1] - v) < 1e-9, (chosen, got, (x, v))
             assert o["n_solves"] == o["steps"], chosen
         ends.add(round(x, 6))
     assert len(ends) == 8, ends  # every reading is a motion of its own
+
+
+def law_of_one_block(k, c):
+    """x, v, deflection at T of the bristle's law, solved for in each step; one coefficient."""
+    g = H * H * k + H * c
+    x, v, s, slid = 0.0, START, 0.0, 0
+    for n in range(round(T / H)):
+        t = n * H
+        bound = STATIC * H * (M * G + DOWN * math.sin(5.0 * t))
+        free = v + H * SIDE * math.sin(OMEGA * t) / M
+        v = (M * free - H * k * s) / (M + g)
+        friction = -(H * k * s + g * v)
+        if abs(friction) > bound:
+            friction = math.copysign(bound, friction)
+            v = free + friction / M
+            slid += 1
+        s = (c * s - friction) / (H * k + c)
+        x += H * v
+    assert 20 < slid < T / H - 20
+    return x, v
+
+
+def bristles_are_those_of_one_block(d):
+    """boxed:bristle and regularized of the same stiffness, spring and damper alone too."""
+    scene = block(d, STATIC)
+    for k, c in ((K, C), (K, 0.0), (0.0, C), (1e6, 1e3)):
+        x, v = law_of_one_block(k, c)
+        box = f"boxed:bristle={k},damper={c}"
+        law = f"regularized:stiffness=fixed,k={k},c={c}" + ("" if k > 0 else ",model=viscous")
+        for formulation, solver in (
+            (box, "ppm"),
+            (box + ",storage=csc", "ppm"),
+            (box + ",storage=factored", "ppm"),
+            (law, "lemke"),
+        ):
+            o = run_json("simulate", scene, "--formulation", formulation, "--solver", solver)
+            got = [o["observables"][q]["value"] for q in ("b.x", "b.vx")]
+            assert abs(got[0] - x) < 1e-7 and abs(got[1] - v) < 1e-7, (formulation, got, (x, v))
+
+
+def ball(d, name, speed, spin):
+    """It rolls along x or spins on its place, against rolling and torsional resistance."""
+    scene = {
+        "id": "ball",
+        "dim": 3,
+        "T": 0.3,
+        "gravity": [0, 0, -G],
+        "friction": {"default": 0.4},
+        "rolling": {"default": 0.002},
+        "torsion": {"default": 0.005},
+        "bodies": [
+            {
+                "name": "b",
+                "shape": {"type": "sphere", "r": 0.1},
+                "mass": 1.5,
+                "pos": [0, 0, 0.1],
+                "vel": [speed, 0, 0],
+                "omega": [0, speed / 0.1, spin],
+            }
+        ],
+        "static": [{"name": "floor", "normal": [0, 0, 1]}],
+        "observe": ["b.x", "b.omega.y", "b.omega.z"],
+    }
+    path = pathlib.Path(d) / f"{name}.json"
+    path.write_text(json.dumps(scene), encoding="utf-8")
+    return path
+
+
+def boxed_bristles_are_regularized_springs(d):
+    """Scenes with many contacts, turning bodies, impacts, rolling and torsion: the same motion where
+    each box has one direction, or nothing slides."""
+    compared = 0
+    for scene in (
+        "slide",
+        "incline",
+        "push",
+        "creep",
+        "stack:n=3",
+        "walking_foot",
+        "impact",
+        "capstan",
+        "conveyor",
+        "roll",
+        ball(d, "rolls", 0.3, 0),
+        ball(d, "spins", 0, 2),
+        "wedge",
+        "rocking",
+    ):
+        ends = []
+        for formulation, solver in (
+            (
+                "boxed:bristle=1e5,damper=300",
+                "newton" if isinstance(scene, pathlib.Path) else "ppm",
+            ),
+            ("regularized:stiffness=fixed,k=1e5,c=300", "lemke"),
+        ):
+            words = ("simulate", scene, "--duration", 0.3, "--formulation", formulation)
+            o = json.loads(run(*words, "--solver", solver, code=None).stdout)
+            assert o["status"] == "ok", (scene, formulation, o["status"])
+            ends.append(o)
+        box, law = ends
+        for q, value in law["observables"].items():
+            other = box["observables"][q]["value"]
+            assert abs(other - value["value"]) < 1e-8 * max(1, abs(other)), (scene, q, other, value)
+            compared += 1
+        for key in ("stiffness_ratio_min", "deflection_max_m"):
+            told = (box[key] or 0, law[key] or 0)  # null where no friction is
+            assert abs(told[0] - told[1]) <= 1e-6 * told[1], (scene, key, told)
+    assert compared > 20
+
+
+def without_a_bristle_nothing_gives_way(_):
+    rigid, zero = (
+        run_json("simulate", "incline", "--formulation", f, "--solver", "ppm")
+        for f in ("boxed", "boxed:bristle=0")
+    )
+    assert rigid["solution_hash"] == zero["solution_hash"] and rigid["deflection_max_m"] == 0
+    assert rigid["stiffness_ratio_min"] is None
 
 
 def a_variant_is_a_choice_of_options(_):
@@ -150,6 +267,9 @@ def nonsense_is_refused(_):
 tap(
     [
         readings_are_those_of_one_block,
+        bristles_are_those_of_one_block,
+        boxed_bristles_are_regularized_springs,
+        without_a_bristle_nothing_gives_way,
         a_variant_is_a_choice_of_options,
         what_follows_overrides_it,
         joints_and_stacks_are_solved_once_a_step,
