@@ -18,7 +18,7 @@ typedef struct pilot {
 
 static sim_request pilot_request(const sim_request *q, unsigned effects) {
   sim_request p = *q;
-  const double steps = fmin(fmax(ceil(0.2 * q->duration / q->h), AUTO_STEPS_MIN), AUTO_STEPS_MAX);
+  const double steps = fmin(fmax(ceil(0.01 * q->duration / q->h), AUTO_STEPS_MIN), AUTO_STEPS_MAX);
   p.duration = fmin(steps * q->h, q->duration);
   p.effects = effects;
   p.trajectory = NULL;
@@ -82,7 +82,8 @@ static double change_of(const sim_request *q, const pilot *full, const pilot *wi
     const int c = a->var[i].column;
     most = fmax(most, column_change(a, b, c, c, scale_of(a, unit, floor)));
   }
-  return (most == most) ? most : HUGE_VAL;
+  const double longer = q->duration / T;
+  return (most == most) ? most * longer * longer : HUGE_VAL;
 }
 
 /* ---- pilots -----------------------------------------------------------------------------------*/
@@ -104,8 +105,9 @@ static void say(effects_choice *out, const char *word, int bit, double change) {
   const size_t used = strlen(out->text);
   const char *comma = (used > 0) ? ", " : "";
   if (change < 0.0) {
-    (void)snprintf(out->text + used, sizeof out->text - used, "%s%s %s (unseen)", comma, word,
-                   effect_name(bit));
+    const char *rule = effects_rule(&out->rules, 1u << bit);
+    (void)snprintf(out->text + used, sizeof out->text - used, "%s%s %s (%s)", comma, word,
+                   effect_name(bit), rule != NULL ? rule : "unseen");
   } else {
     (void)snprintf(out->text + used, sizeof out->text - used, "%s%s %s %.2g", comma, word,
                    effect_name(bit), change);
@@ -137,13 +139,14 @@ static void report(const sim_request *q, unsigned seen, const double change[EFFE
     if ((q->spec->effects & candidates & bit) == 0) {
       continue;
     }
-    const double shown = ((seen & bit) != 0) ? change[i] : -1.0;
+    const double shown =
+        ((seen & bit) != 0 && effects_rule(&out->rules, bit) == NULL) ? change[i] : -1.0;
     say(out, (out->dropped & bit) != 0 ? "dropped" : "kept", i, shown);
   }
 }
 
-static base_status choose(sim_request *q, effects_choice *out, base_error *err) {
-  const double from = base_seconds();
+/* Judges by pilots what the rules leave to them. */
+static base_status pilots(sim_request *q, unsigned left, effects_choice *out, base_error *err) {
   const sim_request request = pilot_request(q, q->spec->effects);
   pilot full;
   double change[EFFECT_COUNT];
@@ -156,7 +159,7 @@ static base_status choose(sim_request *q, effects_choice *out, base_error *err) 
     const unsigned seen = full.result.effects_seen;
     for (int i = 0; i < EFFECT_COUNT; i++) {
       base_error why = {0};
-      const bool asked = (candidates & q->spec->effects & seen & 1u << i) != 0;
+      const bool asked = (left & seen & 1u << i) != 0;
       change[i] = asked ? change_without(q, &full, 1u << i, &why) : HUGE_VAL;
       out->dropped |= (change[i] < out->level) ? 1u << i : 0u;
     }
@@ -166,8 +169,27 @@ static base_status choose(sim_request *q, effects_choice *out, base_error *err) 
     q->effects = q->spec->effects & ~out->dropped;
   }
   series_close(&full.record);
-  out->pilot_seconds = base_seconds() - from;
   return done;
+}
+
+static base_status choose(sim_request *q, effects_choice *out, base_error *err) {
+  const double from = base_seconds();
+  const effects_span span = {q->h, q->duration, out->level};
+  BASE_TRY(effects_rules(q->spec, &span, &out->rules, err));
+  unsigned left = 0; /* to be judged by pilots */
+  for (int i = 0; i < EFFECT_COUNT; i++) {
+    const unsigned bit = candidates & q->spec->effects & 1u << i;
+    left |= (bit != 0 && effects_rule(&out->rules, bit) == NULL) ? bit : 0u;
+  }
+  if (left != 0) {
+    BASE_TRY(pilots(q, left, out, err));
+  } else {
+    const double none[EFFECT_COUNT] = {0};
+    report(q, 0, none, out);
+    q->effects = q->spec->effects;
+  }
+  out->pilot_seconds = base_seconds() - from;
+  return BASE_OK;
 }
 
 /* Is text "auto:E"? The level, then. */
