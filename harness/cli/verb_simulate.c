@@ -125,7 +125,12 @@ static void put_error(json_t *o, const simulation *s) {
   json_out_text(e, "reason", r->reason);
   json_out_int(e, "steps_solved", r->solved);
   json_out_int(e, "steps_limit", r->asked.limit);
-  json_t *all = json_array();
+  json_t *all = json_object();
+  for (int i = 0; i < FEATURES; i++) {
+    json_out_real(all, features_name(i), s->features.x[i]);
+  }
+  (void)json_object_set_new(e, "features", all);
+  all = json_array();
   for (int i = 0; i < r->n_quantity; i++) {
     const error_quantity *q = &r->quantity[i];
     json_t *one = json_object();
@@ -153,6 +158,49 @@ static void put_error(json_t *o, const simulation *s) {
   }
   (void)json_object_set_new(e, "runs", all);
   (void)json_object_set_new(o, "error", e);
+}
+
+/* What chose formulation and solver, and the command that chooses nothing. */
+static void put_choice(json_t *o, const simulation *s, const char *scene, const char *steps) {
+  const choice *c = &s->choice;
+  if (!s->chooses) {
+    return;
+  }
+  json_t *a = json_object();
+  json_out_text(a, "rows", c->rows);
+  json_out_int(a, "scenes", c->n_scene);
+  json_t *list = json_array();
+  for (int i = 0; i < c->n_near; i++) {
+    json_t *one = json_object();
+    json_out_text(one, "near", c->near[i]);
+    json_out_real(one, "distance", c->distance[i]);
+    (void)json_array_append_new(list, one);
+  }
+  (void)json_object_set_new(a, "nearest", list);
+  list = json_array();
+  for (int i = 0; i < c->n; i++) {
+    json_t *one = json_object();
+    json_out_text(one, "formulation", c->candidate[i].formulation);
+    json_out_text(one, "solver", c->candidate[i].solver);
+    json_out_real(one, "cost", c->candidate[i].cost);
+    json_out_real(one, "sure", c->candidate[i].sure);
+    json_out_text(one, "tried", i < s->n_tried ? run_status_name(s->tried[i]) : "");
+    (void)json_array_append_new(list, one);
+  }
+  (void)json_object_set_new(a, "candidates", list);
+  char repeat[2400];
+  const choice_candidate *taken = &c->candidate[s->n_tried > 0 ? s->n_tried - 1 : 0];
+  const int used = snprintf(repeat, sizeof repeat,
+                            "lcpbench simulate '%.1000s' --formulation '%s' --solver '%s'", scene,
+                            taken->formulation, taken->solver);
+  if (steps != NULL) {
+    (void)snprintf(repeat + used, sizeof repeat - (size_t)used, " --steps '%.1000s'", steps);
+  } else {
+    (void)snprintf(repeat + used, sizeof repeat - (size_t)used, " --error '%.17g%s'", s->error.E,
+                   s->error.unit);
+  }
+  json_out_text(a, "repeat", repeat);
+  (void)json_object_set_new(o, "choice", a);
 }
 
 static void put_counts(json_t *o, const sim_result *r) {
@@ -330,7 +378,8 @@ static base_status with_files(simulation *s, const char *scene, const simulate_f
 
 static const arg_option options[] = {
     ARG(simulate_options, t.formulation, "--formulation", ARG_TEXT, "FORMULATION",
-        "formulation with its options behind a colon", .needed = true),
+        "formulation with its options behind a colon; with --error it is chosen where it and "
+        "--solver are missing"),
     ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
         "solver with its options behind a colon; formulations without a problem need none"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
@@ -341,6 +390,8 @@ static const arg_option options[] = {
         "most steps that the runs for --error may solve", .unit = "1", .above = true),
     ARG(simulate_options, t.steps, "--steps", ARG_TEXT, "FILE",
         "lengths of the steps, one a line [s]"),
+    ARG(simulate_options, t.rows, "--rows", ARG_TEXT, "FILE|DIR",
+        "measured errors (choices.tsv) that formulation and solver are chosen from"),
     ARG(simulate_options, f.steps, "--write-steps", ARG_OUTPUT, "FILE",
         "the steps found by --error, for --steps"),
     ARG(simulate_options, t.duration, "--duration", ARG_TEXT, "T",
@@ -379,6 +430,9 @@ static int run(int argc, char **argv) {
   base_status done = simulation_open(&o.t, &s, &err);
   if (done == BASE_OK) {
     done = with_files(&s, o.t.scene, &o.f, &report, &err);
+  }
+  if (done == BASE_OK) {
+    put_choice(report.object, &s, o.t.scene, o.f.steps);
   }
   if (done == BASE_OK && o.f.steps != NULL) {
     done = step_list_write(&s.steps, o.f.steps, &err);

@@ -10,6 +10,7 @@
 
 /* Ratio of the tolerances of one run and the next. */
 static const double least_ratio = 2.0, most_ratio = 64.0;
+static const double first_step = 1.0 / 8.0; /* longest of the first run, over its duration */
 /* Tolerances of the first two runs, which show the way, over E; later ones are chosen so that the estimate is `aim` E. */
 static const double first_tolerance = 256.0, second_tolerance = 64.0, aim = 0.7;
 /* Two refinements in a row after which more than this of the difference is left: the runs do not converge. */
@@ -373,8 +374,7 @@ static base_status climb(ladder *l, base_error *err) {
   return BASE_OK;
 }
 
-/* The length that the first run is measured by: of the smallest body, and how far the fastest one gets. */
-static base_status first_scale(const sim_request *q, double *scale, base_error *err) {
+base_status error_first_scale(const sim_request *q, double *scale, base_error *err) {
   world *w;
   BASE_TRY(world_open(&w, q->spec, q->effects, err));
   *scale = fmax(world_size(w), world_max_speed(w) * q->duration);
@@ -403,15 +403,16 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   *record = (series){0};
   *kept = (step_list){0};
   double scale;
-  BASE_TRY(first_scale(q, &scale, err));
+  BASE_TRY(error_first_scale(q, &scale, err));
   double *stop = calloc(3 * (size_t)q->spec->n_check + 1, sizeof *stop);
   if (stop == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
   }
   ladder l = {.q = q, .result = result};
+  const double longest = first_step * q->duration;
   l.rule = (step_rule){.tolerance = first_tolerance * length_of(q, asked, scale),
-                       .first = fmin(q->h, q->duration / 20.0),
-                       .most = q->duration / 20.0,
+                       .first = (q->form->form->memory == 0) ? longest : fmin(q->h, longest),
+                       .most = longest,
                        .least = 1e-9 * q->duration,
                        .stop = stop,
                        .n_stop = stops_of(q, stop)};

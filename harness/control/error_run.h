@@ -66,3 +66,6 @@ base_status error_parse(const char *text, error_asked *out, base_error *err);
 /* The finest run that was made, its record and steps; out->time is that of all runs. q as for simulate_controlled. */
 base_status error_run(const sim_request *q, const error_asked *asked, series *record,
                       sim_result *out, step_list *kept, error_result *result, base_error *err);
+
+/* The length that the first run is measured by: the size of the smallest body, or how far the fastest one gets [m]. */
+base_status error_first_scale(const sim_request *q, double *scale, base_error *err);

@@ -60,8 +60,50 @@ static base_status open_steps(const simulation_texts *t, simulation *out, base_e
   return BASE_OK;
 }
 
+static base_status take(simulation *s, const char *form, const char *solver, base_error *err) {
+  formulation_choice_free(&s->form);
+  solver_choice_free(&s->solver);
+  s->form = (formulation_choice){0};
+  s->solver = (solver_choice){0};
+  BASE_TRY(formulation_choose(form, &s->form, err));
+  BASE_TRY(solver_choose(solver, &s->solver, err));
+  return (s->tol[0] != '\0') ? solver_choice_set(&s->solver, "tol", s->tol, err) : BASE_OK;
+}
+
+/* The candidates in turn until one has no step that failed. */
+static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
+                              base_error *err) {
+  const choice *c = &s->choice;
+  for (int k = 0; k < c->n && k < CHOICE_TRIES; k++) {
+    series_close(record);
+    step_list_close(&s->steps);
+    BASE_TRY(take(s, c->candidate[k].formulation, c->candidate[k].solver, err));
+    BASE_TRY(error_run(q, &s->error, record, out, &s->steps, &s->found, err));
+    s->tried[s->n_tried++] = out->status;
+    if (out->status == RUN_OK) {
+      break;
+    }
+  }
+  return BASE_OK;
+}
+
+/* Ranks the combinations for the scene. E with a unit counts against the size of the smallest body. */
+static base_status choose_combination(simulation *s, const char *rows, base_error *err) {
+  const sim_request *q = &s->request;
+  double E = s->error.E;
+  if (strcmp(s->error.unit, "m") == 0) {
+    double length;
+    BASE_TRY(error_first_scale(q, &length, err));
+    E /= length;
+  }
+  BASE_TRY(choice_make(&s->features, E, rows, &s->choice, err));
+  s->chooses = true;
+  return take(s, s->choice.candidate[0].formulation, s->choice.candidate[0].solver, err);
+}
+
 base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
   sim_request *q = &s->request;
+  *record = (series){0};
   if (!(s->error.E > 0.0)) {
     return simulate(q, record, out, err);
   }
@@ -69,7 +111,8 @@ base_status simulation_run(simulation *s, series *record, sim_result *out, base_
   silent.trajectory = NULL;
   silent.trace = NULL;
   silent.dump = NULL;
-  BASE_TRY(error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
+  BASE_TRY(s->chooses ? run_chosen(s, &silent, record, out, err)
+                      : error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
   repeat_steps(s);
   if (q->trajectory == NULL && q->trace == NULL && q->dump == NULL) {
     return BASE_OK;
@@ -84,14 +127,17 @@ base_status simulation_run(simulation *s, series *record, sim_result *out, base_
 base_status simulation_open(const simulation_texts *t, simulation *out, base_error *err) {
   *out = (simulation){0};
   spec_init(&out->spec);
-  if (!given(t->formulation) || !given(t->solver)) {
+  const bool both = given(t->formulation) && given(t->solver);
+  if (!both && (given(t->formulation) || given(t->solver) || !given(t->error))) {
     const char *missing = given(t->formulation) ? "solver" : "formulation";
     return BASE_FAIL(err, BASE_EINVAL, "--%s is missing; see lcpbench list %ss", missing, missing);
   }
-  BASE_TRY(formulation_choose(t->formulation, &out->form, err));
-  BASE_TRY(solver_choose(t->solver, &out->solver, err));
-  if (given(t->tol)) {
-    BASE_TRY(solver_choice_set(&out->solver, "tol", t->tol, err));
+  if (both && given(t->rows)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--rows %.200s: formulation and solver are given", t->rows);
+  }
+  (void)snprintf(out->tol, sizeof out->tol, "%s", given(t->tol) ? t->tol : "");
+  if (both) {
+    BASE_TRY(take(out, t->formulation, t->solver, err));
   }
   BASE_TRY(scene_load(t->scene, &out->spec, err));
   const scene_spec *spec = &out->spec;
@@ -105,7 +151,17 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   if (given(t->contact_order)) {
     BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));
   }
-  return effects_choose(q, given(t->effects) ? t->effects : "declared", &out->effects, err);
+  const char *effects = given(t->effects) ? t->effects : "declared";
+  /* the choice wants to know the effects, and a pilot a formulation */
+  const bool pilot = strncmp(effects, "auto", 4) == 0;
+  BASE_TRY(effects_override(spec->effects, pilot ? "declared" : effects, &q->effects, err));
+  if (given(t->error)) {
+    BASE_TRY(features_of(spec, q->effects, q->h, &out->features, err));
+  }
+  if (!both) {
+    BASE_TRY(choose_combination(out, given(t->rows) ? t->rows : NULL, err));
+  }
+  return effects_choose(q, effects, &out->effects, err);
 }
 
 void simulation_close(simulation *s) {

@@ -1,8 +1,11 @@
 /* harness/control/simulation.h - one run of a scene, from the texts of a command line or of a cell. */
 #pragma once
 
+#include "harness/control/choice.h"
 #include "harness/control/error_run.h"
 #include "harness/measure/effects_auto.h"
+
+enum { CHOICE_TRIES = 4 };
 
 /* As typed; NULL or "": the default. */
 typedef struct simulation_texts {
@@ -10,6 +13,8 @@ typedef struct simulation_texts {
   const char *step, *duration, *effects, *start, *contact_order;
   const char *error, *work; /* --error E, and its limit of steps */
   const char *steps;        /* a file of step lengths */
+  const char
+      *rows; /* what formulation and solver are chosen from with --error, where neither is given */
 } simulation_texts;
 
 /* What the texts choose; owns everything the request points to. */
@@ -22,6 +27,12 @@ typedef struct simulation {
   error_asked error;      /* E = 0: not asked for */
   error_result found;     /* what it came to */
   step_list steps;        /* given or found; n = 0: even ones */
+  bool chooses;           /* formulation and solver, below */
+  features features;
+  choice choice;
+  int n_tried; /* candidates that were run; the last one stands */
+  run_status tried[CHOICE_TRIES];
+  char tol[32]; /* of whatever solver is chosen; "": its own */
 } simulation;
 
 /* Whatever is returned, simulation_close gives back what was opened. Errors: BASE_EINVAL with the

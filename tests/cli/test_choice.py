@@ -1,0 +1,131 @@
+"""simulate --error alone: formulation and solver from measured rows, told, and repeatable without choosing."""
+
+import shlex
+
+from support import one_line_error, run_json, tap
+
+FEATURES = (
+    "bodies contacts per_body redundant sliding closing spatial friction restitution resisting joints"
+    " moving"
+).split()
+HEAD = ["problem", "error", "formulation", "solver", "kept", "t_total_s", *FEATURES]
+QUICK, SLOW = ("velocity:facets=8", "lemke"), ("coulomb", "nsgs")
+
+
+def features(scene):
+    o = run_json("simulate", scene, "--formulation", QUICK[0], "--solver", QUICK[1], "--error", 0.1)
+    return o["error"]["features"]
+
+
+def write(path, rows, head=HEAD):
+    text = ["\t".join(head)] + ["\t".join(map(str, r)) for r in rows]
+    path.write_text("\n".join(text) + "\n")
+    return path
+
+
+def row(problem, E, combination, kept, seconds, x):
+    return [problem, E, *combination, kept, seconds, *(x[n] for n in FEATURES)]
+
+
+def chosen(scene, rows, *more, error=0.1, **kw):
+    o = run_json("simulate", scene, "--error", error, "--rows", rows, *more, **kw)
+    return o, [c for c in o["choice"]["candidates"] if c["tried"]]
+
+
+def the_nearest_scene_decides(d):
+    """Two scenes, each with its own best: every scene takes that of its like."""
+    slide, bounce = features("slide"), features("bounce")
+    assert slide != bounce
+    rows = write(
+        d / "choices.tsv",
+        [
+            row("slide", 0.1, QUICK, 1, 0.01, slide),
+            row("slide", 0.1, SLOW, 1, 0.1, slide),
+            row("bounce", 0.1, QUICK, 1, 0.1, bounce),
+            row("bounce", 0.1, SLOW, 1, 0.01, bounce),
+        ],
+    )
+    for scene, want in (("slide", QUICK), ("slide:speed=4", QUICK), ("bounce", SLOW)):
+        o, tried = chosen(scene, d)
+        assert (tried[0]["formulation"], tried[0]["solver"]) == want, (scene, o["choice"])
+        assert len(tried) == 1 and tried[0]["tried"] == "ok" and 0 < tried[0]["sure"] <= 1
+        assert o["choice"]["nearest"][0]["near"] == scene.split(":")[0]
+        assert (o["formulation"], o["solver"]) == (want[0].split(":")[0], want[1])
+        assert o["choice"]["scenes"] == 2 and o["choice"]["rows"] == str(rows)
+
+
+def who_did_not_keep_the_error_is_not_taken(d):
+    x = features("slide")
+    rows = write(
+        d / "r.tsv",
+        [
+            row("slide", E, c, int(c == SLOW or E > 0.05), 0.1 if c == SLOW else 0.01, x)
+            for c in (QUICK, SLOW)
+            for E in (0.1, 0.01)
+        ],
+    )
+    taken = [chosen("slide", rows, error=E)[1][0]["formulation"] for E in (0.2, 0.1, 0.05, 0.01)]
+    assert taken == [QUICK[0], QUICK[0], SLOW[0], SLOW[0]], taken
+
+
+def what_cannot_run_gives_way(d):
+    """event knows no generalised coordinates: the next candidate runs, and both are told."""
+    x = features("slide")
+    event = ("event", "lemke")
+    rows = write(
+        d / "r.tsv", [row("s", 0.1, event, 1, 0.001, x), row("s", 0.1, QUICK, 1, 0.01, x)]
+    )
+    o, tried = chosen("woodpecker", rows, code=None)
+    assert [t["tried"] for t in tried] == ["unsupported", "ok"], o["choice"]
+    assert o["formulation"] == "velocity" and o["error"]["promised"]
+
+
+def the_command_told_repeats_the_run(d):
+    x = features("tip")
+    rows = write(d / "r.tsv", [row("tip", 0.1, QUICK, 1, 0.01, x)])
+    o, _ = chosen("tip", rows, "--write-steps", d / "steps.txt", code=None)
+    words = shlex.split(o["choice"]["repeat"])
+    assert words[0] == "lcpbench" and "--error" not in words and "--rows" not in words, words
+    again = run_json(*words[1:], code=None)
+    assert again["solution_hash"] == o["solution_hash"] and "choice" not in again
+
+
+def the_program_comes_with_rows(_):
+    for scene in ("slide", "bounce"):
+        o = run_json("simulate", scene, "--error", "1%", code=None)
+        assert o["error"]["promised"] and o["choice"]["scenes"] > 10, o["choice"]
+        assert o["choice"]["nearest"][0]["distance"] < 1e-4, o["choice"]["nearest"]
+
+
+def bad_rows_are_named(d):
+    x = features("slide")
+    good = row("slide", 0.1, QUICK, 1, 0.01, x)
+    call = ("simulate", "slide", "--error", 0.1, "--rows")
+    one_line_error(*call, d / "none.tsv", names=[d / "none.tsv"])
+    one_line_error(*call, d, names=["choices.tsv"])
+    one_line_error(*call, write(d / "empty.tsv", []), names=["empty.tsv"])
+    one_line_error(*call, write(d / "head.tsv", [good], HEAD[1:]), names=["head.tsv", "problem"])
+    for i, text in ((1, "0"), (1, "x"), (4, "2"), (5, "-1"), (6, "nan")):
+        bad = write(d / "bad.tsv", [good, [*good[:i], text, *good[i + 1 :]]])
+        one_line_error(*call, bad, names=["bad.tsv", "line 3"])
+    one_line_error(*call, write(d / "short.tsv", [good[:-1]]), names=["short.tsv", "line 2"])
+    lost = write(d / "lost.tsv", [row("slide", 0.1, QUICK, 0, 0.01, x)])
+    one_line_error(*call, lost, names=["lost.tsv", "no combination"])
+    none = write(d / "unknown.tsv", [row("slide", 0.1, ("nosuch", "lemke"), 1, 0.01, x)])
+    one_line_error(*call, none, names=["nosuch"])
+    whole = ("--formulation", QUICK[0], "--solver", QUICK[1])
+    one_line_error(*call, lost, *whole, names=["--rows"])
+    one_line_error("simulate", "slide", "--error", 0.1, *whole[:2], names=["--solver"])
+    one_line_error("simulate", "slide", "--error", 0.1, *whole[2:], names=["--formulation"])
+
+
+tap(
+    [
+        the_nearest_scene_decides,
+        who_did_not_keep_the_error_is_not_taken,
+        what_cannot_run_gives_way,
+        the_command_told_repeats_the_run,
+        the_program_comes_with_rows,
+        bad_rows_are_named,
+    ]
+)
