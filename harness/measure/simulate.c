@@ -181,6 +181,8 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   BASE_TRY(series_record(record, s->w, a.set, a.impulse, a.spring_energy, err));
   if (a.set != NULL) {
     series_penetration(record, a.set);
+    world_note_impulses(s->w, a.impulse); /* a.set is the world's last one */
+    BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, a.set, a.mode, err));
   }
   return BASE_OK;
 }

@@ -271,15 +271,19 @@ base_status world_contacts(world *w, double h, double margin, contact_set *out, 
   return BASE_OK;
 }
 
-base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err) {
-  if (!(w->h > 0.0)) {
-    return BASE_FAIL(err, BASE_EINVAL, "advance: no contact set was asked for yet");
-  }
+void world_note_impulses(world *w, const double *impulse) {
   const size_t bytes = (size_t)w->set.n_row * sizeof *impulse;
   if (w->set.n_row > 0) {
     (void)((impulse != NULL) ? memcpy(w->store.impulse, impulse, bytes)
                              : memset(w->store.impulse, 0, bytes));
   }
+}
+
+base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err) {
+  if (!(w->h > 0.0)) {
+    return BASE_FAIL(err, BASE_EINVAL, "advance: no contact set was asked for yet");
+  }
+  world_note_impulses(w, impulse);
   w->t += w->h;
   if (w->model != NULL) {
     for (int k = 0; k < w->n_dof; k++) {

@@ -92,4 +92,7 @@ const char *world_body_name(const world *w, int i);
 /* World point of a contact of the last set, and the mean force on its side 0 over the step after
  * world_advance [N]: for arrows. */
 void world_contact_point(const world *w, int contact, double point[3]);
+/* Impulses over the rows of the last contact set (NULL: none) for world_contact_force, as world_advance takes them: from
+ * what advances the world itself. */
+void world_note_impulses(world *w, const double *impulse);
 void world_contact_force(const world *w, int contact, double force[3]);

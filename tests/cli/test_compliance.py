@@ -85,8 +85,8 @@ def motions_follow_the_springs(d):
 
 
 def on_springs(stiffness, steps):
-    """The spin at the end of feet4 on springs of stiffness k/c_i with dampers, all six motions, tilts
-    small: the two moments about horizontal axes are equal, so that they do not follow the turn."""
+    """The spin at the end of feet4 on springs of stiffness k/c_i with dampers, all six motions,
+    tilts small: the two moments about horizontal axes are equal and do not follow the turn."""
     body, tilt = SLIDERS["feet4"], 0.5
 
     def motion(s):
@@ -170,16 +170,18 @@ def legs_share_a_load_beside_the_middle(d):
         "checks": [],
     }
     own = 0.5
-    shape = [(1 / (c + floor), x / (c + floor), y / (c + floor)) for (x, y), c in zip(feet, LEGS)]
+    legs = list(zip(feet, LEGS, strict=True))
+    shape = [(1 / (c + floor), x / (c + floor), y / (c + floor)) for (x, y), c in legs]
+    foot = [(1, *f) for f in feet]
     rows = [
-        [sum(s[k] * w[row] for s, w in zip(shape, [(1, *f) for f in feet])) for k in range(3)]
+        [sum(s[k] * w[row] for s, w in zip(shape, foot, strict=True)) for k in range(3)]
         for row in range(3)
     ]
     load = (plate + 4 * own) * G + weight
     plane = solved(rows, [load, weight * at[0], weight * at[1]])
-    forces = [sum(p * u for p, u in zip(plane, s)) for s in shape]
+    forces = [sum(p * u for p, u in zip(plane, s, strict=True)) for s in shape]
     assert min(forces) > 1 and max(forces) > 1.5 * min(forces), forces
-    for k, ((x, y), c) in enumerate(zip(feet, LEGS)):
+    for k, ((x, y), c) in enumerate(legs):
         name = f"leg{k}"
         scene["bodies"].append(
             {
@@ -217,8 +219,8 @@ def legs_share_a_load_beside_the_middle(d):
 
 
 def of_one_compliance_is_least_norm(d):
-    """Bit for bit: without a compliance in the scene, and with the same everywhere; and what a scene
-    gives does not matter to least_norm."""
+    """Bit for bit: without a compliance in the scene, and with the same everywhere; and what a
+    scene gives does not matter to least_norm."""
     for formulation, solver in EVERY:
         chosen = with_(formulation, "distribution=compliant")
         hashes = {

@@ -1,6 +1,6 @@
-"""The variants of `regularized`: presets of its options, the readings of the paper (modes=once), and
-the bristles of `boxed`, against recursions of one block written down here, which share nothing with
-the code."""
+"""The variants of `regularized`: presets of its options, the readings of the paper (modes=once),
+and the bristles of `boxed`, against recursions of one block written down here, which share nothing
+with the code."""
 
 import itertools
 import json
@@ -156,8 +156,8 @@ def ball(d, name, speed, spin):
 
 
 def boxed_bristles_are_regularized_springs(d):
-    """Scenes with many contacts, turning bodies, impacts, rolling and torsion: the same motion where
-    each box has one direction, or nothing slides."""
+    """Scenes with many contacts, turning bodies, impacts, rolling and torsion: the same motion
+    where each box has one direction, or nothing slides."""
     compared = 0
     for scene in (
         "slide",
