@@ -191,7 +191,7 @@ static base_status rank_of_active(lcp_share *s, int count, int *deficit, base_er
   s->normals_regular = regular;
   *deficit = 0;
   if (s->by_bodies) {
-    return regular ? lcp_share_bodies_deficit(&s->bodies, &s->rows, deficit, err) : BASE_OK;
+    return regular ? lin_body_space_deficit(&s->bodies.space, deficit, err) : BASE_OK;
   }
   *deficit = regular ? lcp_share_system_small_pivots(&s->system, 10.0 * count * s->delta)
                      : s->system.lu.deficient;

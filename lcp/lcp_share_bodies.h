@@ -9,15 +9,12 @@ typedef struct share_bodies {
   lin_body_space space;
   const lcp_problem *p;      /* of the last begin */
   double *L, *G;             /* lin_weigh */
-  unsigned char *joined;     /* cap_group */
-  size_t *at;                /* cap_group + 1: the matrices of each group */
-  int *wide;                 /* cap_group: unknowns of each group in the system */
-  double *T, *K;             /* T^-1, and K = T^-1 Y: unknowns x unknowns of each group */
+  unsigned char *member;     /* cap_n: rows in the system */
   double *scratch, *v;       /* of lcp_matrix_apply; cap_dof */
   double *x, *w, *off, *sum; /* cap_n */
-  size_t cap_weight, cap_jac, cap_matrices, cap_scratch;
-  int cap_group, cap_dof, cap_n;
-  void *mem, *matrix_mem; /* owned */
+  size_t cap_weight, cap_jac, cap_scratch;
+  int cap_dof, cap_n;
+  void *mem; /* owned */
 } share_bodies;
 
 void lcp_share_bodies_close(share_bodies *s);
@@ -38,10 +35,6 @@ void lcp_share_bodies_right(share_bodies *s, const share_rows *r, const double *
 /* The system for the kinds in r. *regular = false: singular. */
 base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *regular,
                                     base_error *err);
-
-/* Unknowns less their rank, of a system of single ACTIVE rows in each group, after it was factored. BASE_ENOMEM only. */
-base_status lcp_share_bodies_deficit(share_bodies *s, const share_rows *r, int *deficit,
-                                     base_error *err);
 
 /* z of the unknowns from right, with corrections from the residual; returns how many solutions that took. */
 int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *right, double *z);

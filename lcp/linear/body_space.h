@@ -18,7 +18,7 @@ enum { LIN_GROUP_MAX = 96 }; /* rows of a group */
  * (n_jac, as jac is laid out). BASE_EINVAL where a block is not positive semidefinite. */
 base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err);
 
-/* One side of a group: its rows of J or of a product with it, rows x dof, row-major. */
+/* One side of a group: its rows of J, or of G, rows x dof, row-major. */
 typedef struct lin_side {
   const double *jac;
   int body, dof; /* body < 0: fixed, dof 0 */
@@ -35,25 +35,44 @@ static inline lin_side lin_side_of(const lcp_factored *f, const double *jac, int
                     dof[which]};
 }
 
+/* A system over some rows of some groups: T and Y of each group, n x n by columns over its rows in the system. */
 typedef struct lin_body_space {
   lin_blocks blocks;
-  int *pair; /* of the groups in the system */
-  size_t cap_pair;
+  const lcp_factored *f; /* of the last begin, as all views: */
+  const double *G;       /* J L */
+  const double *scale;   /* of every row, or NULL: the system is in s J W J' s */
+  int *first, *row;      /* n_group+1, n: rows of the system by group, ascending */
+  size_t *at;            /* n_group+1: where T and Y of a group begin */
+  double *T, *Y;         /* after the factorisation T^-1 and K */
+  double *v;             /* n_dof */
+  int *pair;             /* of the groups in the system */
+  unsigned char *joined; /* n_group */
+  int cap_group, cap_n, cap_dof;
+  size_t cap_matrices;
+  void *mem, *matrix_mem; /* owned */
 } lin_body_space;
 
 void lin_body_space_close(lin_body_space *s); /* accepts zeroes, and leaves them */
 
-/* I, with room for the groups g where joined[g]. The order of elimination is kept while the same bodies meet. BASE_EUNSUPPORTED: a
- * body of more than LIN_BLOCK_MAX velocities, a group of more than LIN_GROUP_MAX rows. */
-base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f,
-                                 const unsigned char *joined, bool symmetric, base_error *err);
+/* Takes the rows where member[i] (n), T = Y = 0. BASE_EUNSUPPORTED: a body of more than LIN_BLOCK_MAX velocities, a group of more
+ * than LIN_GROUP_MAX rows. */
+base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const double *G,
+                                 const double *scale, const unsigned char *member, base_error *err);
 
-/* Adds G' K G of a joined group, K as wide as the group, column-major: rows `row` .. `row`+`count`-1 of it are read. */
-void lin_body_space_add(lin_body_space *s, const lcp_factored *f, const double *G, int group,
-                        int row, int count, const double *K);
+/* Rows of group g in the system; *row: which. */
+static inline int lin_body_space_rows(const lin_body_space *s, int g, const int **row) {
+  *row = s->row + s->first[g];
+  return s->first[g + 1] - s->first[g];
+}
 
-/* v += G' x, and y = G v, over the rows of one group. */
-void lin_body_space_push(const lcp_factored *f, const double *G, int group, const double *x,
-                         double *v);
-void lin_body_space_pull(const lcp_factored *f, const double *G, int group, const double *v,
-                         double *y);
+/* Factors. `symmetric`: T and Y of every group are. The order of elimination is kept while the same bodies meet. *regular = false:
+ * T of a group or the system is singular. BASE_ENOMEM only. */
+base_status lin_body_space_factor(lin_body_space *s, bool symmetric, bool *regular,
+                                  base_error *err);
+
+/* x = the solution for r, zero outside the system; both over all rows, not the same array. */
+void lin_body_space_solve(lin_body_space *s, const double *r, double *x);
+
+/* After a symmetric factorisation: the number of rows less the rank of what they see, the sum over rows of
+ * 1 - k g (I + G'KG)^-1 g' with k on the diagonal of K, each of which is nearly 0 or 1 where k is large. BASE_ENOMEM only. */
+base_status lin_body_space_deficit(lin_body_space *s, int *deficit, base_error *err);

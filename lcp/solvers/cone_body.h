@@ -3,13 +3,10 @@
 
 #include "lcp/solvers/cone_step.h"
 
-/* Every cone inside one group, S inside the pieces. */
+/* Every cone inside one group, S inside the groups. */
 base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
                                 const lcp_cone_scaled *c, base_error *err);
 
-/* Factors I + G'KG over the active rows (s->active); T^-1 in the place of X, K = T^-1 Y in that of Y. False: a singular T or
- * system, or *status says why not. */
+/* Factors the system over the active rows (s->active), s->body. False: singular, or *status says why not. */
 bool lcp_cone_body_factor(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scaled *c,
                           double weight, base_status *status);
-void lcp_cone_body_solve(lcp_cone_step *s, const lcp_factored *f, const lcp_cone_scaled *c,
-                         double *dx);

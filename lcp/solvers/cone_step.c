@@ -11,8 +11,7 @@ void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena 
   s->piece_of = BASE_ARRAY(a, int, cap->n);
   s->dz = BASE_ARRAY(a, double, cap->n);
   s->t = BASE_ARRAY(a, double, cap->n);
-  s->v = BASE_ARRAY(a, double, cap->n_dof);
-  s->joined = BASE_ARRAY(a, unsigned char, (cap->n_body > 0) ? cap->n : 0);
+  s->v = BASE_ARRAY(a, double, 2 * (size_t)cap->n_dof);
 }
 
 void lcp_cone_step_release(lcp_cone_step *s) {
@@ -229,10 +228,6 @@ void lcp_cone_step_solve(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
                          double *dx, lcp_work *work) {
   const int n = p->M.n;
   work->backsolves++;
-  if (p->M.storage == LCP_FACTORED) {
-    lcp_cone_body_solve(s, p->M.factored, c, dx);
-    return;
-  }
   bool moved = false;
   for (int i = 0; i < n; i++) { /* X = I outside the active pieces */
     dx[i] = s->active[i] ? 0.0 : -c->F[i];
@@ -241,7 +236,7 @@ void lcp_cone_step_solve(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
   }
   memset(s->t, 0, (size_t)n * sizeof *s->t);
   if (moved) {
-    lcp_matrix_apply(&p->M, s->dz, NULL, s->t, NULL);
+    lcp_matrix_apply(&p->M, s->dz, NULL, s->t, s->v);
     work->matvecs++;
   }
   for (int k = 0; k < c->n_piece; k++) {
@@ -258,5 +253,12 @@ void lcp_cone_step_solve(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
       dx[b->start + i] = -c->F[b->start + i] - product[i];
     }
   }
-  lcp_direct_solve(&s->direct, n, dx);
+  if (p->M.storage != LCP_FACTORED) {
+    lcp_direct_solve(&s->direct, n, dx);
+    return;
+  }
+  lin_body_space_solve(&s->body, dx, s->t);
+  for (int i = 0; i < n; i++) {
+    dx[i] = s->active[i] ? s->t[i] : dx[i];
+  }
 }

@@ -5,10 +5,9 @@
  * X and Y block diagonal. Pieces with Y = 0 (open contacts, rows at a bound) leave the system first.
  *   dense   LU of the rest (LAPACK)
  *   CSC     KLU of the rest
- *   factored  M = J W J' + S, S inside the pieces: with W = L L', G = s J L, T = X + Y (s S s + weight I), K = T^-1 Y
- *           (I + G' K G) v = -G' T^-1 F,   dx = -T^-1 F - K G v,
- *           a system in the body velocities (linear/body_space.h), regular however redundant the contacts are, and no inverse
- *           of W is needed; symmetric where nothing slips. Its order of elimination stays while the same bodies meet */
+ *   factored  by groups T = X + Y (s S s + weight I) and Y over the active rows, solved in the body velocities
+ *           (linear/body_space.h): regular however redundant the contacts are, without an inverse of W; symmetric where
+ *           nothing slips. The order of elimination stays while the same bodies meet */
 #pragma once
 
 #include "lcp/linear/body_space.h"
@@ -21,20 +20,19 @@ typedef struct lcp_cone_step {
   unsigned char *active; /* n: row of a piece with Y != 0 */
   int *piece_of;         /* n */
   double *dz, *t;        /* n */
-  double *v;             /* n_dof */
+  double *v;             /* 2 n_dof: a product's own */
   void *mem;             /* owned, made by the first factorisation; NULL before */
   lcp_matrix A;          /* the system, views of the arrays in mem: */
   size_t entries;
   double *val;
   int *colptr, *rowind;
   lcp_direct direct;
-  lin_body_space body;   /* factored: the system */
-  unsigned char *joined; /* n_group: one of its pieces is active */
+  lin_body_space body; /* factored: the system */
 } lcp_cone_step;
 
 void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a);
 
-/* BASE_EUNSUPPORTED: factored with a cone that spans groups, or with an S that couples pieces. */
+/* BASE_EUNSUPPORTED: factored with a cone that spans groups, or with an S that couples groups. */
 base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,
                                   base_error *err);
 
