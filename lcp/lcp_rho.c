@@ -50,6 +50,18 @@ static double cone(const lcp_block *b, const double *d, const double *z, const d
   return worst;
 }
 
+/* The term of block b, which is no cone: the largest of its rows. */
+static double rows_of(const lcp_problem *p, const lcp_block *b, const double *z, const double *w,
+                      const double *zref, const double *tau) {
+  const bool box = b->set == LCP_BOX;
+  double worst = 0.0;
+  for (int i = b->start; i < b->start + b->size; i++) {
+    worst = lcp_rho_worse(worst, lcp_rho_row(b->set, z[i], w[i], box ? p->lo[i] : 0.0,
+                                             box ? p->hi[i] : HUGE_VAL, zref[i], tau[i]));
+  }
+  return worst;
+}
+
 double lcp_rho(const lcp_problem *p, const double *d, const double *z, const double *w,
                const double *zref, const double *tau) {
   const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
@@ -58,15 +70,27 @@ double lcp_rho(const lcp_problem *p, const double *d, const double *z, const dou
   double worst = 0.0;
   for (int b = 0; b < n_block; b++) {
     const int at = block[b].start;
-    if (block[b].set == LCP_CONE) {
-      worst = lcp_rho_worse(worst, cone(&block[b], d + at, z + at, w + at, tau + at));
-      continue;
-    }
-    const bool box = block[b].set == LCP_BOX;
-    for (int i = at; i < at + block[b].size; i++) {
-      worst = lcp_rho_worse(worst, lcp_rho_row(block[b].set, z[i], w[i], box ? p->lo[i] : 0.0,
-                                               box ? p->hi[i] : HUGE_VAL, zref[i], tau[i]));
-    }
+    worst = lcp_rho_worse(worst, (block[b].set == LCP_CONE)
+                                     ? cone(&block[b], d + at, z + at, w + at, tau + at)
+                                     : rows_of(p, &block[b], z, w, zref, tau));
   }
   return worst;
+}
+
+void lcp_rho_above_tol(const lcp_problem *p, double tol, const double *d, const double *z,
+                       const double *w, const double *zref, const double *tau,
+                       unsigned char *above) {
+  for (int i = 0; p->block == NULL && i < p->M.n; i++) {
+    const lcp_block row = {.start = i, .size = 1, .set = LCP_ORTHANT};
+    above[i] = !(rows_of(p, &row, z, w, zref, tau) <= tol);
+  }
+  for (int b = 0; p->block != NULL && b < p->n_block; b++) {
+    const lcp_block *k = &p->block[b];
+    const int at = k->start;
+    const double term = (k->set == LCP_CONE) ? cone(k, d + at, z + at, w + at, tau + at)
+                                             : rows_of(p, k, z, w, zref, tau);
+    for (int i = at; i < at + k->size; i++) {
+      above[i] = !(term <= tol);
+    }
+  }
 }

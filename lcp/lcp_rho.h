@@ -72,3 +72,8 @@ void lcp_rho_references(const lcp_problem *p, const double *d, const double *tau
 /* max over the blocks at z, w = M z + q, with zref and tau as they stand; NaN where a term is. */
 double lcp_rho(const lcp_problem *p, const double *d, const double *z, const double *w,
                const double *zref, const double *tau);
+
+/* above[i] (n): the term of row i's block is not within tol. */
+void lcp_rho_above_tol(const lcp_problem *p, double tol, const double *d, const double *z,
+                       const double *w, const double *zref, const double *tau,
+                       unsigned char *above);

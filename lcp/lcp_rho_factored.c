@@ -6,6 +6,7 @@ void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_
   s->wj = BASE_ARRAY(a, double, cap->n_jac);
   s->first = BASE_ARRAY(a, int, cap->n_body);
   s->next = BASE_ARRAY(a, int, (cap->n_body > 0) ? 2 * (size_t)cap->n : 0);
+  s->whole = BASE_ARRAY(a, unsigned char, (cap->n_body > 0) ? cap->n : 0);
 }
 
 static int dofs(const lcp_factored *f, int b) {
@@ -50,23 +51,50 @@ static void begin(lcp_rho_factored *s, const lcp_factored *f) {
   s->ready = true;
 }
 
-/* M_ij of row i of group g and row j of group h. */
-static double entry(const lcp_rho_factored *s, const lcp_factored *f, int g, int i, int h, int j) {
-  double sum = 0.0;
+/* The sides over which two groups meet: rows of J of the one and of J W of the other, and how long they are. */
+typedef struct meeting {
+  int n;
+  const double *left[4], *right[4];
+  int dof[4];
+} meeting;
+
+static meeting meet(const lcp_rho_factored *s, const lcp_factored *f, int g, int h) {
+  meeting m = {0};
   for (int a = 0; a < 2; a++) {
     for (int b = 0; b < 2; b++) {
-      const int body = f->body[2 * g + a], n = dofs(f, body);
-      if (body != f->body[2 * h + b]) {
-        continue;
-      }
-      const double *left = f->jac + side_at(f, g, a) + (ptrdiff_t)(i - f->row_start[g]) * n;
-      const double *right = s->wj + side_at(f, h, b) + (ptrdiff_t)(j - f->row_start[h]) * n;
-      for (int k = 0; k < n; k++) {
-        sum += left[k] * right[k];
+      const int body = f->body[2 * g + a];
+      if (body >= 0 && body == f->body[2 * h + b]) {
+        m.left[m.n] = f->jac + side_at(f, g, a);
+        m.right[m.n] = s->wj + side_at(f, h, b);
+        m.dof[m.n++] = dofs(f, body);
       }
     }
   }
+  return m;
+}
+
+static inline double dot(const double *x, const double *y, int n) {
+  double sum = 0.0;
+  for (int k = 0; k < n; k++) {
+    sum += x[k] * y[k];
+  }
+  return sum;
+}
+
+/* (J W J')_ij for rows i and j of the two groups, each counted in its own. */
+static inline double entry(const meeting *m, int i, int j) {
+  double sum = 0.0;
+  for (int k = 0; k < m->n; k++) {
+    const int n = m->dof[k];
+    const double *x = m->left[k] + (ptrdiff_t)i * n, *y = m->right[k] + (ptrdiff_t)j * n;
+    sum += (n == 6) ? dot(x, y, 6) : dot(x, y, n);
+  }
+  return sum;
+}
+
+static double shift(const lcp_factored *f, int i, int j) {
   const lcp_column c = lcp_csc_column(f->shift, j);
+  double sum = 0.0;
   for (int k = 0; k < c.count; k++) {
     sum += (c.row[k] == i) ? c.val[k] : 0.0;
   }
@@ -75,9 +103,14 @@ static double entry(const lcp_rho_factored *s, const lcp_factored *f, int g, int
 
 static void add_pair(const lcp_rho_factored *s, const lcp_factored *f, int g, int h,
                      const double *x, double *size) {
+  const meeting m = meet(s, f, g, h);
+  const bool own = g == h && f->shift != NULL;
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  double *to = size + f->row_start[g];
   for (int j = f->row_start[h]; j < f->row_start[h + 1]; j++) {
-    for (int i = f->row_start[g]; i < f->row_start[g + 1] && x[j] != 0.0; i++) {
-      size[i] += fabs(entry(s, f, g, i, h, j) * x[j]);
+    for (int i = 0; i < rows && x[j] != 0.0; i++) {
+      const double e = entry(&m, i, j - f->row_start[h]);
+      to[i] += fabs((e + (own ? shift(f, f->row_start[g] + i, j) : 0.0)) * x[j]);
     }
   }
 }
@@ -86,8 +119,24 @@ static bool touches(const lcp_factored *f, int g, int body) {
   return f->body[2 * g] == body || f->body[2 * g + 1] == body;
 }
 
-void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const double *x,
-                              double *size) {
+/* size += the terms of group g's rows over the groups that share a body with it. */
+static void add_neighbours(const lcp_rho_factored *s, const lcp_factored *f, int g, const double *x,
+                           double *size) {
+  const int *body = f->body + 2 * (ptrdiff_t)g;
+  for (int side = 0; side < 2; side++) {
+    for (int at = (body[side] >= 0) ? s->first[body[side]] : -1; at >= 0; at = s->next[at]) {
+      const int h = at / 2;
+      const bool again = (side == 1 && body[0] >= 0 && touches(f, h, body[0])) ||
+                         (at % 2 == 1 && f->body[2 * h] == body[side]);
+      if (h != g && !again) { /* every pair once, over all bodies that it shares */
+        add_pair(s, f, g, h, x, size);
+      }
+    }
+  }
+}
+
+void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *whole,
+                              const double *x, double *size) {
   const lcp_factored *f = p->M.factored;
   if (!s->ready) {
     begin(s, f);
@@ -96,17 +145,13 @@ void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const d
     size[i] = fabs(p->q[i]);
   }
   for (int g = 0; g < f->n_group; g++) {
-    const int *body = f->body + 2 * (ptrdiff_t)g;
+    bool all = whole == NULL;
+    for (int i = f->row_start[g]; i < f->row_start[g + 1] && !all; i++) {
+      all = whole[i] != 0;
+    }
     add_pair(s, f, g, g, x, size);
-    for (int side = 0; side < 2; side++) {
-      for (int at = (body[side] >= 0) ? s->first[body[side]] : -1; at >= 0; at = s->next[at]) {
-        const int h = at / 2;
-        const bool again = (side == 1 && body[0] >= 0 && touches(f, h, body[0])) ||
-                           (at % 2 == 1 && f->body[2 * h] == body[side]);
-        if (h != g && !again) { /* every pair once, over all bodies that it shares */
-          add_pair(s, f, g, h, x, size);
-        }
-      }
+    if (all) {
+      add_neighbours(s, f, g, x, size);
     }
   }
 }

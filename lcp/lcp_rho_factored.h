@@ -8,14 +8,16 @@
 #include "lcp/lcp_problem.h"
 
 typedef struct lcp_rho_factored {
-  double *wj;        /* n_jac: J W, as jac is stored */
-  int *first, *next; /* groups at every body as lists: 2 group + side, or -1 */
-  bool ready;        /* for the matrix of this solve */
+  double *wj;           /* n_jac: J W, as jac is stored */
+  int *first, *next;    /* groups at every body as lists: 2 group + side, or -1 */
+  unsigned char *whole; /* n: rows whose sizes are to be summed over all groups */
+  bool ready;           /* for the matrix of this solve */
 } lcp_rho_factored;
 
 void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_arena *a);
 
 /* size_i = |q_i| + sum_j |M_ij||x_j|, over the groups that share a body with that of i (all, unless S couples others:
- * then a lower bound). Clear s->ready when the matrix has changed. */
-void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const double *x,
-                              double *size);
+ * then a lower bound); over its own group alone, which is a lower bound at the price of one product, where whole (n) is zero
+ * in all rows of the group. whole = NULL: no such group. Clear s->ready when the matrix has changed. */
+void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *whole,
+                              const double *x, double *size);

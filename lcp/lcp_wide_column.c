@@ -103,42 +103,47 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Puts row[0..count) in order, by a scan where it is a good part of all rows, and takes the marks away. */
-static void sort_rows(lcp_wide_columns *c, int count) {
-  if (count < c->M->n / 16) {
+/* Puts row[0..count) in order where it is not, and takes the marks away. */
+static void sort_rows(lcp_wide_columns *c, int count, bool mixed) {
+  if (mixed) {
     qsort(c->row, (size_t)count, sizeof *c->row, ascending);
-  } else {
-    for (int i = 0, k = 0; i < c->M->n; i++) {
-      if (c->marked[i]) {
-        c->row[k++] = i;
-      }
-    }
   }
   for (int k = 0; k < count; k++) {
     c->marked[c->row[k]] = 0;
   }
 }
 
+/* Groups at a body that row j of J moves: views of the list, empty where there is none. */
+static void groups_of(const lcp_wide_columns *c, int j, int side, const int **at, const int **end) {
+  const int b = c->M->factored->body[2 * c->group_of[j] + side];
+  const bool moves = b >= 0 && moved_by(c, j, b) != NULL;
+  *at = moves ? c->group + c->group_start[b] : NULL;
+  *end = moves ? c->group + c->group_start[b + 1] : NULL;
+}
+
+/* The lists of groups at a body ascend, and so do the rows of their union. Rows of S beside them are sorted in. */
 int lcp_wide_columns_rows(lcp_wide_columns *c, int j) {
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
+  const int *x, *x_end, *y, *y_end;
   int count = 0;
-  for (int side = 0; side < 2; side++) {
-    const int b = f->body[2 * c->group_of[j] + side];
-    if (b < 0 || moved_by(c, j, b) == NULL) {
-      continue;
+  groups_of(c, j, 0, &x, &x_end);
+  groups_of(c, j, 1, &y, &y_end);
+  while (x < x_end || y < y_end) {
+    const int g = (y >= y_end || (x < x_end && *x <= *y)) ? *x : *y;
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      count = mark(c, i, count);
     }
-    for (int s = c->group_start[b]; s < c->group_start[b + 1]; s++) {
-      const int g = c->group[s];
-      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
-        count = mark(c, i, count);
-      }
+    for (; x < x_end && *x == g; x++) {
+    }
+    for (; y < y_end && *y == g; y++) {
     }
   }
+  const int of_groups = count;
   for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
     count = mark(c, S->rowind[k], count);
   }
-  sort_rows(c, count);
+  sort_rows(c, count, count > of_groups);
   return count;
 }
 

@@ -15,7 +15,6 @@ void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
 
 void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
   lcp_stop_begin(&s->stop, p);
-  lcp_matrix_diagonal(&p->M, s->stop.d);
   lcp_set_scaling(&p->M, s->stop.d, s->scale);
   s->factored.ready = false;
   s->tests = 0;
@@ -47,13 +46,33 @@ static bool near(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const 
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau) <= 10.0 * stop->tol;
 }
 
-/* rho with the scales that the entries of J W J' + S give. tau0 is left in s->seen. */
-static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z) {
+/* rho with the scales that entries of J W J' + S give, those between groups only of rows in `whole`, NULL for all:
+ * a bound from above, or rho. tau0 is left in s->seen. */
+static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z,
+                             const unsigned char *whole) {
   lcp_stop_state *t = &s->stop;
-  lcp_rho_factored_product(&s->factored, p, z, s->seen);
+  lcp_rho_factored_product(&s->factored, p, whole, z, s->seen);
   lcp_rho_references(p, t->d, s->seen, t->zref);
-  lcp_rho_factored_product(&s->factored, p, t->zref, t->tau);
+  lcp_rho_factored_product(&s->factored, p, whole, t->zref, t->tau);
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
+}
+
+/* Entries inside the groups first; then those between groups for the rows that still stand above tol; then all. */
+static double rho_by_need(lcp_loop *s, double tol, const lcp_problem *p, const double *z,
+                          lcp_result *res) {
+  lcp_stop_state *t = &s->stop;
+  unsigned char *whole = s->factored.whole;
+  double rho = 0.0;
+  memset(whole, 0, (size_t)p->M.n);
+  for (int pass = 0; pass < 3; pass++) {
+    rho = rho_of_entries(s, p, z, (pass < 2) ? whole : NULL);
+    res->work.matvecs += 2;
+    if (rho <= tol) {
+      break;
+    }
+    lcp_rho_above_tol(p, tol, t->d, z, t->w, t->zref, t->tau, whole);
+  }
+  return rho;
 }
 
 /* s->seen = tau0 at z: that of the entries of M; where M is held in factors, the bound that lcp_stop_test used. */
@@ -73,8 +92,7 @@ static bool settle(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, cons
     sizes(s, p, z);
     res->work.matvecs++;
   } else if (p->M.storage == LCP_FACTORED && near(s, stop, p, z)) {
-    res->residual = fmin(res->residual, rho_of_entries(s, p, z));
-    res->work.matvecs += 2;
+    res->residual = fmin(res->residual, rho_by_need(s, stop->tol, p, z, res));
   } else {
     return false;
   }

@@ -311,13 +311,31 @@ static void sizes_are_those_of_the_entries(void **state) {
     base_arena real = base_arena_over(mem, measure.used);
     lcp_rho_factored_layout(&s, &cap, &real);
     s.ready = false;
-    lcp_rho_factored_product(&s, &p, x, size);
+    lcp_rho_factored_product(&s, &p, NULL, x, size);
     for (int i = 0; i < n; i++) {
       double want = fabs(p.q[i]);
       for (int j = 0; j < n; j++) {
         want += fabs(dense[i + (ptrdiff_t)j * n] * x[j]);
       }
       check_close(size[i], want, 1e-12 * want);
+    }
+    for (int i = 0; i < n; i++) {
+      s.whole[i] = base_rng_uniform(&r) < 0.2;
+    }
+    lcp_rho_factored_product(&s, &p, s.whole, x, size);
+    for (int g = 0; g < f.n_group; g++) {
+      const int first = f.row_start[g], end = f.row_start[g + 1];
+      bool whole = false;
+      for (int i = first; i < end; i++) {
+        whole = whole || s.whole[i];
+      }
+      for (int i = first; i < end; i++) {
+        double want = fabs(p.q[i]);
+        for (int j = whole ? 0 : first; j < (whole ? n : end); j++) {
+          want += fabs(dense[i + (ptrdiff_t)j * n] * x[j]);
+        }
+        check_close(size[i], want, 1e-12 * want);
+      }
     }
     free(mem);
     free(colptr);
