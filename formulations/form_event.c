@@ -16,8 +16,6 @@
  */
 #include "formulations/event/event_run.h"
 
-#include <gsl/gsl_errno.h>
-
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -49,10 +47,10 @@ static void close(void *st) {
   impulse_log_close(&s->log);
   event_resolve_close(s);
   if (s->driver != NULL) {
-    gsl_odeiv2_driver_free(s->driver);
+    s->gsl.gsl_odeiv2_driver_free(s->driver);
   }
   if (s->trial != NULL) {
-    gsl_odeiv2_step_free(s->trial);
+    s->gsl.gsl_odeiv2_step_free(s->trial);
   }
   free(s->y);
   free(s->old);
@@ -61,9 +59,9 @@ static void close(void *st) {
 }
 
 static base_status open(void *st, const void *opt, base_error *err) {
-  (void)err;
-  ((event_run *)st)->opt = opt;
-  return BASE_OK;
+  event_run *s = st;
+  s->opt = opt;
+  return gsl_open(&s->gsl, err);
 }
 
 static base_status bind(event_run *s, world *w, base_error *err) {
@@ -82,9 +80,9 @@ static base_status bind(event_run *s, world *w, base_error *err) {
   }
   s->y = calloc(4 * n, sizeof *s->y);
   s->system = (gsl_odeiv2_system){event_rates, NULL, n, s};
-  s->driver = gsl_odeiv2_driver_alloc_y_new(&s->system, gsl_odeiv2_step_rk8pd, 1e-5, s->opt->atol,
-                                            s->opt->rtol);
-  s->trial = gsl_odeiv2_step_alloc(gsl_odeiv2_step_rk8pd, n);
+  s->driver = s->gsl.gsl_odeiv2_driver_alloc_y_new(&s->system, *s->gsl.gsl_odeiv2_step_rk8pd, 1e-5,
+                                                   s->opt->atol, s->opt->rtol);
+  s->trial = s->gsl.gsl_odeiv2_step_alloc(*s->gsl.gsl_odeiv2_step_rk8pd, n);
   if (s->y == NULL || s->driver == NULL || s->trial == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "event: no memory for %zu state variables", n);
   }
@@ -103,7 +101,7 @@ static void set_tolerance(event_run *s) {
     far = fmax(far, fabs(s->y[i]));
   }
   s->atol = fmax(s->opt->atol, 64.0 * DBL_EPSILON * far);
-  (void)gsl_odeiv2_control_init(s->driver->c, s->atol, s->opt->rtol, 1.0, 0.0);
+  (void)s->gsl.gsl_odeiv2_control_init(s->driver->c, s->atol, s->opt->rtol, 1.0, 0.0);
 }
 
 static base_status report(event_run *s, double h, formulation_answer *out, base_error *err) {

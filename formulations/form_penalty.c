@@ -15,11 +15,9 @@
  * otherwise divide by zero.
  */
 #include "formulations/event/event_space.h"
+#include "formulations/gsl_library.h"
 #include "formulations/impulse_log.h"
 #include "formulations/penalty_law.h"
-
-#include <gsl/gsl_errno.h>
-#include <gsl/gsl_odeiv2.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -52,6 +50,7 @@ typedef struct state {
   world *w; /* borrowed, during step only */
   int n_config, n_dof;
   double *y, *acc, *probe; /* n_config + n_dof; n_dof; 3 (n_config + n_dof) */
+  gsl_library gsl;
   gsl_odeiv2_system system;
   gsl_odeiv2_driver *driver; /* the multistep method asks its driver for the error level */
   double substep;            /* proposal carried from step to step [s] */
@@ -233,16 +232,17 @@ static base_status accept(state *s, double t, double dt, base_error *err) {
   return BASE_OK;
 }
 
-static const gsl_odeiv2_step_type *method(int integrator) {
-  const gsl_odeiv2_step_type *types[] = {gsl_odeiv2_step_rkf45, gsl_odeiv2_step_rk8pd,
-                                         gsl_odeiv2_step_msbdf, gsl_odeiv2_step_bsimp};
+static const gsl_odeiv2_step_type *method(const state *s, int integrator) {
+  const gsl_odeiv2_step_type *types[] = {
+      *s->gsl.gsl_odeiv2_step_rkf45, *s->gsl.gsl_odeiv2_step_rk8pd, *s->gsl.gsl_odeiv2_step_msbdf,
+      *s->gsl.gsl_odeiv2_step_bsimp};
   return types[integrator];
 }
 
 static void close(void *st) {
   state *s = st;
   if (s->driver != NULL) {
-    gsl_odeiv2_driver_free(s->driver);
+    s->gsl.gsl_odeiv2_driver_free(s->driver);
   }
   free(s->y);
   impulse_log_close(&s->log);
@@ -253,11 +253,10 @@ static void close(void *st) {
 }
 
 static base_status open(void *st, const void *opt, base_error *err) {
-  (void)err;
   state *s = st;
   s->opt = opt;
   s->e = -1.0;
-  return BASE_OK;
+  return gsl_open(&s->gsl, err);
 }
 
 /* Everything whose size the world fixes; done at the first step. */
@@ -271,8 +270,8 @@ static base_status bind(state *s, world *w, base_error *err) {
   const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
   s->y = calloc(5 * n + 1, sizeof *s->y);
   s->system = (gsl_odeiv2_system){right_hand_side, jacobian, n, s};
-  s->driver = gsl_odeiv2_driver_alloc_y_new(&s->system, method(s->opt->integrator), first_substep,
-                                            s->opt->atol, s->opt->rtol);
+  s->driver = s->gsl.gsl_odeiv2_driver_alloc_y_new(&s->system, method(s, s->opt->integrator),
+                                                   first_substep, s->opt->atol, s->opt->rtol);
   if (s->y == NULL || s->driver == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "penalty: no memory for %zu state variables", n);
   }
@@ -342,14 +341,15 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   double sub = (s->substep > 0.0) ? s->substep : first_substep;
   while (t < end) {
     const double from = t;
-    const int status = gsl_odeiv2_evolve_apply(g->e, g->c, g->s, &s->system, &t, end, &sub, s->y);
+    const int status =
+        s->gsl.gsl_odeiv2_evolve_apply(g->e, g->c, g->s, &s->system, &t, end, &sub, s->y);
     if (status == GSL_EBADFUNC) {
       return err != NULL ? err->code : BASE_EEXTERNAL;
     }
     if (status != GSL_SUCCESS || s->evaluations > s->opt->max_evaluations || !(t > from)) {
       return BASE_FAIL(err, BASE_EEXTERNAL,
                        "penalty: integrator gave up at t=%g s after %ld evaluations (%s)", t,
-                       s->evaluations, gsl_strerror(status));
+                       s->evaluations, s->gsl.gsl_strerror(status));
     }
     if (t < end) {
       s->substep = sub;

@@ -1,7 +1,5 @@
 #include "formulations/event/event_run.h"
 
-#include <gsl/gsl_errno.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,7 +37,8 @@ static base_status try_step(event_run *s, double t, double dt, bool *breaks, bas
   for (int i = 0; i < s->arc.n; i++) {
     memcpy(s->arc.contact[i].direction, s->old + 2 * i, 2 * sizeof *s->old);
   }
-  if (gsl_odeiv2_step_apply(s->trial, t, dt, s->y, s->dev, NULL, NULL, &s->system) != GSL_SUCCESS) {
+  if (s->gsl.gsl_odeiv2_step_apply(s->trial, t, dt, s->y, s->dev, NULL, NULL, &s->system) !=
+      GSL_SUCCESS) {
     return BASE_FAIL(err, BASE_EEXTERNAL, "event: integrator failed at t=%g s", t);
   }
   world_set_state(s->w, t + dt, s->y, s->y + s->n_config);
@@ -108,7 +107,7 @@ static base_status search_passing(event_run *s, double t, double *dt, bool *even
     }
   }
   if (moved && !*event) { /* y is that of one trial step: the same motion to the same tolerance */
-    (void)gsl_odeiv2_evolve_reset(s->driver->e);
+    (void)s->gsl.gsl_odeiv2_evolve_reset(s->driver->e);
   }
   return BASE_OK;
 }
@@ -145,7 +144,7 @@ base_status event_onto_joints(event_run *s, double t, base_error *err) {
     return BASE_OK;
   }
   double left;
-  (void)gsl_odeiv2_evolve_reset(s->driver->e);
+  (void)s->gsl.gsl_odeiv2_evolve_reset(s->driver->e);
   return space_onto_joints(&s->space, s->w, t, s->y, s->y + s->n_config, s->from, &left, err);
 }
 
@@ -154,7 +153,7 @@ static base_status integrate(event_run *s, double *t, double end, base_error *er
   const double start = *t;
   const gsl_odeiv2_driver *g = s->driver;
   const int status =
-      gsl_odeiv2_evolve_apply(g->e, g->c, g->s, &s->system, t, end, &s->substep, s->y);
+      s->gsl.gsl_odeiv2_evolve_apply(g->e, g->c, g->s, &s->system, t, end, &s->substep, s->y);
   if (status != GSL_SUCCESS || !(*t > start)) {
     return (status == GSL_EBADFUNC && err != NULL && err->code != BASE_OK)
                ? err->code
@@ -179,7 +178,7 @@ base_status event_substep(event_run *s, double *t, double end, bool *event, base
     for (int i = 0; i < s->arc.n; i++) {
       memcpy(s->arc.contact[i].direction, s->old + 2 * i, 2 * sizeof *s->old);
     }
-    (void)gsl_odeiv2_evolve_reset(s->driver->e);
+    (void)s->gsl.gsl_odeiv2_evolve_reset(s->driver->e);
     BASE_TRY(integrate(s, t, start + most, err));
   }
   double dt = *t - start;
@@ -190,8 +189,8 @@ base_status event_substep(event_run *s, double *t, double end, bool *event, base
   if (*event) {
     BASE_TRY(locate(s, start, &dt, err));
     *t = start + dt;
-    (void)gsl_odeiv2_evolve_reset(s->driver->e);
-    (void)gsl_odeiv2_step_reset(s->driver->s);
+    (void)s->gsl.gsl_odeiv2_evolve_reset(s->driver->e);
+    (void)s->gsl.gsl_odeiv2_step_reset(s->driver->s);
   }
   BASE_TRY(watch_take(&s->watch, &s->arc, false, event_touching * s->arc.set.tol, err));
   BASE_TRY(log_substep(s, dt, err));

@@ -6,8 +6,7 @@
 #include "formulations/event/event_arc.h"
 #include "formulations/event/event_turns.h"
 #include "formulations/event/event_watch.h"
-
-#include <gsl/gsl_odeiv2.h>
+#include "formulations/gsl_library.h"
 
 typedef struct event_options {
   int facets, max_events, distribution;
@@ -27,6 +26,7 @@ typedef struct event_run {
   facet_turns turns;
   bool started, solved;
   int n_config, n_dof;
+  gsl_library gsl;
   gsl_odeiv2_system system;
   gsl_odeiv2_driver *driver;
   gsl_odeiv2_step *trial;       /* single steps of the bisection */

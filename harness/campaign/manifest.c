@@ -1,5 +1,6 @@
 #include "harness/campaign/manifest.h"
 
+#include "formulations/gsl_library.h"
 #include "harness/campaign/noise.h"
 #include "harness/campaign/runner.h"
 #include "harness/choice/plugins.h"
@@ -10,15 +11,14 @@
 #include "harness/util/version.h"
 #include "harness/util/versions.h"
 #include "lcp/base/input.h"
+#include "lcp/base/nlopt_library.h"
+#include "problems/import/hdf5_library.h"
 
-#include <gsl/gsl_version.h>
-#include <nlopt.h>
 #include <suitesparse/SuiteSparse_config.h>
 
 #include <cblas.h>
 #include <errno.h>
 #include <gmp.h>
-#include <hdf5.h>
 #include <stdlib.h>
 #include <string.h>
 #include <yaml.h>
@@ -127,16 +127,19 @@ static json_t *libraries_json(void) {
   char text[64];
   json_out_text(o, "openblas", openblas_get_config());
   json_out_int(o, "openblas_threads", openblas_get_num_threads());
-  json_out_text(o, "gsl", gsl_version);
+  gsl_library gsl;
+  nlopt_library nlopt;
+  json_out_text(o, "gsl", gsl_open(&gsl, NULL) == BASE_OK ? *gsl.gsl_version : NULL);
   json_out_text(o, "gmp", gmp_version);
   json_out_text(o, "jansson", JANSSON_VERSION);
   json_out_text(o, "yaml", yaml_get_version_string());
-  int major;
-  int minor;
-  int bugfix;
-  nlopt_version(&major, &minor, &bugfix);
-  (void)snprintf(text, sizeof text, "%d.%d.%d", major, minor, bugfix);
-  json_out_text(o, "nlopt", text);
+  int version[3];
+  const bool there = nlopt_open(&nlopt, NULL) == BASE_OK;
+  if (there) {
+    nlopt.nlopt_version(&version[0], &version[1], &version[2]);
+    (void)snprintf(text, sizeof text, "%d.%d.%d", version[0], version[1], version[2]);
+  }
+  json_out_text(o, "nlopt", there ? text : NULL);
   (void)snprintf(text, sizeof text, "%d.%d.%d", SUITESPARSE_MAIN_VERSION, SUITESPARSE_SUB_VERSION,
                  SUITESPARSE_SUBSUB_VERSION);
   json_out_text(o, "suitesparse", text);

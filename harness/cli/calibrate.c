@@ -1,8 +1,7 @@
 #include "harness/cli/calibrate.h"
 
 #include "harness/measure/predictions.h"
-
-#include <nlopt.h>
+#include "lcp/base/nlopt_library.h"
 
 #include <math.h>
 #include <string.h>
@@ -104,7 +103,9 @@ static double objective(unsigned n, const double *y, double *gradient, void *ctx
 
 /* Within three decades of the rule of thumb, first steps of half a decade. */
 static base_status minimise(search *s, const double x[2], base_error *err) {
-  nlopt_opt opt = nlopt_create(NLOPT_LN_SBPLX, 2);
+  nlopt_library nlopt;
+  BASE_TRY(nlopt_open(&nlopt, err));
+  nlopt_opt opt = nlopt.nlopt_create(NLOPT_LN_SBPLX, 2);
   if (opt == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "calibrate: NLopt gave no optimiser");
   }
@@ -112,15 +113,15 @@ static base_status minimise(search *s, const double x[2], base_error *err) {
   const double lo[2] = {y[0] - 3.0, y[1] - 2.0};
   const double hi[2] = {y[0] + 3.0, y[1] + 2.0};
   const double step[2] = {0.5, 0.5};
-  (void)nlopt_set_lower_bounds(opt, lo);
-  (void)nlopt_set_upper_bounds(opt, hi);
-  (void)nlopt_set_initial_step(opt, step);
-  (void)nlopt_set_maxeval(opt, s->task->evaluations);
-  (void)nlopt_set_xtol_rel(opt, 1e-2);
-  (void)nlopt_set_min_objective(opt, objective, s);
+  (void)nlopt.nlopt_set_lower_bounds(opt, lo);
+  (void)nlopt.nlopt_set_upper_bounds(opt, hi);
+  (void)nlopt.nlopt_set_initial_step(opt, step);
+  (void)nlopt.nlopt_set_maxeval(opt, s->task->evaluations);
+  (void)nlopt.nlopt_set_xtol_rel(opt, 1e-2);
+  (void)nlopt.nlopt_set_min_objective(opt, objective, s);
   double least;
-  const nlopt_result word = nlopt_optimize(opt, y, &least);
-  nlopt_destroy(opt);
+  const nlopt_result word = nlopt.nlopt_optimize(opt, y, &least);
+  nlopt.nlopt_destroy(opt);
   if (s->status != BASE_OK) {
     return s->status;
   }

@@ -6,10 +6,9 @@
  * factor, O(n^3) an iteration: at most 100 unknowns. It is started again from where it ended until
  * the residual test passes, or nothing moves. */
 #include "lcp/base/clock.h"
+#include "lcp/base/nlopt_library.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
-
-#include <nlopt.h>
 
 #include <string.h>
 
@@ -24,6 +23,7 @@ static const base_field fields[] = {
 };
 
 typedef struct state {
+  nlopt_library nlopt;
   lcp_loop loop;
   double *lo, *hi; /* n, of x */
   double *s, *x;   /* n, scaling; z / s */
@@ -52,6 +52,7 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   if (!lcp_set_symmetric(p)) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "matrix: not symmetric, need an objective");
   }
+  BASE_TRY(nlopt_open(&s->nlopt, err));
   lcp_matrix_diagonal(&p->M, s->w);
   lcp_set_scaling(&p->M, s->w, s->s);
   lcp_set_intervals(p, s->lo, s->hi);
@@ -95,12 +96,14 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   const int n = p->M.n;
   s->p = p;
   s->res = res;
-  nlopt_opt sqp = nlopt_create(NLOPT_LD_SLSQP, (unsigned)n);
+  nlopt_opt sqp = s->nlopt.nlopt_create(NLOPT_LD_SLSQP, (unsigned)n);
   if (sqp == NULL) {
     return BASE_ENOMEM;
   }
-  bool ready = nlopt_set_lower_bounds(sqp, s->lo) > 0 && nlopt_set_upper_bounds(sqp, s->hi) > 0 &&
-               nlopt_set_min_objective(sqp, objective, s) > 0 && nlopt_set_xtol_rel(sqp, 1e-15) > 0;
+  bool ready = s->nlopt.nlopt_set_lower_bounds(sqp, s->lo) > 0 &&
+               s->nlopt.nlopt_set_upper_bounds(sqp, s->hi) > 0 &&
+               s->nlopt.nlopt_set_min_objective(sqp, objective, s) > 0 &&
+               s->nlopt.nlopt_set_xtol_rel(sqp, 1e-15) > 0;
   for (int i = 0; i < n; i++) {
     s->x[i] = lcp_set_clip(z[i] / s->s[i], s->lo[i], s->hi[i]);
     z[i] = s->s[i] * s->x[i];
@@ -109,19 +112,19 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   while (ready && !lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, NULL)) {
     const long left = o->stop.max_iter - res->work.iterations;
     const double seconds = o->stop.max_seconds - (base_seconds() - s->loop.stop.started);
-    ready = nlopt_set_maxeval(sqp, (left < ROUND) ? (int)left : ROUND) > 0 &&
-            nlopt_set_maxtime(sqp, fmax(seconds, 1e-3)) > 0;
+    ready = s->nlopt.nlopt_set_maxeval(sqp, (left < ROUND) ? (int)left : ROUND) > 0 &&
+            s->nlopt.nlopt_set_maxtime(sqp, fmax(seconds, 1e-3)) > 0;
     double f;
-    const nlopt_result end = ready ? nlopt_optimize(sqp, s->x, &f) : NLOPT_SUCCESS;
+    const nlopt_result end = ready ? s->nlopt.nlopt_optimize(sqp, s->x, &f) : NLOPT_SUCCESS;
     ready = ready && end != NLOPT_INVALID_ARGS && end != NLOPT_OUT_OF_MEMORY;
-    const int evaluations = nlopt_get_numevals(sqp);
+    const int evaluations = s->nlopt.nlopt_get_numevals(sqp);
     res->work.iterations += (evaluations > 0) ? evaluations : 1;
     for (int i = 0; i < n; i++) {
       s->x[i] = lcp_set_clip(s->x[i], s->lo[i], s->hi[i]);
       z[i] = s->s[i] * s->x[i];
     }
   }
-  nlopt_destroy(sqp);
+  s->nlopt.nlopt_destroy(sqp);
   return ready ? BASE_OK : BASE_EEXTERNAL;
 }
 

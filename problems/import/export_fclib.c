@@ -2,21 +2,22 @@
  * x[k] at row i[k], column p[k]. */
 #include "lcp/base/output.h"
 #include "problems/import/friction_problem.h"
+#include "problems/import/hdf5_library.h"
 
-#include <hdf5.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct target {
+  const hdf5_library *h5;
   hid_t file;
   hid_t dataset; /* properties of a dataset: without the time of writing */
   bool failed;
 } target;
 
 static void make_group(target *t, const char *name) {
-  const hid_t id = H5Gcreate2(t->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-  t->failed = t->failed || id < 0 || H5Gclose(id) < 0;
+  const hid_t id = t->h5->H5Gcreate2(t->file, name, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  t->failed = t->failed || id < 0 || t->h5->H5Gclose(id) < 0;
 }
 
 static void put(target *t, const char *group, const char *name, hid_t file_type, hid_t type,
@@ -24,23 +25,23 @@ static void put(target *t, const char *group, const char *name, hid_t file_type,
   char path[128];
   const hsize_t dims[1] = {(hsize_t)n};
   (void)snprintf(path, sizeof path, "%s/%s", group, name);
-  const hid_t space = H5Screate_simple(1, dims, NULL);
+  const hid_t space = t->h5->H5Screate_simple(1, dims, NULL);
   const hid_t id =
-      H5Dcreate2(t->file, path, file_type, space, H5P_DEFAULT, t->dataset, H5P_DEFAULT);
-  t->failed =
-      t->failed || id < 0 || (n > 0 && H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0);
+      t->h5->H5Dcreate2(t->file, path, file_type, space, H5P_DEFAULT, t->dataset, H5P_DEFAULT);
+  t->failed = t->failed || id < 0 ||
+              (n > 0 && t->h5->H5Dwrite(id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0);
   if (id >= 0) {
-    t->failed = H5Dclose(id) < 0 || t->failed;
+    t->failed = t->h5->H5Dclose(id) < 0 || t->failed;
   }
-  (void)H5Sclose(space);
+  (void)t->h5->H5Sclose(space);
 }
 
 static void put_reals(target *t, const char *group, const char *name, const double *x, int n) {
-  put(t, group, name, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, x, n);
+  put(t, group, name, *t->h5->H5T_IEEE_F64LE_g, *t->h5->H5T_NATIVE_DOUBLE_g, x, n);
 }
 
 static void put_ints(target *t, const char *group, const char *name, const int *x, int n) {
-  put(t, group, name, H5T_STD_I32LE, H5T_NATIVE_INT, x, n);
+  put(t, group, name, *t->h5->H5T_STD_I32LE_g, *t->h5->H5T_NATIVE_INT_g, x, n);
 }
 
 static void put_matrix(target *t, const char *group, const lcp_csc *A) {
@@ -110,21 +111,23 @@ base_status friction_write_fclib(const char *path, const friction_problem *p, ba
   if (p->rows == 5 && !p->global) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: FCLIB has no local rolling problems", path);
   }
+  hdf5_library h5;
+  BASE_TRY(hdf5_begin(&h5, err));
   base_out out;
   BASE_TRY(base_out_open_regular(&out, path, err));
   H5E_auto2_t print;
   void *data;
-  (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
-  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
-  target t = {H5Fcreate(out.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
-              H5Pcreate(H5P_DATASET_CREATE), false};
-  t.failed = t.dataset < 0 || H5Pset_obj_track_times(t.dataset, false) < 0;
+  (void)h5.H5Eget_auto2(H5E_DEFAULT, &print, &data);
+  (void)h5.H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
+  target t = {&h5, h5.H5Fcreate(out.temporary, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT),
+              h5.H5Pcreate(*h5.H5P_CLS_DATASET_CREATE_ID_g), false};
+  t.failed = t.dataset < 0 || h5.H5Pset_obj_track_times(t.dataset, false) < 0;
   if (t.file >= 0) {
     put_problem(&t, p);
-    t.failed = H5Fclose(t.file) < 0 || t.failed;
+    t.failed = h5.H5Fclose(t.file) < 0 || t.failed;
   }
-  (void)H5Pclose(t.dataset);
-  (void)H5Eset_auto2(H5E_DEFAULT, print, data);
+  (void)h5.H5Pclose(t.dataset);
+  (void)h5.H5Eset_auto2(H5E_DEFAULT, print, data);
   if (t.file < 0 || t.failed) {
     (void)base_out_close(&out, false, NULL);
     return BASE_FAIL(err, BASE_EIO, "%s: could not be written", path);

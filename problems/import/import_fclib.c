@@ -4,14 +4,15 @@
 #include "lcp/base/input.h"
 #include "problems/families/triplets.h"
 #include "problems/import/friction_problem.h"
+#include "problems/import/hdf5_library.h"
 #include "problems/import/survives.h"
 
-#include <hdf5.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct source {
+  const hdf5_library *h5;
   hid_t file;
   const char *path;
   base_error *err;
@@ -25,26 +26,26 @@ typedef struct source {
  * really be in the file, so a hostile length allocates nothing. */
 static base_status open_dataset(const source *s, const char *name, H5T_class_t class, hid_t *id,
                                 hsize_t *n) {
-  *id = H5Dopen2(s->file, name, H5P_DEFAULT);
+  *id = s->h5->H5Dopen2(s->file, name, H5P_DEFAULT);
   if (*id < 0) {
     return BAD(s, "%s: no dataset %s", s->path, name);
   }
-  const hid_t space = H5Dget_space(*id), type = H5Dget_type(*id);
-  const bool shape = space >= 0 && H5Sget_simple_extent_ndims(space) == 1 &&
-                     H5Sget_simple_extent_dims(space, n, NULL) == 1;
-  const bool kind = type >= 0 && H5Tget_class(type) == class;
-  const size_t size = (type >= 0) ? H5Tget_size(type) : 0;
+  const hid_t space = s->h5->H5Dget_space(*id), type = s->h5->H5Dget_type(*id);
+  const bool shape = space >= 0 && s->h5->H5Sget_simple_extent_ndims(space) == 1 &&
+                     s->h5->H5Sget_simple_extent_dims(space, n, NULL) == 1;
+  const bool kind = type >= 0 && s->h5->H5Tget_class(type) == class;
+  const size_t size = (type >= 0) ? s->h5->H5Tget_size(type) : 0;
   if (space >= 0) {
-    (void)H5Sclose(space);
+    (void)s->h5->H5Sclose(space);
   }
   if (type >= 0) {
-    (void)H5Tclose(type);
+    (void)s->h5->H5Tclose(type);
   }
   if (!shape || !kind || size == 0) {
     return BAD(s, "%s: %s: need a list of %s", s->path, name,
                class == H5T_INTEGER ? "integers" : "real numbers");
   }
-  if (*n > 0x7fffffff || H5Dget_storage_size(*id) < *n * size) {
+  if (*n > 0x7fffffff || s->h5->H5Dget_storage_size(*id) < *n * size) {
     return BAD(s, "%s: %s: announces %llu numbers that the file does not hold uncompressed",
                s->path, name, (unsigned long long)*n);
   }
@@ -67,13 +68,14 @@ static base_status read_dataset(const source *s, const char *name, H5T_class_t c
     *n = (int)count;
     if (*out == NULL) {
       status = BASE_FAIL(s->err, BASE_ENOMEM, "%s: %s: no memory", s->path, name);
-    } else if (count > 0 && H5Dread(id, integer ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE, H5S_ALL,
-                                    H5S_ALL, H5P_DEFAULT, *out) < 0) {
+    } else if (count > 0 &&
+               s->h5->H5Dread(id, integer ? *s->h5->H5T_NATIVE_INT_g : *s->h5->H5T_NATIVE_DOUBLE_g,
+                              H5S_ALL, H5S_ALL, H5P_DEFAULT, *out) < 0) {
       status = BAD(s, "%s: %s: could not be read", s->path, name);
     }
   }
   if (id >= 0) {
-    (void)H5Dclose(id);
+    (void)s->h5->H5Dclose(id);
   }
   return status;
 }
@@ -114,12 +116,12 @@ static bool has(const source *s, const char *path) {
   (void)snprintf(head, sizeof head, "%s", path);
   for (char *slash = strchr(head + 1, '/'); slash != NULL; slash = strchr(slash + 1, '/')) {
     *slash = '\0'; /* H5Lexists wants every group on the way to exist */
-    if (H5Lexists(s->file, head, H5P_DEFAULT) <= 0) {
+    if (s->h5->H5Lexists(s->file, head, H5P_DEFAULT) <= 0) {
       return false;
     }
     *slash = '/';
   }
-  return H5Lexists(s->file, head, H5P_DEFAULT) > 0;
+  return s->h5->H5Lexists(s->file, head, H5P_DEFAULT) > 0;
 }
 
 /* ---- matrices ------------------------------------------------------------------------------- */
@@ -305,7 +307,7 @@ static base_status read_any(const source *s, friction_problem *p) {
 }
 
 /* Standard input is no file that the library could open by its name: it gets the bytes. */
-static hid_t open_image(const char *path) {
+static hid_t open_image(const hdf5_library *h5, const char *path) {
   FILE *f;
   if (base_in_open(path, &f, NULL) != BASE_OK) {
     return -1;
@@ -313,43 +315,46 @@ static hid_t open_image(const char *path) {
   const long size = (fseek(f, 0, SEEK_END) == 0) ? ftell(f) : -1;
   char *bytes = (size > 0 && fseek(f, 0, SEEK_SET) == 0) ? malloc((size_t)size) : NULL;
   const bool whole = bytes != NULL && fread(bytes, 1, (size_t)size, f) == (size_t)size;
-  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  const hid_t access = h5->H5Pcreate(*h5->H5P_CLS_FILE_ACCESS_ID_g);
   hid_t file = -1;
-  if (whole && access >= 0 && H5Pset_fapl_core(access, 65536, 0) >= 0 &&
-      H5Pset_file_image(access, bytes, (size_t)size) >= 0) { /* a copy */
-    file = H5Fopen(path, H5F_ACC_RDONLY, access);
+  if (whole && access >= 0 && h5->H5Pset_fapl_core(access, 65536, 0) >= 0 &&
+      h5->H5Pset_file_image(access, bytes, (size_t)size) >= 0) { /* a copy */
+    file = h5->H5Fopen(path, H5F_ACC_RDONLY, access);
   }
   if (access >= 0) {
-    (void)H5Pclose(access);
+    (void)h5->H5Pclose(access);
   }
   free(bytes);
   (void)fclose(f);
   return file;
 }
 
-static hid_t open_file(const char *path) {
-  return base_in_is_stdin(path) ? open_image(path) : H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+static hid_t open_file(const hdf5_library *h5, const char *path) {
+  return base_in_is_stdin(path) ? open_image(h5, path)
+                                : h5->H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
 base_status friction_read_fclib_here(const char *path, friction_problem *out, base_error *err) {
   memset(out, 0, sizeof *out);
+  hdf5_library h5;
+  BASE_TRY(hdf5_begin(&h5, err));
   H5E_auto2_t print;
   void *data;
-  (void)H5Eget_auto2(H5E_DEFAULT, &print, &data);
-  (void)H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
+  (void)h5.H5Eget_auto2(H5E_DEFAULT, &print, &data);
+  (void)h5.H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* a library does not print */
   base_error inner = {0};
-  source s = {open_file(path), path, err};
+  source s = {&h5, open_file(&h5, path), path, err};
   base_status status = BASE_EINVAL;
   if (s.file < 0) {
     status = BASE_FAIL(err, BASE_EINVAL, "%s: not an HDF5 file, or damaged", path);
   } else {
     status = read_any(&s, out);
-    (void)H5Fclose(s.file);
+    (void)h5.H5Fclose(s.file);
     if (status == BASE_OK && (status = friction_check(out, &inner)) != BASE_OK) {
       (void)BASE_FAIL(err, status, "%s: %s", path, inner.text);
     }
   }
-  (void)H5Eset_auto2(H5E_DEFAULT, print, data);
+  (void)h5.H5Eset_auto2(H5E_DEFAULT, print, data);
   if (status != BASE_OK) {
     friction_free(out);
   }
