@@ -21,7 +21,8 @@ def copied(folder: pathlib.Path) -> None:
         check=True,
     )
     for name in listed.stdout.splitlines():
-        if not name.startswith(("results/", "tests/")) and (ROOT / name).is_file():
+        part = not name.startswith(("results/", "tests/")) or name.endswith("/choices.tsv")
+        if part and (ROOT / name).is_file():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name)
     (folder / "tests").mkdir()
