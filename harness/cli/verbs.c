@@ -12,6 +12,7 @@
   X(simulate) \
   X(calibrate) \
   X(check) \
+  X(choose) \
   X(conform) \
   X(run) \
   X(status) \

@@ -279,7 +279,7 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
     return false;
   }
   if (!l->account.ended) {
-    refuse(r, "the limit of work came first");
+    refuse(r, "the limit of work comes first");
     return false;
   }
   return true;

@@ -31,6 +31,7 @@ typedef struct controlled {
   step_account *account;
   checkpoint start;
   step_end coarse, fine;
+  bool failed;       /* a step of the shortest length has no solution: the run ends there */
   uint64_t carrying; /* of the last step kept */
   double fastest;    /* largest speed of a body so far [m/s] */
   double located;    /* of the step just tried [m] */
@@ -174,6 +175,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     const bool least = *h <= rule->least;
     if (e <= 1.0 || least) {
       c->account->forced += e > 1.0;
+      c->failed = !c->fine.good;
       c->account->located = fmax(c->account->located, c->located);
       const double now = fmin(fmax(e, 1e-6), 1.0); /* a forced one says nothing of the next */
       const double factor = safety * pow(now, -integral) * pow(c->last, proportional);
@@ -238,10 +240,18 @@ static base_status count(controlled *c, double h, base_error *err) {
   return append(c->kept, h, err);
 }
 
+/* At this pace the limit of work is far from enough: a fiftieth of it is spent, and ten times all of it would not do. */
+static bool crawls(const controlled *c) {
+  const double limit = (double)c->rule->limit;
+  const double spent = (double)c->account->solved;
+  const double way = world_time(c->run.w) / c->run.q->duration;
+  return spent > 0.02 * limit && spent > 10.0 * limit * way;
+}
+
 static base_status run_to(controlled *c, double stop, double *h, bool *limited, base_error *err) {
   sim *s = &c->run;
   const double slack = 0.5 * c->rule->least;
-  while (!*limited && !sim_hopeless(s) && world_time(s->w) < stop - slack) {
+  while (!*limited && !c->failed && !sim_hopeless(s) && world_time(s->w) < stop - slack) {
     const double wish = fmin(*h, c->rule->most);
     double next = towards(stop - world_time(s->w), wish, c->rule->least);
     const double asked = next;
@@ -252,6 +262,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
       *h = (taken == asked && asked < wish) ? fmax(wish, next) : next;
       BASE_TRY(count(c, 0.5 * taken, err));
       BASE_TRY(count(c, 0.5 * taken, err));
+      *limited = crawls(c);
     }
   }
   return BASE_OK;
@@ -300,7 +311,7 @@ static base_status run(controlled *c, base_error *err) {
       BASE_TRY(run_to(c, c->rule->stop[k], &h, &limited, err));
     }
   }
-  c->account->ended = !limited && !sim_hopeless(s);
+  c->account->ended = !limited && !c->failed && !sim_hopeless(s);
   sim_finish(s, c->record);
   return BASE_OK;
 }

@@ -8,7 +8,7 @@
  *
  * because an impact inside a step costs h |dv| however short the step: it is located by halving until its share
  * covers that, and how deep bodies come into each other in the step. Otherwise, or where a solve of the step fails, h is shortened; PI control (Gustafsson 1991) chooses
- * the next. A step of the shortest length is taken as it is and counted. Formulations that integrate by themselves
+ * the next. A step of the shortest length is taken as it is and counted; where a solve of it fails the run ends. Formulations that integrate by themselves
  * (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
@@ -23,7 +23,8 @@ typedef struct step_rule {
   const double *
       stop; /* n_stop times that a step must end at, ascending [s]; the last is the end of the run */
   int n_stop;
-  long limit; /* of steps solved, trials included */
+  long
+      limit; /* of steps solved, trials included; a run that is far from its end at a fiftieth of it ends there */
 } step_rule;
 
 /* Lengths of the steps of a run, for sim_request.step. */

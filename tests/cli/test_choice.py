@@ -97,6 +97,33 @@ def the_program_comes_with_rows(_):
         assert o["choice"]["nearest"][0]["distance"] < 1e-4, o["choice"]["nearest"]
 
 
+def choose_predicts_and_measures(d):
+    """What simulate would take, without a run; and with --measure who is really the quickest."""
+    x = features("slide")
+    rows = write(
+        d / "r.tsv",
+        [
+            row("slide", 0.01, ("coulomb", "nsgs:max_iter=1"), 1, 0.001, x),  # fails
+            row("slide", 0.01, QUICK, 1, 0.01, x),
+            row("slide", 0.01, SLOW, 1, 0.1, x),
+        ],
+    )
+    call = ("choose", "slide:speed=4", "--error", "1%", "--rows", rows)
+    told = run_json(*call)
+    ranked = [c["solver"] for c in told["candidates"]]
+    assert ranked == ["nsgs:max_iter=1", "lemke", "nsgs"], ranked
+    assert "t_total_s" not in told["candidates"][0] and told["nearest"][0]["near"] == "slide"
+    seen = run_json(*call, "--measure", 2)["candidates"]
+    assert [c["solver"] for c in seen] == ["lemke", "nsgs", "nsgs:max_iter=1"], seen
+    assert seen[0]["promised"] and seen[0]["err_estimate"] <= 0.01 and seen[0]["t_total_s"] > 0
+    assert not seen[2]["promised"] and "t_total_s" not in seen[1], seen
+    again = run_json(*shlex.split(seen[0]["command"])[1:], code=None)
+    assert again["error"]["err_estimate"] == seen[0]["err_estimate"]
+    assert run_json(*call, "--measure", 1, code=3)["candidates"][-1]["solver"] == ranked[0]
+    one_line_error("choose", "slide", names=["--error"])
+    one_line_error(*call, "--measure", -1, names=["--measure"])
+
+
 def bad_rows_are_named(d):
     x = features("slide")
     good = row("slide", 0.1, QUICK, 1, 0.01, x)
@@ -126,6 +153,7 @@ tap(
         what_cannot_run_gives_way,
         the_command_told_repeats_the_run,
         the_program_comes_with_rows,
+        choose_predicts_and_measures,
         bad_rows_are_named,
     ]
 )
