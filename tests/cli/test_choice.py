@@ -1,12 +1,14 @@
-"""simulate --error alone: formulation and solver from measured rows, told, and repeatable without choosing."""
+"""simulate --error alone: formulation and solver from measured rows, told and repeatable."""
 
+import os
 import shlex
+import subprocess
 
-from support import one_line_error, run_json, tap
+from support import LCPBENCH, TESTS, one_line_error, run_json, tap
 
 FEATURES = (
-    "bodies contacts per_body redundant sliding closing spatial friction restitution resisting joints"
-    " moving"
+    "bodies contacts per_body redundant sliding closing spatial friction restitution resisting"
+    " joints moving"
 ).split()
 HEAD = ["problem", "error", "formulation", "solver", "kept", "t_total_s", *FEATURES]
 QUICK, SLOW = ("velocity:facets=8", "lemke"), ("coulomb", "nsgs")
@@ -72,9 +74,7 @@ def what_cannot_run_gives_way(d):
     """event knows no generalised coordinates: the next candidate runs, and both are told."""
     x = features("slide")
     event = ("event", "lemke")
-    rows = write(
-        d / "r.tsv", [row("s", 0.1, event, 1, 0.001, x), row("s", 0.1, QUICK, 1, 0.01, x)]
-    )
+    rows = write(d / "r.tsv", [row("s", 0.1, event, 1, 0.001, x), row("s", 0.1, QUICK, 1, 0.01, x)])
     o, tried = chosen("woodpecker", rows, code=None)
     assert [t["tried"] for t in tried] == ["unsupported", "ok"], o["choice"]
     assert o["formulation"] == "velocity" and o["error"]["promised"]
@@ -124,6 +124,27 @@ def choose_predicts_and_measures(d):
     one_line_error(*call, "--measure", -1, names=["--measure"])
 
 
+def measured_rows_are_read(d):
+    """scripts/bench_error on two scenes: the program chooses from its rows."""
+    done = subprocess.run(
+        [TESTS.parent / "scripts" / "bench_error", "--out", d, "--limit", "2", "impact", "ledge"],
+        env=dict(os.environ, LCPBENCH=LCPBENCH),
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=True,
+    )
+    assert done.stdout.count("scenes promise") == 4, done.stdout
+    o, tried = chosen("impact", d, error=0.01)
+    assert o["choice"]["scenes"] == 2 and o["choice"]["nearest"][0]["near"] == "impact"
+    kept = [r.split("\t") for r in (d / "choices.tsv").read_text().splitlines()[1:]]
+    mine = [r[2:4] for r in kept if r[0] == "impact" and r[1] == "0.01" and r[4] == "1"]
+    assert [tried[0]["formulation"], tried[0]["solver"]] in mine, (tried, mine)
+    table = [r.split("\t") for r in (d / "table.tsv").read_text().splitlines()]
+    assert len(table) == 9 and table[0][:2] == ["problem", "error"], table
+    assert (d / "figure.svg").read_text().rstrip().endswith("</svg>")
+
+
 def bad_rows_are_named(d):
     x = features("slide")
     good = row("slide", 0.1, QUICK, 1, 0.01, x)
@@ -154,6 +175,7 @@ tap(
         the_command_told_repeats_the_run,
         the_program_comes_with_rows,
         choose_predicts_and_measures,
+        measured_rows_are_read,
         bad_rows_are_named,
     ]
 )

@@ -1,4 +1,4 @@
-"""simulate --error: the error asked for is kept, what cannot be promised is said, and every choice can be repeated."""
+"""simulate --error: the error asked for is kept, and what cannot be promised is said."""
 
 from support import one_line_error, run, run_json, tap
 
