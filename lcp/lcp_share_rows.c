@@ -221,7 +221,7 @@ static void join_column(lcp_share *s, int row) {
   const int own = node_of(s, row);
   for (int m = 0; m < c.count; m++) {
     const int other = node_of(s, lcp_column_row(&c, m));
-    if (other > own && c.val[m] != 0) {
+    if (other > own && s->island[other] != s->island[own] && c.val[m] != 0) {
       join(s, own, other);
     }
   }

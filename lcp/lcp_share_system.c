@@ -134,11 +134,26 @@ static void add_column(share_system *s, const lcp_matrix *M, const share_rows *r
   }
 }
 
+/* The same where M is dense and nothing slips: the entries stand where they belong, and the diagonal is one of them. */
+static int copy_column(share_system *s, lcp_column c, double delta, int column, size_t at) {
+  int count = 0;
+  for (int k = 0; k < s->count; k++) {
+    const double v = c.val[s->unknown[k]];
+    if (v != 0) {
+      s->rowind[at + (size_t)count] = k;
+      s->val[at + (size_t)count++] = (k == column) ? v + delta : v;
+    }
+  }
+  return count;
+}
+
 base_status lcp_share_system_list(share_system *s, int n, const share_rows *r, base_error *err) {
   BASE_TRY(grow_rows(s, n, err));
   s->count = 0;
+  s->slips = false;
   for (int i = 0; i < n; i++) {
     s->local[i] = -1;
+    s->slips = s->slips || r->kind[i] == SHARE_SLIP;
     if (r->kind[i] != SHARE_FIXED) {
       s->local[i] = s->count;
       s->unknown[s->count++] = i;
@@ -156,6 +171,13 @@ static base_status build(share_system *s, const lcp_matrix *M, const share_rows 
   for (int c = 0; c < s->count; c++) {
     int count = 0;
     s->colptr[c] = (int)at;
+    const int j = s->unknown[c];
+    const lcp_column own = lcp_column_of(M, j);
+    if (own.row == NULL && !s->slips && own.val[j] != 0) {
+      BASE_TRY(grow_entries(s, at + (size_t)s->count, err));
+      at += (size_t)copy_column(s, own, r->delta[j], c, at);
+      continue;
+    }
     add_column(s, M, r, c, &count);
     BASE_TRY(grow_entries(s, at + (size_t)count, err));
     for (int k = 0; k < count; k++) {

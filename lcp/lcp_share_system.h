@@ -21,6 +21,7 @@ typedef struct share_rows {
 
 typedef struct share_system {
   int count;            /* active and slipping unknowns */
+  bool slips;           /* some of them slip */
   int *unknown, *local; /* cap_n */
   int *met, *stamp;     /* cap_n: rows met in a column; the column that met a row last */
   double *sum, *x;      /* cap_n */
