@@ -181,7 +181,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
-    s->cone.storage = row_storage_of((row_storage)s->opt.storage, c);
+    s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);
     return row_assembly_begin(&s->a, c, (row_storage)s->cone.storage, &rule, &s->memory, err);
   }
   choose_form(s, c);
