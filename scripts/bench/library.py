@@ -8,37 +8,8 @@ import pandas as pd
 
 from bench import stats
 from bench.chart import Chart, Line, Panel
+from bench.profiles import NOISE, matrix
 from bench.section import Cell, Section, Table, si
-
-NOISE = 1.05  # ratio of times that counts as a tie when the machine's own noise floor is not known
-
-
-def matrix(
-    cells: pd.DataFrame, column: str = "cost"
-) -> tuple[np.ndarray, list[str], list[str], list[str]]:
-    """Problems x solvers: median time of a verified answer, inf otherwise, also where a combination
-    is not defined. Returns cost, problems, families, solvers."""
-    solvers = sorted(cells["combination"].unique())
-    key = [
-        f"{problem}|{step:.17g}"
-        for problem, step in zip(cells["problem"], cells["step_s"].astype(float), strict=True)
-    ]  # no step: nan, like any other
-    problems = sorted(set(key))
-    at = {p: i for i, p in enumerate(problems)}
-    cost = np.full((len(problems), len(solvers)), np.inf)
-    families = [""] * len(problems)
-    for k, family, combo, value, good in zip(
-        key,
-        cells["problem_family"],
-        cells["combination"],
-        cells[column],
-        cells["good"],
-        strict=True,
-    ):
-        families[at[k]] = family
-        if good and np.isfinite(value):
-            cost[at[k], solvers.index(combo)] = value
-    return cost, problems, families, solvers
 
 
 def corners(x: np.ndarray, *curves: np.ndarray) -> list[list[float]]:

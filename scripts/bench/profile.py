@@ -9,21 +9,7 @@ import numpy as np
 import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import chart, library, rows, say, stats, style  # noqa: E402
-
-FACTORS = (1, 2, 5, 10)  # of the best time, that the table has
-
-
-def shares(cells: pd.DataFrame, noise: float) -> pd.DataFrame:
-    """One line a solver: problems, solved, share within each factor of the best time. A failure,
-    and a combination that is not defined, counts as not solved."""
-    cost, problems, _, solvers = library.matrix(cells)
-    within = stats.relative_profile(cost, np.array(FACTORS, dtype=float), noise)
-    table = pd.DataFrame({"solver": solvers, "problems": len(problems)})
-    table["solved"] = np.isfinite(cost).sum(axis=0)
-    for k, factor in enumerate(FACTORS):
-        table[f"within_{factor}"] = within[k]
-    return table.sort_values(["solved", "within_1", "solver"], ascending=[False, False, True])
+from bench import chart, library, profiles, rows, say, style  # noqa: E402
 
 
 def written(table: pd.DataFrame, form: str) -> str:
@@ -50,14 +36,14 @@ def main() -> int:
     if cells["combination"].nunique() < 2:
         say.complain(f"{args.folder}: a profile compares two solvers or more")
         return 2
-    noise = rows.noise(args.folder) or library.NOISE
-    cost, _, families, solvers = library.matrix(cells)
+    noise = rows.noise(args.folder) or profiles.NOISE
+    cost, _, families, solvers = profiles.matrix(cells)
     if not np.isfinite(cost).any():
         say.complain(f"{args.folder}: no cell is ok and verified")
         return 3
     drawn = chart.draw(library.profiles(cells["campaign"].iloc[0], cost, families, solvers, noise))
     style.save(drawn, pathlib.Path(args.out), "profile")
-    print(written(shares(cells, noise), args.format))
+    print(written(profiles.shares(cells, noise), args.format))
     return 0
 
 

@@ -5,7 +5,6 @@ import io
 import json
 import lzma
 import math
-import pathlib
 import re
 import shutil
 import struct
@@ -27,7 +26,9 @@ def every_solver_has_a_row(_):
     done = run("solve", "box_stack:n=3", "--solver", "all")
     header, *lines = done.stdout.splitlines()
     assert header.split()[:6] == ["solver", "status", "verified", "rho", "time_s", "n_iter"]
-    assert sorted(line.split()[0] for line in lines) == sorted(run("list", "solvers").stdout.split())
+    assert sorted(line.split()[0] for line in lines) == sorted(
+        run("list", "solvers").stdout.split()
+    )
     assert not any(line != line.rstrip() for line in [header, *lines])
     rows = run_json("solve", "box_stack:n=3", "--solver", "all", "--format", "json")
     good = [r["verified"] for r in rows]
@@ -37,18 +38,34 @@ def every_solver_has_a_row(_):
     same = ("rho", "n_iter", "solution_hash", "certificate", "certificate_holds", "status")
     assert {k: one[k] for k in same} == {k: of_table[k] for k in same}
     assert of_table["time_s"] == sum(of_table[f"t_{k}_s"] for k in ("setup", "factor", "solve"))
-    table = list(csv.DictReader(io.StringIO(run("solve", "box_stack:n=3", "--solver", "all",
-                                                "--format", "csv").stdout)))
+    table = list(
+        csv.DictReader(
+            io.StringIO(run("solve", "box_stack:n=3", "--solver", "all", "--format", "csv").stdout)
+        )
+    )
     assert {r["solver"]: r["rho"] for r in table}["lemke"] == f"{one['rho']:.17g}"
 
 
 def some_solvers_with_their_options(_):
-    rows = run_json("solve", "murty:n=4", "--solver", "lemke:tol=1e-8", "--solver", "pgs",
-                    "--max-iter", "7", "--format", "json", code=None)
+    rows = run_json(
+        "solve",
+        "murty:n=4",
+        "--solver",
+        "lemke:tol=1e-8",
+        "--solver",
+        "pgs",
+        "--max-iter",
+        "7",
+        "--format",
+        "json",
+        code=None,
+    )
     assert {r["solver"] for r in rows} == {"lemke", "pgs"}
     assert all("max_iter=7" in r["options"] for r in rows)
     one_line_error("solve", "murty", "--solver", "all", "--z", "z.mtx", names=["--z"])
-    one_line_error("solve", "murty", "--solver", "lemke", "--time-limit", "1", names=["--time-limit"])
+    one_line_error(
+        "solve", "murty", "--solver", "lemke", "--time-limit", "1", names=["--time-limit"]
+    )
     one_line_error("solve", "murty", "--solver", "all", "--solver", "lemke", names=["all"])
 
 
@@ -62,17 +79,28 @@ def friction_has_its_residual_in_the_table(_):
 
 
 def faults_cost_one_row_each(d):
-    """What lies, crashes or hangs earns its word and takes no other row along; nothing verified: 3."""
+    """What lies, crashes or hangs earns its word and takes no row along; nothing verified: 3."""
     problem = diagonal(d, 4)
     faulty = ["faulty_liar", "faulty_crash", "faulty_hang", "lemke"]
     words = [w for s in faulty for w in ("--solver", s)]
     rows = json.loads(
-        run("solve", problem, *words, "--time-limit", "1", "--format", "json", exe=FAULTY,
-            timeout=60).stdout
+        run(
+            "solve",
+            problem,
+            *words,
+            "--time-limit",
+            "1",
+            "--format",
+            "json",
+            exe=FAULTY,
+            timeout=60,
+        ).stdout
     )
     word = {r["solver"]: (r["status"], r["verified"]) for r in rows}
     assert rows[0]["solver"] == "lemke" and word["lemke"] == ("ok", True), word
-    assert word["faulty_crash"] == ("crash", False) and word["faulty_hang"] == ("timeout", False), word
+    assert word["faulty_crash"] == ("crash", False) and word["faulty_hang"] == ("timeout", False), (
+        word
+    )
     assert word["faulty_liar"] == ("unverified", False), word
     assert all(r["n_iter"] is None and r["rho"] is None for r in rows if r["status"] == "crash")
     run("solve", problem, "--solver", "faulty_liar", "--solver", "faulty_crash", exe=FAULTY, code=3)
@@ -101,7 +129,11 @@ def status_has_a_line_for_each_combination(_):
             n = len(times)
             assert math.isclose(r["time_s"], (times[(n - 1) // 2] + times[n // 2]) / 2), r
     table = run("status", REFERENCE / "paper", "--table").stdout.splitlines()
-    assert len(table) == len(rows) + 1 and table[0].split()[:3] == ["formulation", "solver", "cells"]
+    assert len(table) == len(rows) + 1 and table[0].split()[:3] == [
+        "formulation",
+        "solver",
+        "cells",
+    ]
 
 
 # ---- packed rows ----
@@ -195,7 +227,10 @@ def sparse(m, form):
         rows = [a for a in range(n) for _ in range(indptr[a + 1] - indptr[a])]
         out |= {"row": npy(rows, (len(rows),), "<i4"), "col": npy(indices, (len(rows),), "<i4")}
     else:
-        out |= {"indices": npy(indices, (len(data),), "<i4"), "indptr": npy(indptr, (n + 1,), "<i4")}
+        out |= {
+            "indices": npy(indices, (len(data),), "<i4"),
+            "indptr": npy(indptr, (n + 1,), "<i4"),
+        }
     return out | {"format": npy(form, (), "|S3")}
 
 
@@ -229,7 +264,10 @@ def numpy_problems_are_read(d):
             assert o["storage"] == ("csc" if "indptr" in arrays or "row" in arrays else "dense")
             tried += 1
     assert tried == 14
-    text = sparse(M, "csr") | {"format": npy("csr", (), "<U3"), "q": npy([-1, 0, -3], (3, 1), "<i8")}
+    text = sparse(M, "csr") | {
+        "format": npy("csr", (), "<U3"),
+        "q": npy([-1, 0, -3], (3, 1), "<i8"),
+    }
     assert run_json("solve", npz(d / "t.npz", **text), "--solver", "lemke")["verified"]
 
 
@@ -257,7 +295,8 @@ def every_verb_reads_numpy_problems(d):
     run("solve", path, "--solver", "lemke", "--certificate", d / "proof")
     assert run_json("verify", path, "--certificate", d / "proof")["holds"]
     (d / "c.yaml").write_text(
-        f"name: mine\nlimits: {{time: 10s}}\nsampling: {{processes: 1, samples: 1, max_samples: 1}}\n"
+        "name: mine\nlimits: {time: 10s}\n"
+        "sampling: {processes: 1, samples: 1, max_samples: 1}\n"
         f"parts:\n  - name: all\n    problems: ['{d}/*.npz']\n    solvers: [lemke, ppm]\n"
     )
     assert "ok          2 cells" in run("run", d / "c.yaml", "--out", d / "rows", "--quiet").stdout
@@ -302,8 +341,15 @@ def bad_numpy_problems_are_refused(d):
     ):
         path.write_bytes(bad)
         one_line_error("solve", path, "--solver", "lemke", names=["p.npz", name])
-    one_line_error("solve", npz(d / "g.npz", M=m, q=q), "--solver", "lemke", "--q", "x",
-                   names=["--q", "has a q already"])
+    one_line_error(
+        "solve",
+        npz(d / "g.npz", M=m, q=q),
+        "--solver",
+        "lemke",
+        "--q",
+        "x",
+        names=["--q", "has a q already"],
+    )
     one_line_error("solve", d / "g.npz", "--solver", "lemke", "--facets", "4", names=["friction"])
 
 
@@ -311,8 +357,9 @@ def bad_numpy_problems_are_refused(d):
 
 
 def piped(data, *words, code=0):
-    done = subprocess.run([LCPBENCH, *map(str, words)], input=data, capture_output=True, timeout=60,
-                          check=False)
+    done = subprocess.run(
+        [LCPBENCH, *map(str, words)], input=data, capture_output=True, timeout=60, check=False
+    )
     assert done.returncode == code, (words, done)
     return done
 
@@ -327,28 +374,43 @@ def problems_from_standard_input(d):
     for kind, path in files.items():
         solver = "lemke" if kind in ("npz", "dat") else "nsgs"
         want = run_json("solve", path, "--solver", solver, code=None)
-        got = piped(path.read_bytes(), "solve", "-", "--solver", solver, 
-                    code=0 if want["status"] == "ok" and want["verified"] else 3)
+        got = piped(
+            path.read_bytes(),
+            "solve",
+            "-",
+            "--solver",
+            solver,
+            code=0 if want["status"] == "ok" and want["verified"] else 3,
+        )
         assert json.loads(got.stdout)["solution_hash"] == want["solution_hash"], kind
     run("export", files["npz"], "--format", "mtx", "--out", d / "m")
-    got = piped((d / "m.M.mtx").read_bytes(), "solve", "-", "--solver", "lemke", "--q", d / "m.q.mtx")
+    got = piped(
+        (d / "m.M.mtx").read_bytes(), "solve", "-", "--solver", "lemke", "--q", d / "m.q.mtx"
+    )
     assert json.loads(got.stdout)["verified"]
     table = piped(files["npz"].read_bytes(), "solve", "-", "--solver", "all", "--format", "csv")
     assert b"lemke,ok,true" in table.stdout
     run("solve", files["npz"], "--solver", "lemke", "--certificate", d / "proof")
-    assert b'"holds": true' in piped(files["npz"].read_bytes(), "verify", "-", "--certificate",
-                                     d / "proof").stdout
+    assert (
+        b'"holds": true'
+        in piped(files["npz"].read_bytes(), "verify", "-", "--certificate", d / "proof").stdout
+    )
     for bad in (b"", b"no problem", b"PK\x03\x04"):
         done = piped(bad, "solve", "-", "--solver", "lemke", code=2)
         assert done.stderr.count(b"\n") == 1 and b"lcpbench: -" in done.stderr, done
 
 
 def scenes_from_standard_input(d):
-    scene = {"id": "drop", "dim": 2, "T": 0.05, "bodies": [
-        {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}]}
+    scene = {
+        "id": "drop",
+        "dim": 2,
+        "T": 0.05,
+        "bodies": [{"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}],
+    }
     (d / "s.json").write_text(json.dumps(scene))
     (d / "s.yaml").write_text(
-        "id: drop\ndim: 2\nT: 0.05\nbodies:\n  - {name: b, shape: {type: disc, r: 0.1}, mass: 1.0, pos: [0, 1]}\n"
+        "id: drop\ndim: 2\nT: 0.05\nbodies:\n"
+        "  - {name: b, shape: {type: disc, r: 0.1}, mass: 1.0, pos: [0, 1]}\n"
     )
     way = ["--formulation", "velocity", "--solver", "lemke"]
     want = run_json("simulate", d / "s.json", *way)
@@ -375,8 +437,9 @@ def verbs_of_scripts_have_the_options_of_their_scripts(_):
 
 
 def a_profile_from_packed_rows(d):
-    done = run("profile", REFERENCE / "library", "--out", d / "figures", "--format", "json",
-               timeout=120)
+    done = run(
+        "profile", REFERENCE / "library", "--out", d / "figures", "--format", "json", timeout=120
+    )
     rows = json.loads(done.stdout)
     assert {p.name for p in (d / "figures").iterdir()} == {"profile.pdf", "profile.png"}
     assert rows[0]["solved"] == max(r["solved"] for r in rows) and rows[0]["problems"] > 50
