@@ -223,7 +223,7 @@ def study(
 
 def simulate(
     scene: str | os.PathLike | Mapping[str, Any],
-    formulation: str,
+    formulation: str | None = None,
     solver: str | None = None,
     *,
     step: float | None = None,
@@ -236,7 +236,8 @@ def simulate(
     (docs/FORMATS.md, 2).
 
     formulation, solver: "NAME:option=value,...". step, duration [s]: the scene's where None.
-    options: any other option of `lcpbench simulate` (contact_order="random:3"). Returns its JSON
+    options: any other option of `lcpbench simulate` (contact_order="random:3"; error=0.01, which
+    alone chooses formulation, solver and steps). Returns its JSON
     object; with trajectory=True also "trajectory", a DataFrame. NotSolved where a step was not
     solved or not verified (check=False: not raised); a prediction that is missed stands in
     "predictions"."""
@@ -246,8 +247,13 @@ def simulate(
             stdin, words = json.dumps(scene), ["-"]
         except (TypeError, ValueError) as why:
             raise InvalidInput(f"scene: no JSON: {why}") from None
-    words += ["--formulation", formulation]
-    given = {"solver": solver, "step": step, "duration": duration, **options}
+    given = {
+        "formulation": formulation,
+        "solver": solver,
+        "step": step,
+        "duration": duration,
+        **options,
+    }
     for name, value in given.items():
         if value is not None:
             words += ["--" + name.replace("_", "-"), value]

@@ -290,6 +290,8 @@ def test_a_scene_as_a_dict_and_as_a_file(tmp_path):
     assert one["solution_hash"] == other["solution_hash"] and one["steps"] == 10
     assert isinstance(one["trajectory"], pd.DataFrame) and len(one["trajectory"]) >= 10
     assert lcpbench.simulate("stack:n=2", "regularized", "lemke")["verified"]
+    chosen = lcpbench.simulate("incline", error=0.01)  # from the table that the program ships
+    assert chosen["verified"] and chosen["formulation"] and chosen["solver"]
 
 
 def test_bad_scenes_and_honest_failures():
