@@ -22,6 +22,7 @@ static const double friction_share =
 static const double joint_share = 1e-5; /* the same, of joints that say the same twice */
 static const double body_joint_share =
     1e-3;                               /* the same in body space, where every row needs some */
+static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
 base_status lcp_share_open(lcp_share **out, base_error *err) {
@@ -49,6 +50,9 @@ static void layout(lcp_share *s, base_arena *a) {
   s->diagonal = BASE_ARRAY(a, double, n);
   s->kept = BASE_ARRAY(a, double, n);
   s->lower = BASE_ARRAY(a, double, n);
+  s->had = BASE_ARRAY(a, double, n);
+  s->before = BASE_ARRAY(a, unsigned char, n);
+  s->let_go = BASE_ARRAY(a, bool, n);
   s->contact = BASE_ARRAY(a, int, n);
   s->owner = BASE_ARRAY(a, int, n);
   s->island = BASE_ARRAY(a, int, n);
@@ -310,9 +314,23 @@ static void stiffen_joints(lcp_share *s) {
   }
 }
 
-/* Step 2. True: active rows and z of M + delta C agree. */
-static base_status find_rows(lcp_share *s, int last, lcp_share_result *out, bool *found,
+static int changes(const lcp_share *s) {
+  int count = 0;
+  for (int i = 0; i < s->p->M.n; i++) {
+    count += s->before[i] != s->rows.kind[i];
+  }
+  return count;
+}
+
+/* Rows that may change in a second round of a search that is worth going on with. */
+static int few_changes(const lcp_share *s) {
+  return 8 + s->p->M.n / 64;
+}
+
+/* Step 2. True: active rows and z of M + delta C agree. `brief`: given up where the second round changes many rows. */
+static base_status find_rows(lcp_share *s, int last, bool brief, lcp_share_result *out, bool *found,
                              base_error *err) {
+  const int first = out->rounds;
   for (int k = 0; k < s->n_contact; k++) {
     s->anchor[lcp_share_block(s, k)->start] =
         0; /* Tikhonov's term; all other rows stay near the answer */
@@ -335,7 +353,11 @@ static base_status find_rows(lcp_share *s, int last, lcp_share_result *out, bool
     if (!is_finite(s)) {
       return BASE_OK;
     }
+    memcpy(s->before, s->rows.kind, (size_t)s->p->M.n);
     *found = !lcp_share_settle(s);
+    if (brief && out->rounds > first + 1 && changes(s) > few_changes(s)) {
+      return BASE_OK;
+    }
   }
   return BASE_OK;
 }
@@ -363,7 +385,8 @@ static bool solves(const lcp_share *s) {
   for (int i = 0; i < s->p->M.n; i++) {
     const int k = s->owner[i];
     const bool bound = k >= 0 && s->rests[k] && i == lcp_share_block(s, k)->start && s->z[i] > 0;
-    if ((bound || s->rows.kind[i] == SHARE_ACTIVE) && !(fabs(s->w[i]) <= solved_tol * s->size[i])) {
+    const double allowed = solved_tol * s->size[i] + (bound ? s->had[i] : 0);
+    if ((bound || s->rows.kind[i] == SHARE_ACTIVE) && !(fabs(s->w[i]) <= allowed)) {
       return false;
     }
   }
@@ -371,19 +394,23 @@ static bool solves(const lcp_share *s) {
 }
 
 /* Steps 2 and 3 from the rows of the solver's answer z; *made: s->z is the answer asked for. */
-static base_status choose(lcp_share *s, const double *z, int most_rounds, bool *made,
+static base_status choose(lcp_share *s, const double *z, int most_rounds, bool brief, bool *made,
                           lcp_share_result *out, base_error *err) {
   const size_t n = (size_t)s->p->M.n;
   const int last = out->rounds + most_rounds;
   memcpy(s->z, z, n * sizeof *z);
   product(s, s->size);
   level_sizes(s);
+  for (int i = 0; i < s->p->M.n; i++) {
+    s->had[i] = (fabs(s->w[i]) <= answer_tol * s->size[i]) ? fabs(s->w[i]) : 0;
+  }
+  memset(s->let_go, 0, n * sizeof *s->let_go);
   lcp_share_begin_rows(s);
   memcpy(s->anchor, s->z, n * sizeof *z);
   *made = false;
   bool found = true;
   while (found && out->rounds < last) {
-    BASE_TRY(find_rows(s, last, out, &found, err));
+    BASE_TRY(find_rows(s, last, brief, out, &found, err));
     if (!found) {
       return BASE_OK;
     }
@@ -420,14 +447,14 @@ static base_status choose_among(lcp_share *s, double *z, lcp_share_result *out, 
   for (int k = 0; k < s->n_contact; k++) {
     any_rest = any_rest || s->rests[k];
   }
-  BASE_TRY(choose(s, z, any_rest ? FIRST_ROUNDS : MOST_ROUNDS, &made, out, err));
+  BASE_TRY(choose(s, z, any_rest ? FIRST_ROUNDS : MOST_ROUNDS, false, &made, out, err));
   const bool again = any_rest && (!made || is_held(s));
   if (again) {
     memcpy(s->kept, s->z, n * sizeof *z);
     for (int k = 0; k < s->n_contact; k++) {
       s->rests[k] = false;
     }
-    BASE_TRY(choose(s, z, made ? FREE_ROUNDS : MOST_ROUNDS, &better, out, err));
+    BASE_TRY(choose(s, z, made ? FREE_ROUNDS : MOST_ROUNDS, made, &better, out, err));
   }
   if (made || better) {
     memcpy(z, (again && !better) ? s->kept : s->z, n * sizeof *z);

@@ -370,14 +370,17 @@ static bool settle_resting(lcp_share *s, const lcp_block *b) {
   const int i = b->start;
   const double slack = LCP_SHARE_ROW_TOL * lcp_share_scale(s, i);
   if (s->rows.kind[i] == SHARE_ACTIVE) {
-    const bool below = s->z[i] < s->lower[i] - slack;
+    /* what delta takes of a row that the limit has let go is no reason to hold it again */
+    const bool below = s->z[i] < s->lower[i] - slack && !(s->let_go[i] && s->pull > 0);
     s->z[i] = fmax(s->z[i], s->lower[i]);
     s->rows.kind[i] = below ? SHARE_FIXED : SHARE_ACTIVE;
     return below;
   }
+  /* what the answer had of a residual stays in its friction */
   const bool leaves =
-      s->w[i] + s->pull * s->rows.delta[i] * s->z[i] < -LCP_SHARE_ROW_TOL * s->size[i];
+      s->w[i] + s->pull * s->rows.delta[i] * s->z[i] < -LCP_SHARE_ROW_TOL * s->size[i] - s->had[i];
   s->rows.kind[i] = leaves ? SHARE_ACTIVE : SHARE_FIXED;
+  s->let_go[i] = leaves && s->pull == 0;
   return leaves;
 }
 

@@ -18,13 +18,16 @@ struct lcp_share {
   bool by_bodies, has_joints;
   share_rows rows;
   double *z, *w, *size, *right, *anchor, *diagonal; /* cap_n */
-  double *kept;  /* cap_n: an answer, while a better one is looked for */
-  double *lower; /* cap_n: least value of a normal impulse */
-  int *contact;  /* cap_n: blocks with compliance */
-  int *owner;    /* cap_n: contact of a row, or a number below zero */
-  int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */
-  int *met;      /* cap_body: a contact or joint at a body, -1 */
-  bool *rests;   /* cap_n: of a contact's island */
+  double *kept;          /* cap_n: an answer, while a better one is looked for */
+  double *lower;         /* cap_n: least value of a normal impulse */
+  double *had;           /* cap_n: |w| of the answer that came in */
+  unsigned char *before; /* cap_n: kinds of the round before */
+  bool *let_go;          /* cap_n: of a resting normal row: the limit asked for it */
+  int *contact;          /* cap_n: blocks with compliance */
+  int *owner;            /* cap_n: contact of a row, or a number below zero */
+  int *island;           /* cap_n: of a contact or a joint: an earlier one, or itself */
+  int *met;              /* cap_body: a contact or joint at a body, -1 */
+  bool *rests;           /* cap_n: of a contact's island */
   int n_contact;
   int cap_n, cap_body;
   void *mem; /* owned */
