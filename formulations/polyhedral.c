@@ -32,9 +32,9 @@ static void layout_values(void *state, base_arena *m) {
   polyhedral *s = state;
   s->q = BASE_ARRAY(m, double, s->cap_n);
   s->z0 = BASE_ARRAY(m, double, s->cap_n);
-  s->colptr = BASE_ARRAY(m, int, s->cap_n + 1);
-  s->rowind = BASE_ARRAY(m, int, s->cap_val);
-  s->val = BASE_ARRAY(m, double, s->cap_val);
+  s->m.colptr = BASE_ARRAY(m, int, s->cap_n + 1);
+  s->m.rowind = BASE_ARRAY(m, int, s->cap_val);
+  s->val = s->m.val = BASE_ARRAY(m, double, s->cap_val);
 }
 
 static void layout_factors(void *state, base_arena *m) {
@@ -42,6 +42,9 @@ static void layout_factors(void *state, base_arena *m) {
   s->jac = BASE_ARRAY(m, double, s->cap_jac);
   s->jac_start = BASE_ARRAY(m, int, s->cap_group + 1);
   s->body = BASE_ARRAY(m, int, 2 * (size_t)s->cap_group);
+  s->s.colptr = BASE_ARRAY(m, int, s->jac_n + 1);
+  s->s.rowind = BASE_ARRAY(m, int, s->cap_shift);
+  s->s.val = BASE_ARRAY(m, double, s->cap_shift);
 }
 
 void poly_close(void *state) {
@@ -148,26 +151,37 @@ static base_status room_for(polyhedral *s, size_t need, base_error *err) {
   return BASE_OK;
 }
 
-static base_status fill_factored(polyhedral *s, base_error *err) {
-  const size_t jac = poly_jac_size(s);
-  BASE_TRY(room_for(s, poly_shift_nnz(s), err));
-  if (jac > (size_t)INT32_MAX) {
+static base_status fill_factors(polyhedral *s, base_error *err) {
+  const size_t jac = poly_jac_size(s), shift = poly_shift_nnz(s);
+  if (jac > (size_t)INT32_MAX || shift > (size_t)INT32_MAX) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "polyhedral LCP: %zu entries of J, more than 2^31",
                      jac);
   }
-  if (s->jac_mem == NULL || jac > s->cap_jac || s->cap_group > s->jac_groups) {
+  if (s->jac_mem == NULL || jac > s->cap_jac || shift > s->cap_shift || s->n > s->jac_n ||
+      s->cap_group > s->jac_groups) {
     s->cap_jac = (jac > s->cap_jac) ? jac + jac / 2 : s->cap_jac;
+    s->cap_shift = (shift > s->cap_shift) ? shift + shift / 2 : s->cap_shift;
+    s->jac_n = (s->n > s->jac_n) ? s->n + s->n / 2 : s->jac_n;
     s->jac_groups = s->cap_group;
     BASE_TRY(form_memory(&s->jac_mem, layout_factors, s, err));
   }
   poly_fill_factored(s);
-  s->M = (lcp_matrix){.storage = LCP_FACTORED, .n = s->n, .factored = &s->factored};
+  s->M.factored = &s->factored;
   return BASE_OK;
+}
+
+/* Large enough for factors beside the matrix to be worth their memory, and nothing was eliminated. */
+static bool has_factors(const polyhedral *s) {
+  const contact_set *c = s->a.set;
+  const bool three = s->opt.planar == POLY_THREE && c->dim == 2 && s->rows != FORM_ROWS_NORMAL;
+  return s->n > 128 && c->n_group == c->n_contact && !s->a.reduced && !three;
 }
 
 static base_status fill_matrix(polyhedral *s, base_error *err) {
   if (s->opt.storage == POLY_FACTORED) {
-    return fill_factored(s, err);
+    BASE_TRY(room_for(s, 0, err));
+    s->M = (lcp_matrix){.storage = LCP_FACTORED, .n = s->n};
+    return fill_factors(s, err);
   }
   const size_t nnz = poly_nnz(s);
   const bool dense = storage_of(s, nnz) == POLY_DENSE;
@@ -178,9 +192,9 @@ static base_status fill_matrix(polyhedral *s, base_error *err) {
     s->M.val = s->val;
   } else {
     poly_fill_csc(s);
-    s->M.csc = (lcp_csc){s->n, s->n, s->colptr, s->rowind, s->val};
+    s->M.csc = (lcp_csc){s->n, s->n, s->m.colptr, s->m.rowind, s->m.val};
   }
-  return BASE_OK;
+  return has_factors(s) ? fill_factors(s, err) : BASE_OK;
 }
 
 /* Speed at which active contact i was met in the step before and that it has not given back, <= 0. */

@@ -54,6 +54,11 @@ typedef struct poly_shape {
   } column[POLY_COLUMNS];
 } poly_shape;
 
+typedef struct poly_arrays {
+  double *val;
+  int *colptr, *rowind;
+} poly_arrays;
+
 typedef struct polyhedral {
   form_assembly a;
   contact_memory memory;
@@ -74,8 +79,10 @@ typedef struct polyhedral {
   double *u;                   /* n_row: r + C base */
   lcp_block *block;            /* n_group */
   double *q, *z0;              /* n */
-  double *val;                 /* dense n*n, or CSC values: of M, or of the S of a factored M */
-  int *colptr, *rowind, *at;
+  double *val;                 /* dense n*n */
+  poly_arrays m;               /* compressed columns: of M */
+  poly_arrays s;               /* of the S of its factors */
+  int *at;
   double *jac;           /* factored: F_i' J_i of every group, as lcp_factored wants it */
   int *jac_start, *body; /* n_group+1; 2 n_group */
   lcp_csc shift;         /* S: the rows and columns of sigma */
@@ -83,8 +90,8 @@ typedef struct polyhedral {
   lcp_matrix M;
   formulation_answer answer;
 
-  int cap_group, cap_row, cap_n, jac_groups;
-  size_t cap_val, cap_jac;
+  int cap_group, cap_row, cap_n, jac_groups, jac_n;
+  size_t cap_val, cap_jac, cap_shift;
   void *mem, *val_mem, *jac_mem; /* owned */
 } polyhedral;
 

@@ -44,16 +44,16 @@ static void fill_shift(polyhedral *s) {
   int column = 0;
   for (int j = 0; j < s->a.n_group; j++) {
     for (int b = 0; b < poly_columns(s, j); b++) {
-      s->colptr[column++] = at;
-      at = poly_put_cone_rows(s, at, j, b);
+      s->s.colptr[column++] = at;
+      at = poly_put_cone_rows(s, &s->s, at, j, b);
     }
     for (int p = 0; p < poly_parts(s, j); p++) {
-      s->colptr[column++] = at;
-      at = poly_put_sigma_column(s, at, j, p);
+      s->s.colptr[column++] = at;
+      at = poly_put_sigma_column(s, &s->s, at, j, p);
     }
   }
-  s->colptr[column] = at;
-  s->shift = (lcp_csc){s->n, s->n, s->colptr, s->rowind, s->val};
+  s->s.colptr[column] = at;
+  s->shift = (lcp_csc){s->n, s->n, s->s.colptr, s->s.rowind, s->s.val};
 }
 
 void poly_fill_factored(polyhedral *s) {
@@ -75,5 +75,5 @@ void poly_fill_factored(polyhedral *s) {
                                .body = s->body,
                                .jac_start = s->jac_start,
                                .jac = s->jac,
-                               .shift = (s->colptr[s->n] > 0) ? &s->shift : NULL};
+                               .shift = (s->s.colptr[s->n] > 0) ? &s->shift : NULL};
 }

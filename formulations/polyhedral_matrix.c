@@ -197,30 +197,30 @@ void poly_fill_dense(polyhedral *s) {
   }
 }
 
-static int put(polyhedral *s, int at, int row, double value) {
-  s->rowind[at] = row;
-  s->val[at] = value;
+static int put(const poly_arrays *to, int at, int row, double value) {
+  to->rowind[at] = row;
+  to->val[at] = value;
   return at + 1;
 }
 
-int poly_put_cone_rows(polyhedral *s, int at, int j, int b) {
+int poly_put_cone_rows(const polyhedral *s, const poly_arrays *to, int at, int j, int b) {
   const double a = normal_mass(s, j);
   const int sigma = s->first[j] + poly_columns(s, j);
   const int own = part_of(s, j, b);
   for (int p = 0; p < poly_parts(s, j); p++) {
     if (b == 0) {
-      at = put(s, at, sigma + p, a * cone_entry(s, j, p));
+      at = put(to, at, sigma + p, a * cone_entry(s, j, p));
     } else if (p == own) {
-      at = put(s, at, sigma + p, -a);
+      at = put(to, at, sigma + p, -a);
     }
   }
   return at;
 }
 
-int poly_put_sigma_column(polyhedral *s, int at, int j, int p) {
+int poly_put_sigma_column(const polyhedral *s, const poly_arrays *to, int at, int j, int p) {
   const double a = normal_mass(s, j);
   for (int b = s->shape_of[j]->part_start[p]; b < s->shape_of[j]->part_start[p + 1]; b++) {
-    at = put(s, at, s->first[j] + b, a);
+    at = put(to, at, s->first[j] + b, a);
   }
   return at;
 }
@@ -231,12 +231,12 @@ static int put_coupled(polyhedral *s, int at, int j, int b) {
   poly_direction(s, j, b, f);
   for (int k = s->a.near_start[j]; k < s->a.near_start[j + 1]; k++) {
     const int i = s->a.near[k];
-    coupled_column(s, j, k, f, s->val + at);
+    coupled_column(s, j, k, f, s->m.val + at);
     for (int row = 0; row < poly_columns(s, i); row++) {
-      s->rowind[at++] = s->first[i] + row;
+      s->m.rowind[at++] = s->first[i] + row;
     }
     if (i == j) {
-      at = poly_put_cone_rows(s, at, j, b);
+      at = poly_put_cone_rows(s, &s->m, at, j, b);
     }
   }
   return at;
@@ -247,15 +247,15 @@ void poly_fill_csc(polyhedral *s) {
   int column = 0;
   for (int j = 0; j < s->a.n_group; j++) {
     for (int b = 0; b < poly_columns(s, j); b++) {
-      s->colptr[column++] = at;
+      s->m.colptr[column++] = at;
       at = put_coupled(s, at, j, b);
     }
     for (int p = 0; p < poly_parts(s, j); p++) {
-      s->colptr[column++] = at;
-      at = poly_put_sigma_column(s, at, j, p);
+      s->m.colptr[column++] = at;
+      at = poly_put_sigma_column(s, &s->m, at, j, p);
     }
   }
-  s->colptr[column] = at;
+  s->m.colptr[column] = at;
 }
 
 void poly_fill_q(const polyhedral *s, int i, double bias, double *q) {

@@ -29,8 +29,8 @@ int poly_parts(const polyhedral *s, int i);   /* its sigmas */
 /* The impulse of group i, row by row, that a unit of its unknown b stands for. */
 void poly_direction(const polyhedral *s, int i, int b, double *f);
 /* The sigma rows of group j in its column b, and the column of its sigma p, from val[at] on; the new at. */
-int poly_put_cone_rows(polyhedral *s, int at, int j, int b);
-int poly_put_sigma_column(polyhedral *s, int at, int j, int p);
+int poly_put_cone_rows(const polyhedral *s, const poly_arrays *to, int at, int j, int b);
+int poly_put_sigma_column(const polyhedral *s, const poly_arrays *to, int at, int j, int p);
 enum { POLY_ROWS_MAX = 8 }; /* rows of one group: at most 6 of a contact or joint */
 
 /* q of group i from u (rows of the group), normal bias b. */

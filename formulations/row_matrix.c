@@ -137,6 +137,11 @@ static void fill_factored(row_matrix *m, const form_assembly *a) {
   m->M.factored = &m->factored;
 }
 
+/* Large enough for factors beside the matrix to be worth their memory, and nothing was eliminated. */
+static bool has_factors(const form_assembly *a) {
+  return a->n_row > 128 && a->set->n_group == a->set->n_contact && !a->reduced;
+}
+
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err) {
   const size_t n = (size_t)a->n_row;
@@ -144,8 +149,9 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
   if (storage == ROW_AUTO) {
     storage = (n <= 64 || nnz > n * n / 4) ? ROW_DENSE : ROW_CSC;
   }
+  const bool beside = has_factors(a) && storage != ROW_FACTORED;
   size_t jac = 0;
-  for (int i = 0; storage == ROW_FACTORED && i < a->n_group; i++) {
+  for (int i = 0; (beside || storage == ROW_FACTORED) && i < a->n_group; i++) {
     jac += jacobian_size(a, i);
   }
   const size_t val = (storage == ROW_DENSE) ? n * n : ((storage == ROW_CSC) ? nnz : n);
@@ -164,8 +170,10 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
     break;
   case ROW_FACTORED:
     m->M.storage = LCP_FACTORED;
-    fill_factored(m, a);
     break;
+  }
+  if (beside || storage == ROW_FACTORED) {
+    fill_factored(m, a);
   }
   return BASE_OK;
 }
@@ -185,6 +193,7 @@ void row_matrix_soften(row_matrix *m, const double *add) {
     m->factored.shift = (at > 0) ? &m->shift : NULL;
     return;
   }
+  m->M.factored = NULL; /* which would need an S of its own */
   for (int j = 0; j < n; j++) {
     ptrdiff_t at = (ptrdiff_t)j * n + j;
     for (int k = 0; m->M.storage == LCP_CSC && k < m->colptr[j + 1] - m->colptr[j]; k++) {

@@ -24,7 +24,7 @@ row_storage row_storage_of(row_storage storage, const contact_set *c);
 base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_storage storage,
                                const form_rule *rule, contact_memory *memory, base_error *err);
 
-/* ROW_FACTORED takes an assembly of own blocks only, with its joints still in it: joints that were
+/* Large matrices without joints have their factors beside them. ROW_FACTORED takes an assembly of own blocks only, with its joints still in it: joints that were
  * eliminated cannot be expressed by factors. */
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err);

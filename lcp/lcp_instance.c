@@ -104,6 +104,10 @@ static base_status to_csc(lcp_instance *k, const lcp_problem *p, base_error *err
 static base_status read_storage(lcp_instance *k, const lcp_problem *p, base_error *err) {
   k->p = *p;
   const unsigned reads = k->solver->storages;
+  if (k->solver->by_factors && p->M.storage == LCP_CSC && p->M.factored != NULL) {
+    k->p.M = lcp_matrix_in_factors(&p->M);
+    return BASE_OK;
+  }
   if ((reads & (1u << p->M.storage)) != 0) {
     return BASE_OK;
   }

@@ -15,7 +15,7 @@ base_status lcp_instance_open(lcp_instance **out, const lcp_solver *s, const lcp
                               const void *opt, base_error *err);
 
 /* Binds p: grows the workspace if p does not fit, converts the storage if the solver cannot read
- * it (dense <-> CSC, factored -> CSC or dense), prepares and
+ * it (dense <-> CSC, factored -> CSC or dense; factors beside a sparse matrix where the solver is by_factors), prepares and
  * factors. All of it is charged to set-up and factor time. p must stay alive and unchanged until
  * the next prepare. */
 base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_error *err);

@@ -59,13 +59,14 @@ typedef struct lcp_factored {
   const lcp_csc *shift; /* S, n x n, or NULL for zero; rows of J may be zero where S acts alone */
 } lcp_factored;
 
-/* Square matrix, read-only view; does not own its arrays. Exactly one storage is filled. */
+/* Square matrix, read-only view; does not own its arrays. Of val and csc the one of `storage` is filled. */
 typedef struct lcp_matrix {
   lcp_storage storage;
-  int n;                        /* rows = columns */
-  const double *val;            /* LCP_DENSE: n*n, column-major */
-  lcp_csc csc;                  /* LCP_CSC */
-  const lcp_factored *factored; /* LCP_FACTORED */
+  int n;             /* rows = columns */
+  const double *val; /* LCP_DENSE: n*n, column-major */
+  lcp_csc csc;       /* LCP_CSC */
+  const lcp_factored
+      *factored; /* LCP_FACTORED; beside another storage: the same matrix in factors, or NULL */
 } lcp_matrix;
 
 /* ---- sets --------------------------------------------------------------------------------- */
@@ -133,6 +134,11 @@ base_status lcp_problem_check(const lcp_problem *p, base_error *err);
  * order. */
 bool lcp_csc_is_sorted(const lcp_csc *m);
 bool lcp_problem_is_shaped(const lcp_problem *p);
+
+/* M as its factors, which it must have. */
+static inline lcp_matrix lcp_matrix_in_factors(const lcp_matrix *M) {
+  return (lcp_matrix){.storage = LCP_FACTORED, .n = M->n, .factored = M->factored};
+}
 
 /* ---- products ----------------------------------------------------------------------------- */
 

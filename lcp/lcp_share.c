@@ -21,7 +21,8 @@ static const double friction_share =
     1e-2; /* of delta, on rows without compliance: holds what is left */
 static const double joint_share = 1e-5; /* the same, of joints that say the same twice */
 static const double body_joint_share =
-    1e-3;                               /* the same in body space, where every row needs some */
+    1e-3;                        /* the same in body space, where every row needs some */
+static const int few_rows = 128; /* of a stored matrix, that are chosen faster in contact space */
 static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
@@ -483,15 +484,20 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_s
   if (p->block == NULL || n < 2) {
     return BASE_OK;
   }
-  s->p = p;
-  const int n_body = (p->M.storage == LCP_FACTORED) ? p->M.factored->n_body : 0;
+  s->view = *p;
+  s->by_bodies = p->M.factored != NULL && (p->M.storage == LCP_FACTORED || n > few_rows) &&
+                 lcp_share_bodies_take(p);
+  if (s->by_bodies) {
+    s->view.M = lcp_matrix_in_factors(&p->M);
+  }
+  p = s->p = &s->view;
+  const int n_body = s->by_bodies ? p->M.factored->n_body : 0;
   BASE_TRY(grow(s, n, n_body, err));
   double most_soft;
   if (!collect(s, &most_soft)) {
     return BASE_OK;
   }
   s->M = p->M;
-  s->by_bodies = p->M.storage == LCP_FACTORED && lcp_share_bodies_take(p);
   if (s->by_bodies) {
     BASE_TRY(lcp_share_bodies_begin(&s->bodies, p, err));
   } else if (p->M.storage == LCP_FACTORED) {

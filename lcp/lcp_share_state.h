@@ -30,8 +30,9 @@ struct lcp_share {
   bool *rests;           /* cap_n: of a contact's island */
   int n_contact;
   int cap_n, cap_body;
-  void *mem; /* owned */
-  const lcp_problem *p;
+  void *mem;            /* owned */
+  const lcp_problem *p; /* view, with its factors for storage where by_bodies */
+  lcp_problem view;
   lcp_matrix M; /* of p, or its columns where p has factors that the body space does not take */
   lcp_csc copy; /* owned */
   double delta;

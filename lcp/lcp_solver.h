@@ -64,6 +64,7 @@ typedef struct lcp_solver {
   const char *cite;  /* keys of docs/references.bib: "lemke1965; cottle1992, 4.4 and 4.9" */
   unsigned sets;     /* 1u << lcp_set it solves */
   unsigned storages; /* 1u << lcp_storage it reads natively */
+  bool by_factors;   /* reads the factors of a matrix that has them beside a sparse storage */
   unsigned needs;    /* lcp_trait bits a problem must have */
   bool exact;        /* a direct method: judged at LCP_VERIFY_EXACT */
   bool warm;         /* uses the start point z on entry */
