@@ -350,11 +350,11 @@ static bool go_on(ladder *l, double ratio) {
 /* How much finer the next run is. After the first the scale of the scene is known; later the estimate tells. */
 static double next_ratio(const ladder *l) {
   const error_result *r = l->result;
+  if (l->q->form->form->memory == 0) {
+    return least_ratio; /* their error is not of first order in the step: what two runs differ by counts whole */
+  }
   if (r->n_level > 1) {
     return fmin(fmax(r->estimate / (aim * r->asked.E), least_ratio), most_ratio);
-  }
-  if (l->q->form->form->memory == 0) {
-    return least_ratio;
   }
   const double scale = fmax(l->now.places.travel, l->now.places.size);
   const double next = second_tolerance * length_of(l->q, &r->asked, scale);

@@ -6,6 +6,8 @@
  * 1911); ERROR_SAFETY times that is `estimate`. It covers what local errors grow to, which their sum does not. It is no
  * less than what the worst located impact is off by, which two runs may have in common.
  *
+ * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
+ *
  * The quantities: whatever the scene's checks of state look at, as they look at it, and what it observes at the end; where
  * that is nothing, or nothing of the unit asked for, the places of all bodies at the end. E is absolute, with the
  * unit of the quantities it holds for ("1e-3m", "0.01rad"), or relative to the scale of each quantity's unit:

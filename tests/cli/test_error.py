@@ -1,5 +1,8 @@
 """simulate --error: the error asked for is kept, and what cannot be promised is said."""
 
+import json
+import math
+
 from support import one_line_error, run, run_json, tap
 
 RUN = ("--formulation", "coulomb", "--solver", "nsgs")
@@ -96,6 +99,36 @@ def the_end_is_honest_where_a_step_has_no_solution(_):
     ]
 
 
+def chaos_is_not_promised(d):
+    """A double pendulum: for a second any error can be had, after twenty the runs are strangers."""
+    rod = {"shape": {"type": "rod", "half_length": 0.5}, "mass": 1, "inertia": 0.0833}
+    scene = {
+        "id": "double",
+        "dim": 2,
+        "gravity": [0, -9.81],
+        "bodies": [
+            {"name": "a", "pos": [0.5, 0], **rod},
+            {"name": "b", "pos": [1.0, 0.5], "angle": math.pi / 2, **rod},
+        ],
+        "joints": [
+            {"name": "j", "type": "ball", "body": "a", "anchor": [0, 0], "other": "world"},
+            {"name": "k", "type": "ball", "body": "b", "anchor": [1, 0], "other": "a"},
+        ],
+        "no_collision": [["a", "b"]],
+        "observe": ["b.x", "b.y"],
+    }
+    path = d / "double.json"
+    event = ("--formulation", "event", "--solver", "lemke")
+    path.write_text(json.dumps({**scene, "T": 1}))
+    assert simulate(path, "1%", formulation=event)["error"]["promised"]
+    path.write_text(json.dumps({**scene, "T": 20}))
+    e = simulate(path, "1%", formulation=event, code=3)["error"]
+    assert not e["promised"] and "do not come nearer" in e["reason"], e
+    assert e["err_estimate"] > 0.01 and e["steps_solved"] < e["steps_limit"] / 100
+    e = simulate(path, "1%", code=3)["error"]
+    assert not e["promised"] and e["reason"], e
+
+
 def bad_input_is_named(d):
     for text in ("0", "-1", "x", "1km", "1%%", "nan"):
         one_line_error("simulate", "slide", *RUN, "--error", text, names=["--error"])
@@ -126,6 +159,7 @@ tap(
         files_are_those_of_the_steps_found,
         the_end_is_honest_where_work_is_limited,
         the_end_is_honest_where_a_step_has_no_solution,
+        chaos_is_not_promised,
         bad_input_is_named,
         the_same_bits_each_time,
     ]

@@ -184,6 +184,7 @@ static void impacts_are_located(void **state) {
     assert_int_equal(o.account.forced, 0);
     assert_true(o.account.rejected > 0 && o.account.most > 20.0 * o.account.least);
     assert_true(o.account.least < tolerance); /* dv is some m/s */
+    assert_true(o.account.located > 0.0 && o.account.located <= tolerance / 16.0);
     assert_true(o.error < tolerance && o.error < before);
     before = o.error;
   }
