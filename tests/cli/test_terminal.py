@@ -341,6 +341,10 @@ def bad_numpy_problems_are_refused(d):
     ):
         path.write_bytes(bad)
         one_line_error("solve", path, "--solver", "lemke", names=["p.npz", name])
+    stored = npz(d / "s.npz", False, M=m, q=q).read_bytes()
+    at = stored.index(m) + len(m) - 3  # a number that only the sum of its file knows
+    (d / "s.npz").write_bytes(stored[:at] + bytes([stored[at] ^ 1]) + stored[at + 1 :])
+    one_line_error("solve", d / "s.npz", "--solver", "lemke", names=["s.npz", "damaged", "M"])
     one_line_error(
         "solve",
         npz(d / "g.npz", M=m, q=q),
