@@ -3,8 +3,8 @@
 #pragma once
 
 #include "harness/cell/cell_run.h"
-#include "harness/measure/problem_source.h"
 #include "harness/control/simulation.h"
+#include "harness/measure/problem_source.h"
 
 typedef struct measured {
   /* One evaluation, or n_inner of them: fills the row and gives the seconds of one. */

@@ -7,7 +7,10 @@ static const arg_option options[] = {
      .kind = ARG_TEXT,
      .value = "FOLDER",
      .help = "folder of profile.pdf and profile.png; . where none is given"},
-    {.name = "--format", .kind = ARG_TEXT, .value = "table|csv|json", .help = "form of the table that is printed; table where none is given"},
+    {.name = "--format",
+     .kind = ARG_TEXT,
+     .value = "table|csv|json",
+     .help = "form of the table that is printed; table where none is given"},
 };
 static const arg_table args = {
     options, BASE_COUNT(options), 1, 1, "DIR", "campaign folder, or a folder of them"};

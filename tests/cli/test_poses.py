@@ -1,5 +1,5 @@
 """`regularized` posed twice: normal impulses alone with a loop of modes, and all impulses at once
-over cones with a compliance. One law, so one motion; what one of the two does not have it refuses."""
+over cones with a compliance. One law, so one motion; an option that one pose lacks, it refuses."""
 
 from support import SANITIZED, one_line_error, run_json, tap
 
@@ -28,7 +28,8 @@ def observables(scene, formulation, solver, start):
 def one_motion_of_both(_):
     for scene in SCENES:
         for law in LAWS[: 1 if SANITIZED else 3]:
-            reduced, _ = observables(scene, f"regularized:{law}distribution=least_norm", "lemke", "cold")
+            by_normals = f"regularized:{law}distribution=least_norm"
+            reduced, _ = observables(scene, by_normals, "lemke", "cold")
             for storage in ("dense", "csc", "factored"):
                 cone = f"regularized:{law}pose=cone,storage={storage}"
                 start = "previous" if storage == "csc" else "cold"
@@ -64,16 +65,10 @@ def what_it_has_not_is_refused(_):
             names=[name, "pose=cone"],
         )
     one_line_error(
-        *("simulate", "slide", "--formulation", "regularized:storage=factored", "--solver", "lemke"),
+        *("simulate", "slide", "--formulation", "regularized:storage=factored"),
+        *("--solver", "lemke"),
         names=["storage", "pose=cone"],
     )
 
 
-tap(
-    [
-        one_motion_of_both,
-        other_solvers_of_cones,
-        unknowns_are_told,
-        what_it_has_not_is_refused,
-    ]
-)
+tap([one_motion_of_both, other_solvers_of_cones, unknowns_are_told, what_it_has_not_is_refused])

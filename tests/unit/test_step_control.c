@@ -3,8 +3,8 @@
 
 #include "harness/control/checkpoint.h"
 #include "harness/control/error_run.h"
-#include "harness/measure/predictions.h"
 #include "harness/control/simulation.h"
+#include "harness/measure/predictions.h"
 
 #include <string.h>
 
