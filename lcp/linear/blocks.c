@@ -587,37 +587,35 @@ static void divide_lower(int m, int n, const double *L, double *X) {
   }
 }
 
-/* C -= X' Y or X Y, C m x n, Y k x n, all by columns. */
-static void subtract_plain(double *C, const double *X, const double *Y, int m, int n, int k,
-                           bool transposed) {
-  for (int j = 0; j < n; j++) {
-    for (int c = 0; c < k; c++) {
-      const double f = Y[c + j * k];
-      for (int i = 0; i < m; i++) {
-        C[i + j * m] -= (transposed ? X[c + i * k] : X[i + c * m]) * f;
-      }
+/* to = X', X m x n, by columns. */
+static const double *transpose(int m, int n, const double *X, double *to) {
+  for (int c = 0; c < n; c++) {
+    for (int r = 0; r < m; r++) {
+      to[c + r * n] = X[r + c * m];
     }
   }
+  return to;
 }
 
-/* Blocks of the inverse in column p below the diagonal: -Z V, V = L_Rp L_pp^-1 in the place that they are to take; `own`:
- * room for a copy of V. */
+/* Blocks of the inverse in column p below the diagonal: -Z V, V = L_Rp L_pp^-1; `own`: room for V', in the order of the
+ * column. */
 static void invert_below(lin_blocks *s, int p, double *own) {
   const int n = rows(s, p), begin = s->column[p], end = s->column[p + 1];
-  if (begin == end) {
-    return;
-  }
-  const size_t first = s->at[begin], last = s->at[end - 1] + (size_t)(rows(s, s->row[end - 1]) * n);
-  memcpy(own, s->low + first, (last - first) * sizeof *own);
-  memset(s->inverse_low + first, 0, (last - first) * sizeof *own);
+  double turned[LIN_BLOCK_MAX * LIN_BLOCK_MAX];
+  const size_t first = (begin < end) ? s->at[begin] : 0;
   for (int k = begin; k < end; k++) {
-    divide_lower(rows(s, s->row[k]), n, s->diag + s->at_diag[p], own + s->at[k] - first);
+    const int m = rows(s, s->row[k]);
+    double *V = s->inverse_low + s->at[k];
+    memcpy(V, s->low + s->at[k], (size_t)(m * n) * sizeof *V);
+    divide_lower(m, n, s->diag + s->at_diag[p], V);
+    (void)transpose(m, n, V, own + (s->at[k] - first));
+    memset(V, 0, (size_t)(m * n) * sizeof *V);
   }
   for (int k = begin; k < end; k++) {
     const int i = s->row[k], height = rows(s, i);
+    const double *V = own + (s->at[k] - first);
     double *to = s->inverse_low + s->at[k];
-    subtract_plain(to, s->inverse_diag + s->at_diag[i], own + s->at[k] - first, height, n, height,
-                   false);
+    subtract(to, s->inverse_diag + s->at_diag[i], V, height, n, height);
     int from = s->column[i];
     for (int m = k + 1; m < end; m++) { /* Z of the later block j and this one: both ways */
       const int j = s->row[m], wide = rows(s, j);
@@ -625,13 +623,14 @@ static void invert_below(lin_blocks *s, int p, double *own) {
         from++;
       }
       const double *Z = s->inverse_low + s->at[from];
-      subtract_plain(to, Z, own + s->at[m] - first, height, n, wide, true);
-      subtract_plain(s->inverse_low + s->at[m], Z, own + s->at[k] - first, wide, n, height, false);
+      subtract(to, transpose(wide, height, Z, turned), own + (s->at[m] - first), height, n, wide);
+      subtract(s->inverse_low + s->at[m], Z, V, wide, n, height);
     }
   }
   for (int k = begin; k < end; k++) {
-    subtract_plain(s->inverse_diag + s->at_diag[p], own + s->at[k] - first,
-                   s->inverse_low + s->at[k], n, n, rows(s, s->row[k]), true);
+    const int m = rows(s, s->row[k]);
+    subtract(s->inverse_diag + s->at_diag[p], own + (s->at[k] - first),
+             transpose(m, n, s->inverse_low + s->at[k], turned), n, n, m);
   }
 }
 
