@@ -23,6 +23,9 @@ static const double joint_share = 1e-5; /* the same, of joints that say the same
 static const double body_joint_share =
     1e-3;                        /* the same in body space, where every row needs some */
 static const int few_rows = 128; /* of a stored matrix, that are chosen faster in contact space */
+static const int most_counted =
+    2000; /* contacts whose rank is counted: that fills in as the graph of all of them */
+static const double same_tol = 1e-8;    /* z over its terms */
 static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
@@ -293,12 +296,12 @@ static bool is_finite(const lcp_share *s) {
 
 /* Are the rows of step 1 those of the first round? Its factor then serves both. */
 static bool is_factored(const lcp_share *s) {
-  bool same = true;
-  for (int i = 0; i < s->p->M.n; i++) {
+  bool same = s->normals_regular;
+  for (int i = 0; i < s->p->M.n && same; i++) {
     const bool active = s->rows.kind[i] == SHARE_ACTIVE;
     same = same && s->rows.kind[i] != SHARE_SLIP && active == (s->system.local[i] >= 0);
   }
-  return same && s->normals_regular;
+  return same;
 }
 
 /* Joints are rigid: what body space gives them of a spring is taken back by solving again from where they are. */
@@ -439,6 +442,17 @@ static bool is_held(const lcp_share *s) {
   return false;
 }
 
+/* No normal impulse moves by more than delta can tell. */
+static bool is_same(const lcp_share *s, const double *z, const double *chosen) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    if (!(fabs(z[i] - chosen[i]) <= same_tol * lcp_share_scale(s, i))) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* Where nothing moves normal impulses alone are chosen; where the friction found stands in the way of that, friction
  * is chosen anew with them. */
 static base_status choose_among(lcp_share *s, double *z, lcp_share_result *out, base_error *err) {
@@ -457,10 +471,13 @@ static base_status choose_among(lcp_share *s, double *z, lcp_share_result *out, 
     }
     BASE_TRY(choose(s, z, made ? FREE_ROUNDS : MOST_ROUNDS, made, &better, out, err));
   }
-  if (made || better) {
-    memcpy(z, (again && !better) ? s->kept : s->z, n * sizeof *z);
-  }
+  const double *chosen = (again && !better) ? s->kept : s->z;
   out->outcome = (made || better) ? LCP_SHARE_MADE : LCP_SHARE_MISSED;
+  if (out->outcome == LCP_SHARE_MADE && !s->counted && is_same(s, z, chosen)) {
+    out->outcome = LCP_SHARE_UNIQUE; /* as far as delta tells */
+  } else if (out->outcome == LCP_SHARE_MADE) {
+    memcpy(z, chosen, n * sizeof *z);
+  }
   return BASE_OK;
 }
 
@@ -511,8 +528,16 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_s
   product(s, s->size);
   level_sizes(s);
   set_delta(s, most_soft);
-  BASE_TRY(rank_of_normals(s, out, err));
-  if (out->deficit > 0) {
+  s->counted = !(s->by_bodies && s->n_contact > most_counted);
+  if (s->counted) {
+    BASE_TRY(rank_of_normals(s, out, err));
+  } else {
+    int joints = 0;
+    BASE_TRY(begin_with_joints(s, &joints, &out->deficit, err));
+    s->normals_regular = false;
+    out->deficit = LCP_SHARE_UNCOUNTED;
+  }
+  if (out->deficit != 0) {
     BASE_TRY(choose_among(s, z, out, err));
   }
   out->factorizations = s->system.factorizations - factored;

@@ -18,7 +18,8 @@
  *      the limit and not near it.
  *
  * Of M = J W J' + S in factors all three are done in the body velocities (lcp_share_bodies.h): nothing grows with the square
- * of the contacts, and the rank is counted, not guessed from pivots.
+ * of the contacts, and the rank is counted, not guessed from pivots. Of more than 2000 contacts it is not counted: the choice is
+ * made from the contacts that carry, and z is unique where the choice is z to 1e-8.
  *
  * Where active rows are not found, or the result does not solve the problem, z stays as it was and the outcome is
  * LCP_SHARE_MISSED. */
@@ -32,9 +33,11 @@ typedef enum lcp_share_outcome {
   LCP_SHARE_MISSED, /* z is the solver's */
 } lcp_share_outcome;
 
+enum { LCP_SHARE_UNCOUNTED = -1 };
+
 typedef struct lcp_share_result {
   lcp_share_outcome outcome;
-  int deficit; /* touching normal rows less their rank */
+  int deficit; /* touching normal rows less their rank, or LCP_SHARE_UNCOUNTED */
   int rounds;  /* changes of active rows, Newton steps of cones included */
   long factorizations, backsolves;
 } lcp_share_result;

@@ -477,7 +477,8 @@ void lcp_share_begin_rows(lcp_share *s) {
   }
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
-    const bool in_touch = lcp_share_touches(s, b->start);
+    const bool in_touch =
+        s->counted ? lcp_share_touches(s, b->start) : lcp_share_carries(s, b->start);
     if (s->rests[k]) {
       r->kind[b->start] = in_touch ? SHARE_ACTIVE : SHARE_FIXED;
       s->lower[b->start] = carried(s, b);

@@ -37,6 +37,7 @@ struct lcp_share {
   lcp_csc copy; /* owned */
   double delta;
   bool normals_regular; /* step 1 left a factor */
+  bool counted;         /* step 1 was taken */
   double pull;          /* 1 while delta is in the problem, 0 once it has gone */
   double speed_slack;   /* slip speeds below zero by this share: delta's doing, until it has gone */
 };
@@ -56,10 +57,13 @@ static inline double lcp_share_scale(const lcp_share *s, int i) {
   return (s->diagonal[i] > 0) ? s->size[i] / s->diagonal[i] : 0;
 }
 
+static inline bool lcp_share_carries(const lcp_share *s, int i) {
+  return s->z[i] > LCP_SHARE_TOUCHING * lcp_share_scale(s, i);
+}
+
 /* Normal row i touches: it carries something, or does not part. Iterative solvers leave w above zero there. */
 static inline bool lcp_share_touches(const lcp_share *s, int i) {
-  return s->w[i] <= LCP_SHARE_TOUCHING * s->size[i] ||
-         s->z[i] > LCP_SHARE_TOUCHING * lcp_share_scale(s, i);
+  return s->w[i] <= LCP_SHARE_TOUCHING * s->size[i] || lcp_share_carries(s, i);
 }
 
 /* Contacts that M couples, and of which islands every touching contact is still: there only normal impulses are

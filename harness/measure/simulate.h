@@ -57,7 +57,7 @@ typedef struct sim_result {
   long nnz_max;
   lcp_storage storage;
   long n_solves, n_modes, n_fallbacks;
-  int deficit_max; /* most touching normal rows beyond their rank in one solve */
+  int deficit_max; /* most touching normal rows beyond their rank in one solve; LCP_SHARE_UNCOUNTED: not counted in all */
   long n_shared,
       n_share_missed; /* solves of which such an answer was chosen; could not be chosen */
   long n_evaluations; /* of the right-hand side, by formulations that integrate */

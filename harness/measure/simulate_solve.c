@@ -173,7 +173,11 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   BASE_TRY(lcp_share_apply(s->share, p, s->z, &made, err));
   s->out->time.share += base_seconds() - from;
   sim_result *r = s->out;
-  r->deficit_max = (made.deficit > r->deficit_max) ? made.deficit : r->deficit_max;
+  if (made.deficit == LCP_SHARE_UNCOUNTED || r->deficit_max == LCP_SHARE_UNCOUNTED) {
+    r->deficit_max = LCP_SHARE_UNCOUNTED;
+  } else {
+    r->deficit_max = (made.deficit > r->deficit_max) ? made.deficit : r->deficit_max;
+  }
   r->n_share_missed += made.outcome == LCP_SHARE_MISSED;
   *moved = made.outcome == LCP_SHARE_MADE;
   return BASE_OK;
