@@ -372,7 +372,12 @@ static void approach_limit(lcp_share *s) {
     double off = 0;
     memcpy(s->anchor, s->z, (size_t)s->p->M.n * sizeof *s->z);
     fill_right(s);
-    solve(s);
+    if (s->by_bodies) { /* each step corrects what the last one left */
+      lcp_share_bodies_correct(&s->bodies, &s->rows, s->right, s->z);
+      s->system.backsolves++;
+    } else {
+      solve(s);
+    }
     for (int m = 0; m < s->system.count; m++) {
       const int i = s->system.unknown[m];
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);

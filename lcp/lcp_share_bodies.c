@@ -245,3 +245,16 @@ int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *r
   }
   return count;
 }
+
+void lcp_share_bodies_correct(share_bodies *s, const share_rows *r, const double *right,
+                              double *z) {
+  const int n = s->p->M.n;
+  for (int i = 0; i < n; i++) {
+    s->sum[i] = (r->kind[i] != SHARE_FIXED) ? z[i] : 0;
+  }
+  residual(s, r, right, s->sum);
+  lin_body_space_solve(&s->space, s->off, s->x);
+  for (int i = 0; i < n; i++) {
+    z[i] += s->x[i];
+  }
+}

@@ -38,3 +38,6 @@ base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *
 
 /* z of the unknowns from right, with corrections from the residual; returns how many solutions that took. */
 int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *right, double *z);
+
+/* One correction of z towards the solution for right. */
+void lcp_share_bodies_correct(share_bodies *s, const share_rows *r, const double *right, double *z);
