@@ -31,8 +31,10 @@ base_status reg_cone_admits(const reg_options *o, base_error *err) {
     why = "model=lugre: its bristles are not linear";
   } else if (o->ellipse != 1) {
     why = "an ellipse: its cone is not round";
-  } else if (o->modes == REG_ONCE || o->modes == REG_PLAIN) {
-    why = "modes=once or plain: the solver finds the modes";
+  } else if (o->modes != REG_NEWTON) {
+    why = "modes=plain, secant or once: the solver finds the modes";
+  } else if (o->form != 0 || o->factor != 0) {
+    why = "form and factor: no springs are eliminated";
   }
   return (why == NULL) ? BASE_OK
                        : BASE_FAIL(err, BASE_EINVAL, "regularized: pose=cone is not for %s", why);

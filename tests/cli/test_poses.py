@@ -58,7 +58,13 @@ def unknowns_are_told(_):
 
 
 def what_it_has_not_is_refused(_):
-    for option, name in (("model=lugre", "lugre"), ("ellipse=0.5", "ellipse")):
+    for option, name in (
+        ("model=lugre", "lugre"),
+        ("ellipse=0.5", "ellipse"),
+        ("modes=secant", "modes"),
+        ("form=mass", "form"),
+        ("factor=cholmod", "factor"),
+    ):
         one_line_error(
             *("simulate", "slide", "--formulation", f"regularized:pose=cone,{option}"),
             *("--solver", "cone_newton"),
