@@ -91,13 +91,9 @@ base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_e
 
 /* ---- products -------------------------------------------------------------------------------- */
 
-void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, double *size) {
-  const lcp_problem *p = s->p;
-  const lcp_factored *f = p->M.factored;
-  lcp_matrix_apply(&p->M, z, p->q, w, s->scratch);
-  if (size == NULL) {
-    return;
-  }
+/* s->v = |G|' |z|: what the impulses z come to at most, by degrees of freedom. */
+static void gather_sizes(share_bodies *s, const double *z) {
+  const lcp_factored *f = s->p->M.factored;
   memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
   for (int g = 0; g < f->n_group; g++) {
     for (int k = 0; k < 2; k++) {
@@ -110,9 +106,11 @@ void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, doubl
       }
     }
   }
-  for (int i = 0; i < p->M.n; i++) {
-    size[i] = fabs(p->q[i]);
-  }
+}
+
+/* size += |G| s->v. */
+static void spread_sizes(const share_bodies *s, double *size) {
+  const lcp_factored *f = s->p->M.factored;
   for (int g = 0; g < f->n_group; g++) {
     for (int k = 0; k < 2; k++) {
       const lin_side a = lin_side_of(f, s->G, g, k);
@@ -123,6 +121,20 @@ void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, doubl
       }
     }
   }
+}
+
+void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, double *size) {
+  const lcp_problem *p = s->p;
+  const lcp_factored *f = p->M.factored;
+  lcp_matrix_apply(&p->M, z, p->q, w, s->scratch);
+  if (size == NULL) {
+    return;
+  }
+  gather_sizes(s, z);
+  for (int i = 0; i < p->M.n; i++) {
+    size[i] = fabs(p->q[i]);
+  }
+  spread_sizes(s, size);
   for (int j = 0; f->shift != NULL && j < p->M.n; j++) {
     if (z[j] != 0) {
       lcp_column_add_size(lcp_csc_column(f->shift, j), z[j], size);
@@ -139,49 +151,71 @@ void lcp_share_bodies_right(share_bodies *s, const share_rows *r, const double *
 
 /* ---- the system ------------------------------------------------------------------------------ */
 
+/* The n > 0 rows of a group that are in the system, rising, and T and Y (n x n, by columns) over them. */
+typedef struct group_system {
+  int n;
+  const int *row;
+  int place[LIN_GROUP_MAX]; /* by row - row[0]: which of the n, -1: none */
+  double *T, *Y;
+} group_system;
+
+static group_system system_of(const share_bodies *s, int g) {
+  group_system a = {.T = s->space.T + s->space.at[g], .Y = s->space.Y + s->space.at[g]};
+  a.n = lin_body_space_rows(&s->space, g, &a.row);
+  for (int i = 0, k = 0; a.n > 0 && i <= a.row[a.n - 1] - a.row[0]; i++) {
+    a.place[i] = (a.row[k] == a.row[0] + i) ? k++ : -1;
+  }
+  return a;
+}
+
+static void set_active(const group_system *a, const share_rows *r, int k) {
+  const int i = a->row[k];
+  a->Y[k + k * a->n] = 1;
+  a->T[k + k * a->n] += r->delta[i];
+  for (int m = i + 1; m < r->slips[i]; m++) {
+    if (r->kind[m] == SHARE_SLIP) {
+      a->T[a->place[m - a->row[0]] + k * a->n] += r->pull[m];
+    }
+  }
+}
+
+static void set_slip(const group_system *a, const share_rows *r, int k) {
+  const int i = a->row[k];
+  a->T[k + k * a->n] += r->own[i];
+  for (int m = 0; m < r->part_dim[i] && r->part_dim[i] == 2; m++) {
+    a->Y[k + a->place[r->part[i] + m - a->row[0]] * a->n] = r->gain[2 * i + m];
+  }
+}
+
+/* T += Y S, of S what is in the system. */
+static void add_shift(const group_system *a, const lcp_csc *shift) {
+  for (int k = 0; k < a->n; k++) {
+    const lcp_column c = lcp_csc_column(shift, a->row[k]);
+    for (int e = 0; e < c.count; e++) {
+      const int i = c.row[e] - a->row[0];
+      const int at = (i >= 0 && c.row[e] <= a->row[a->n - 1]) ? a->place[i] : -1;
+      for (int m = 0; m < a->n && at >= 0; m++) {
+        a->T[m + k * a->n] += a->Y[m + at * a->n] * c.val[e];
+      }
+    }
+  }
+}
+
 /* T and Y of group g, where row i of the system is T_i x + Y_i (J W J' x). Returns whether both are symmetric. */
 static bool local(share_bodies *s, const share_rows *r, int g) {
-  const lcp_csc *shift = s->p->M.factored->shift;
-  const int *row;
-  const int n = lin_body_space_rows(&s->space, g, &row);
-  double *T = s->space.T + s->space.at[g], *Y = s->space.Y + s->space.at[g];
-  int place[LIN_GROUP_MAX];
-  const int first = (n > 0) ? row[0] : 0;
+  const group_system a = system_of(s, g);
   bool symmetric = true;
-  for (int i = 0, k = 0; n > 0 && i <= row[n - 1] - first; i++) {
-    place[i] = (row[k] == first + i) ? k++ : -1;
+  for (int k = 0; k < a.n; k++) {
+    const bool active = r->kind[a.row[k]] == SHARE_ACTIVE;
+    (active ? set_active : set_slip)(&a, r, k);
+    symmetric = symmetric && active;
   }
-  for (int k = 0; k < n; k++) {
-    const int i = row[k];
-    if (r->kind[i] == SHARE_ACTIVE) {
-      Y[k + k * n] = 1;
-      T[k + k * n] += r->delta[i];
-      for (int m = i + 1; m < r->slips[i]; m++) {
-        if (r->kind[m] == SHARE_SLIP) {
-          T[place[m - first] + k * n] += r->pull[m];
-        }
-      }
-      continue;
-    }
-    symmetric = false;
-    T[k + k * n] += r->own[i];
-    for (int m = 0; m < r->part_dim[i] && r->part_dim[i] == 2; m++) {
-      Y[k + place[r->part[i] + m - first] * n] = r->gain[2 * i + m];
-    }
+  if (s->p->M.factored->shift != NULL) {
+    add_shift(&a, s->p->M.factored->shift);
   }
-  for (int k = 0; k < n && shift != NULL; k++) { /* T += Y S */
-    const lcp_column c = lcp_csc_column(shift, row[k]);
-    for (int e = 0; e < c.count; e++) {
-      const int i = c.row[e] - first;
-      const int at = (i >= 0 && c.row[e] <= row[n - 1]) ? place[i] : -1;
-      for (int m = 0; m < n && at >= 0; m++) {
-        T[m + k * n] += Y[m + at * n] * c.val[e];
-      }
-    }
-  }
-  for (int k = 0; k < n; k++) {
+  for (int k = 0; k < a.n; k++) {
     for (int m = 0; m < k; m++) {
-      symmetric = symmetric && T[m + k * n] == T[k + m * n];
+      symmetric = symmetric && a.T[m + k * a.n] == a.T[k + m * a.n];
     }
   }
   return symmetric;

@@ -155,16 +155,32 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
 
 /* ---- I + G'KG ---------------------------------------------------------------------------------- */
 
+/* The row from k on with the largest entry of column k. */
+static int pivot_row(int n, const double *A, int k) {
+  int p = k;
+  for (int i = k + 1; i < n; i++) {
+    p = (fabs(A[i + k * n]) > fabs(A[p + k * n])) ? i : p;
+  }
+  return p;
+}
+
+/* Column k was swapped with from[k], k going up; goes back. */
+static void swap_back(int n, const int *from, double *A) {
+  for (int k = n - 1; k >= 0; k--) {
+    for (int i = 0; i < n && from[k] != k; i++) {
+      const double x = A[i + k * n];
+      A[i + k * n] = A[i + from[k] * n];
+      A[i + from[k] * n] = x;
+    }
+  }
+}
+
 /* A (n x n, by columns) -> its inverse by Gauss-Jordan with row pivoting; B <- A^-1 B. False: singular. */
 static bool invert(int n, double *A, double *B) {
   double copy[LIN_GROUP_MAX];
   int from[LIN_GROUP_MAX];
   for (int k = 0; k < n; k++) {
-    int p = k;
-    for (int i = k + 1; i < n; i++) {
-      p = (fabs(A[i + k * n]) > fabs(A[p + k * n])) ? i : p;
-    }
-    from[k] = p;
+    const int p = from[k] = pivot_row(n, A, k);
     const double pivot = A[p + k * n];
     if (!(fabs(pivot) > 0)) {
       return false;
@@ -187,13 +203,7 @@ static bool invert(int n, double *A, double *B) {
       }
     }
   }
-  for (int k = n - 1; k >= 0; k--) {
-    for (int i = 0; i < n && from[k] != k; i++) {
-      const double x = A[i + k * n];
-      A[i + k * n] = A[i + from[k] * n];
-      A[i + from[k] * n] = x;
-    }
-  }
+  swap_back(n, from, A);
   return true;
 }
 
