@@ -29,7 +29,7 @@ _Static_assert(sizeof((lcp_plugin_block *)NULL)->part_dim == LCP_PARTS_MAX * siz
 enum {
   SLOT = 8,
   STOP_FIELDS = 4,
-  NAME_MAX_ = 40,
+  LONGEST_NAME = 40,
   MORE_OPTIONS = 24,
   GUARD = 64,
   GUARD_BYTE = 0xA5
@@ -250,7 +250,7 @@ static void release(void *st) {
 
 static bool is_name(const char *name) {
   const size_t length = (name != NULL) ? strlen(name) : 0;
-  return length > 0 && length <= NAME_MAX_ && name[0] >= 'a' && name[0] <= 'z' &&
+  return length > 0 && length <= LONGEST_NAME && name[0] >= 'a' && name[0] <= 'z' &&
          strspn(name, "abcdefghijklmnopqrstuvwxyz0123456789_") == length;
 }
 
@@ -305,7 +305,7 @@ static base_status check_descriptor(const lcp_plugin *d, base_error *err) {
                      d->size, LCP_PLUGIN_ABI, sizeof *d);
   }
   if (!is_name(d->name)) {
-    return BASE_FAIL(err, BASE_EINVAL, "name: need a-z, 0-9, _, at most %d", NAME_MAX_);
+    return BASE_FAIL(err, BASE_EINVAL, "name: need a-z, 0-9, _, at most %d", LONGEST_NAME);
   }
   if (registry_solver_find(d->name) != NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "a solver '%s' is there already", d->name);

@@ -137,8 +137,7 @@ static json_t *row_of(const attempt *a) {
 }
 
 base_status solve_all(const problem_source *src, const solver_choice *s, int n, double wall,
-                      const char *format, FILE *to, bool *verified, bool *stopped,
-                      base_error *err) {
+                      const char *format, FILE *to, solve_all_end *end, base_error *err) {
   static const char *const column[] = {"solver", "status", "verified",    "rho",
                                        "time_s", "n_iter", "certificate", "certificate_holds",
                                        "note",   NULL};
@@ -149,22 +148,21 @@ base_status solve_all(const problem_source *src, const solver_choice *s, int n, 
   isolate_catch_signals();
   while (done == BASE_OK && ran < n && isolate_stop_requested() == 0) {
     attempt *a = &all[ran];
-    isolate_end end;
+    isolate_end how;
     *a = (attempt){.src = src, .s = &s[ran], .r = {.status = RUN_NO_OUTPUT}};
     const isolate_work work = {sizeof *a, attempt_body, attempt_item, a};
-    done = isolate_run(&work, &limits, &end, err);
+    done = isolate_run(&work, &limits, &how, err);
     if (!a->done) {
-      a->r.status = death_word(&end, wall, a->r.note, sizeof a->r.note);
+      a->r.status = death_word(&how, wall, a->r.note, sizeof a->r.note);
     }
-    ran += (end.how == ISOLATE_INTERRUPTED) ? 0 : 1;
+    ran += (how.how == ISOLATE_INTERRUPTED) ? 0 : 1;
   }
-  *stopped = isolate_stop_requested() != 0;
-  *verified = false;
+  *end = (solve_all_end){.stopped = isolate_stop_requested() != 0};
   if (done == BASE_OK) {
     qsort(all, (size_t)ran, sizeof *all, by_worth);
     json_t *rows = json_array();
     for (int i = 0; i < ran; i++) {
-      *verified = *verified || (all[i].r.status == RUN_OK && all[i].r.verified);
+      end->verified = end->verified || (all[i].r.status == RUN_OK && all[i].r.verified);
       (void)json_array_append_new(rows, row_of(&all[i]));
     }
     if (!table_print(rows, column, format, to)) {

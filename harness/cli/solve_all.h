@@ -16,7 +16,12 @@ json_t *solve_report(const problem_source *src, const solver_choice *s, const so
 base_status solve_cone(const problem_source *src, const solve_record *r, const double *z,
                        lcp_verdict *room, const lcp_verdict **cone, base_error *err);
 
+typedef struct solve_all_end {
+  bool verified; /* one of the answers is */
+  bool stopped;  /* a signal came */
+} solve_all_end;
+
 /* Solves with each of the n solvers for at most `wall` seconds and prints one row each, verified answers first, the
- * fastest of them first (format: table.h). *verified: one of the answers is; *stopped: a signal came. */
+ * fastest of them first (format: table.h). */
 base_status solve_all(const problem_source *src, const solver_choice *s, int n, double wall,
-                      const char *format, FILE *to, bool *verified, bool *stopped, base_error *err);
+                      const char *format, FILE *to, solve_all_end *end, base_error *err);

@@ -142,11 +142,10 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
 
 static base_status solve_table(const problem_source *src, const solver_choices *c,
                                const solve_options *o, int *code, base_error *err) {
-  bool verified;
-  bool stopped;
+  solve_all_end end;
   BASE_TRY(solve_all(src, c->item, c->n, isnan(o->time_limit) ? 10.0 : o->time_limit,
-                     o->format != NULL ? o->format : "table", o->report, &verified, &stopped, err));
-  *code = stopped ? cli_stopped() : verified ? CLI_OK : CLI_HONEST;
+                     o->format != NULL ? o->format : "table", o->report, &end, err));
+  *code = end.stopped ? cli_stopped() : end.verified ? CLI_OK : CLI_HONEST;
   return BASE_OK;
 }
 

@@ -268,22 +268,27 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
   return BASE_OK;
 }
 
-static base_status run_even(controlled *c, bool *limited, base_error *err) {
+/* One step of h unless the run is over or has solved its share. */
+static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
-  const double T = s->q->duration;
+  bool taken;
+  *limited = c->account->solved >= c->rule->limit;
+  if (*limited || world_time(s->w) >= s->q->duration) {
+    return BASE_OK;
+  }
+  BASE_TRY(sim_step(s, c->record, h, &taken, err));
+  c->account->solved++;
+  return count(c, h, err);
+}
+
+static base_status run_even(controlled *c, bool *limited, base_error *err) {
   double at = 0.0;
   for (int k = 0; k < c->rule->n_stop; k++) {
     const double span = c->rule->stop[k] - at;
     const long n = lround(ceil(span / c->rule->first - SIM_LAST_STEP));
     at = c->rule->stop[k];
-    for (long i = 0; i < n && !*limited && !sim_hopeless(s); i++) {
-      bool taken;
-      *limited = c->account->solved >= c->rule->limit;
-      if (!*limited && world_time(s->w) < T) {
-        BASE_TRY(sim_step(s, c->record, span / (double)n, &taken, err));
-        c->account->solved++;
-        BASE_TRY(count(c, span / (double)n, err));
-      }
+    for (long i = 0; i < n && !*limited && !sim_hopeless(&c->run); i++) {
+      BASE_TRY(even_step(c, span / (double)n, limited, err));
     }
   }
   return BASE_OK;

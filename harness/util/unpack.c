@@ -23,28 +23,33 @@ static base_status damaged(const char *path, lzma_ret why, base_error *err) {
                                                   : "is packed with xz, and damaged");
 }
 
-static base_status decode(const char *path, lzma_stream *s, FILE *from, FILE *to, base_error *err) {
-  unsigned char in[65536];
-  unsigned char out[65536];
+/* The stream points into the buffers, so they live and end together. */
+typedef struct decoder {
+  lzma_stream s;
+  unsigned char in[65536], out[65536];
+} decoder;
+
+static base_status decode(const char *path, decoder *d, FILE *from, FILE *to, base_error *err) {
+  lzma_stream *s = &d->s;
   double size = 0.0;
   lzma_ret done = LZMA_OK;
   while (done == LZMA_OK) {
     if (s->avail_in == 0 && !feof(from)) {
-      s->next_in = in;
-      s->avail_in = fread(in, 1, sizeof in, from);
+      s->next_in = d->in;
+      s->avail_in = fread(d->in, 1, sizeof d->in, from);
       if (ferror(from)) {
         return BASE_FAIL(err, BASE_EIO, "%.300s: could not be read", path);
       }
     }
-    s->next_out = out;
-    s->avail_out = sizeof out;
+    s->next_out = d->out;
+    s->avail_out = sizeof d->out;
     done = lzma_code(s, feof(from) ? LZMA_FINISH : LZMA_RUN);
-    const size_t got = sizeof out - s->avail_out;
+    const size_t got = sizeof d->out - s->avail_out;
     size += (double)got;
     if (size > UNPACK_MAX) {
       return BASE_FAIL(err, BASE_EINVAL, "%.300s: is larger than 4 GiB unpacked", path);
     }
-    if (fwrite(out, 1, got, to) != got) {
+    if (fwrite(d->out, 1, got, to) != got) {
       return BASE_FAIL(err, BASE_ENOMEM, "%.300s: no memory to unpack it", path);
     }
   }
@@ -52,11 +57,11 @@ static base_status decode(const char *path, lzma_stream *s, FILE *from, FILE *to
 }
 
 static base_status unpack(const char *path, FILE *from, FILE *to, base_error *err) {
-  lzma_stream s = LZMA_STREAM_INIT;
-  const lzma_ret made = lzma_stream_decoder(&s, (uint64_t)1 << 28, LZMA_CONCATENATED);
+  decoder d = {.s = LZMA_STREAM_INIT};
+  const lzma_ret made = lzma_stream_decoder(&d.s, (uint64_t)1 << 28, LZMA_CONCATENATED);
   const base_status done =
-      (made == LZMA_OK) ? decode(path, &s, from, to, err) : damaged(path, made, err);
-  lzma_end(&s);
+      (made == LZMA_OK) ? decode(path, &d, from, to, err) : damaged(path, made, err);
+  lzma_end(&d.s);
   return done;
 }
 

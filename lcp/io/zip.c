@@ -116,7 +116,8 @@ base_status lcp_zip_open(lcp_zip *z, const char *path, base_error *err) {
 }
 
 static bool inflate_into(const unsigned char *from, size_t n, unsigned char *to, size_t size) {
-  z_stream s = {.next_in = from, .avail_in = (uInt)n, .next_out = to, .avail_out = (uInt)size};
+  z_stream s = {.next_in = from, .avail_in = (uInt)n, .avail_out = (uInt)size};
+  s.next_out = to;
   if (inflateInit2(&s, -MAX_WBITS) != Z_OK) {
     return false;
   }
