@@ -164,8 +164,10 @@ void lcp_cone_map(lcp_map map, const lcp_block *b, double lo, double hi, const d
     double dx, dy;
     F[0] = lcp_interval_map(map, lo, hi, x[0], y[0], &dx, &dy);
     if (X != NULL) {
-      X[0] = dx;
-      Y[0] = dy;
+      /* a tie is an open row, as of a cone: what neither carries nor parts stays out of the system */
+      const bool tie = map == LCP_MAP_MIN && y[0] == 0.0 && (x[0] == lo || x[0] == hi);
+      X[0] = tie ? 1.0 : dx;
+      Y[0] = tie ? 0.0 : dy;
     }
   } else if (map == LCP_MAP_FISCHER && b->n_part == 1 && b->part_mu[0] > 0.0) {
     fischer(b, x, y, F, X, Y);

@@ -12,10 +12,7 @@ static double fischer(double a, double b, double *ga, double *gb) {
 }
 
 static double minimum(double a, double b, double *ga, double *gb) {
-  *ga =
-      (a <= b)
-          ? 1.0
-          : 0.0; /* a tie is an open row: what neither carries nor parts stays out of the system */
+  *ga = (a < b) ? 1.0 : 0.0;
   *gb = 1.0 - *ga;
   return fmin(a, b);
 }
