@@ -49,9 +49,9 @@ static base_status choose_all(const solve_options *o, solver_choices *c, base_er
   if (c->item == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d solvers", n);
   }
-  for (; c->n < n; c->n++) {
-    BASE_TRY(
-        choose(o, all ? registry_solver(c->n)->name : o->solver.item[c->n], &c->item[c->n], err));
+  while (c->n < n) {
+    const char *text = all ? registry_solver(c->n)->name : o->solver.item[c->n];
+    BASE_TRY(choose(o, text, &c->item[c->n++], err)); /* counted first: what failed is freed too */
   }
   return BASE_OK;
 }
