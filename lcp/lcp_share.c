@@ -229,6 +229,9 @@ static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, bas
     return BASE_OK;
   }
   hold_joints(s, s->by_bodies ? body_joint_share * s->delta : 0);
+  if (!s->counted) {
+    return BASE_OK;
+  }
   BASE_TRY(rank_of_active(s, *count, deficit, err));
   if (!s->by_bodies) {
     hold_joints(s, (*deficit > 0) ? joint_share * s->delta : 0);
@@ -508,7 +511,7 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_s
   }
   s->view = *p;
   s->by_bodies = p->M.factored != NULL && (p->M.storage == LCP_FACTORED || n > few_rows) &&
-                 lcp_share_bodies_take(p);
+                 lin_body_space_admits(p->M.factored, NULL) == BASE_OK;
   if (s->by_bodies) {
     s->view.M = lcp_matrix_in_factors(&p->M);
   }

@@ -17,29 +17,6 @@ static int group_rows(const lcp_factored *f, int g) {
   return f->row_start[g + 1] - f->row_start[g];
 }
 
-bool lcp_share_bodies_take(const lcp_problem *p) {
-  const lcp_factored *f = p->M.factored;
-  for (int b = 0; b < f->n_body; b++) {
-    if (f->dof_start[b + 1] - f->dof_start[b] > LIN_BLOCK_MAX) {
-      return false;
-    }
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    if (group_rows(f, g) > LIN_GROUP_MAX) {
-      return false;
-    }
-    for (int j = f->row_start[g]; j < f->row_start[g + 1]; j++) {
-      const lcp_column c = lcp_csc_column(f->shift, j);
-      for (int k = 0; k < c.count; k++) {
-        if (c.val[k] != 0 && (c.row[k] < f->row_start[g] || c.row[k] >= f->row_start[g + 1])) {
-          return false;
-        }
-      }
-    }
-  }
-  return true;
-}
-
 /* ---- memory ---------------------------------------------------------------------------------- */
 
 static void layout(share_bodies *s, base_arena *a) {

@@ -19,9 +19,6 @@ typedef struct share_bodies {
 
 void lcp_share_bodies_close(share_bodies *s);
 
-/* Is every S of p inside a group, and every group and body of a size that linear/body_space.h takes? */
-bool lcp_share_bodies_take(const lcp_problem *p);
-
 /* Factors of W and G for the matrix of p. BASE_EINVAL: a weight is not positive semidefinite; BASE_ENOMEM. */
 base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_error *err);
 

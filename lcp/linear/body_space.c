@@ -2,6 +2,7 @@
 
 #include "lcp/base/arena.h"
 
+#include <assert.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -99,7 +100,21 @@ static base_status memory(void **mem, lin_body_space *s,
   return BASE_OK;
 }
 
-static base_status admit(const lcp_factored *f, base_error *err) {
+/* S couples no rows of different groups. */
+static base_status admit_shift(const lcp_factored *f, int g, base_error *err) {
+  for (int j = f->row_start[g]; j < f->row_start[g + 1]; j++) {
+    for (int k = f->shift->colptr[j]; k < f->shift->colptr[j + 1]; k++) {
+      const int i = f->shift->rowind[k];
+      if (f->shift->val[k] != 0.0 && (i < f->row_start[g] || i >= f->row_start[g + 1])) {
+        return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                         "S couples rows %d and %d of different groups: need storage=csc", i, j);
+      }
+    }
+  }
+  return BASE_OK;
+}
+
+base_status lin_body_space_admits(const lcp_factored *f, base_error *err) {
   for (int b = 0; b < f->n_body; b++) {
     if (f->dof_start[b + 1] - f->dof_start[b] > LIN_BLOCK_MAX) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "body %d has %d velocities: need at most %d", b,
@@ -111,6 +126,9 @@ static base_status admit(const lcp_factored *f, base_error *err) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "group %d has %d rows: need at most %d", g,
                        f->row_start[g + 1] - f->row_start[g], (int)LIN_GROUP_MAX);
     }
+    if (f->shift != NULL) {
+      BASE_TRY(admit_shift(f, g, err));
+    }
   }
   return BASE_OK;
 }
@@ -119,7 +137,7 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
                                  const double *scale, const unsigned char *member,
                                  base_error *err) {
   const int n = f->row_start[f->n_group], dof = f->dof_start[f->n_body];
-  BASE_TRY(admit(f, err));
+  assert(lin_body_space_admits(f, NULL) == BASE_OK);
   if (s->mem == NULL || f->n_group > s->cap_group || n > s->cap_n || dof > s->cap_dof) {
     s->cap_group = (f->n_group > s->cap_group) ? f->n_group + f->n_group / 2 : s->cap_group;
     s->cap_n = (n > s->cap_n) ? n + n / 2 : s->cap_n;

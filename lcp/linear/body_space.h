@@ -54,8 +54,11 @@ typedef struct lin_body_space {
 
 void lin_body_space_close(lin_body_space *s); /* accepts zeroes, and leaves them */
 
-/* Takes the rows where member[i] (n), T = Y = 0. BASE_EUNSUPPORTED: a body of more than LIN_BLOCK_MAX velocities, a group of more
- * than LIN_GROUP_MAX rows. */
+/* BASE_EUNSUPPORTED: a body of more than LIN_BLOCK_MAX velocities, a group of more than LIN_GROUP_MAX rows, an S that couples
+ * groups; the line says which. err may be NULL. */
+base_status lin_body_space_admits(const lcp_factored *f, base_error *err);
+
+/* Takes the rows where member[i] (n), T = Y = 0, of factors that are admitted. BASE_ENOMEM only. */
 base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const double *G,
                                  const double *scale, const unsigned char *member, base_error *err);
 

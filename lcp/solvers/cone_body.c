@@ -5,32 +5,12 @@
 base_status lcp_cone_body_check(const lcp_cone_step *s, const lcp_problem *p,
                                 const lcp_cone_scaled *c, base_error *err) {
   const lcp_factored *f = p->M.factored;
-  for (int b = 0; b < f->n_body; b++) {
-    if (f->dof_start[b + 1] - f->dof_start[b] > LIN_BLOCK_MAX) {
-      return BASE_FAIL(err, BASE_EUNSUPPORTED, "body %d has %d velocities: need at most %d", b,
-                       f->dof_start[b + 1] - f->dof_start[b], (int)LIN_BLOCK_MAX);
-    }
-  }
+  BASE_TRY(lin_body_space_admits(f, err));
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *b = &c->piece[k];
     if (s->sweep.group[b->start] != s->sweep.group[b->start + b->size - 1]) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED,
                        "cone at row %d spans two groups of the factored form", b->start);
-    }
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    if (f->row_start[g + 1] - f->row_start[g] > LIN_GROUP_MAX) {
-      return BASE_FAIL(err, BASE_EUNSUPPORTED, "group %d has %d rows: need at most %d", g,
-                       f->row_start[g + 1] - f->row_start[g], (int)LIN_GROUP_MAX);
-    }
-  }
-  for (int j = 0; f->shift != NULL && j < p->M.n; j++) {
-    for (int k = f->shift->colptr[j]; k < f->shift->colptr[j + 1]; k++) {
-      const int i = f->shift->rowind[k];
-      if (s->sweep.group[i] != s->sweep.group[j] && f->shift->val[k] != 0.0) {
-        return BASE_FAIL(err, BASE_EUNSUPPORTED,
-                         "S couples rows %d and %d of different groups: need storage=csc", i, j);
-      }
     }
   }
   return BASE_OK;
