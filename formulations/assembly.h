@@ -196,6 +196,11 @@ static inline const double *form_own_block(const form_assembly *a, int i) {
   return a->block + a->block_at[a->self[i]];
 }
 
+/* Is a stored matrix of n rows worth its factors beside it? It is large, and nothing was eliminated from the assembly. */
+static inline bool form_keeps_factors(const form_assembly *a, int n) {
+  return n > 128 && a->set->n_group == a->set->n_contact && !a->reduced;
+}
+
 /* Largest eigenvalue of the dim x dim block of C (dim 1 or 2) at rows `at` of contact i [1/kg]: the inverse of the effective
  * mass in these directions. */
 double form_mobility(const form_assembly *a, int i, int at, int dim);

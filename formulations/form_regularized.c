@@ -182,7 +182,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
     s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);
-    return row_assembly_begin(&s->a, c, (row_storage)s->cone.storage, &rule, &s->memory, err);
+    return row_assembly_begin(&s->a, c, (row_storage)s->cone.storage, true, &rule, &s->memory, err);
   }
   choose_form(s, c);
   if (s->by_mass) {

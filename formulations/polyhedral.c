@@ -170,11 +170,9 @@ static base_status fill_factors(polyhedral *s, base_error *err) {
   return BASE_OK;
 }
 
-/* Large enough for factors beside the matrix to be worth their memory, and nothing was eliminated. */
-static bool has_factors(const polyhedral *s) {
-  const contact_set *c = s->a.set;
-  const bool three = s->opt.planar == POLY_THREE && c->dim == 2 && s->rows != FORM_ROWS_NORMAL;
-  return s->n > 128 && c->n_group == c->n_contact && !s->a.reduced && !three;
+/* The planar form of three unknowns has no facets to make factors of. */
+static bool is_faceted(const polyhedral *s) {
+  return s->opt.planar != POLY_THREE || s->a.set->dim != 2 || s->rows == FORM_ROWS_NORMAL;
 }
 
 static base_status fill_matrix(polyhedral *s, base_error *err) {
@@ -194,7 +192,7 @@ static base_status fill_matrix(polyhedral *s, base_error *err) {
     poly_fill_csc(s);
     s->M.csc = (lcp_csc){s->n, s->n, s->m.colptr, s->m.rowind, s->m.val};
   }
-  return has_factors(s) ? fill_factors(s, err) : BASE_OK;
+  return (form_keeps_factors(&s->a, s->n) && is_faceted(s)) ? fill_factors(s, err) : BASE_OK;
 }
 
 /* Speed at which active contact i was met in the step before and that it has not given back, <= 0. */

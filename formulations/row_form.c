@@ -102,14 +102,8 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   s->opt = *opt;
   s->start = start;
   BASE_TRY(contact_memory_begin(&s->memory, PAST_STRIDE, c, err));
-  if (opt->storage == ROW_FACTORED) { /* C is not needed but for its factors */
-    BASE_TRY(form_assembly_begin_own(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
-  } else {
-    BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_ALL, &rule, &s->memory, err));
-  }
-  if (opt->joints == 0 && opt->storage != ROW_FACTORED) {
-    BASE_TRY(form_assembly_eliminate(&s->a, err));
-  }
+  BASE_TRY(row_assembly_begin(&s->a, c, (row_storage)opt->storage, opt->joints == 0, &rule,
+                              &s->memory, err));
   BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)opt->storage, err));
   const size_t scratch = lcp_matrix_scratch(&s->matrix.M);
   if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group ||

@@ -23,12 +23,13 @@ row_storage row_storage_of(row_storage storage, const contact_set *c) {
 }
 
 base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_storage storage,
-                               const form_rule *rule, contact_memory *memory, base_error *err) {
+                               bool eliminate, const form_rule *rule, contact_memory *memory,
+                               base_error *err) {
   if (storage == ROW_FACTORED) { /* C is not needed but for its factors */
     return form_assembly_begin_own(a, c, FORM_ROWS_ALL, rule, memory, err);
   }
   BASE_TRY(form_assembly_begin(a, c, FORM_ROWS_ALL, rule, memory, err));
-  return form_assembly_eliminate(a, err);
+  return eliminate ? form_assembly_eliminate(a, err) : BASE_OK;
 }
 
 static void layout_rows(void *state, base_arena *a) {
@@ -137,11 +138,6 @@ static void fill_factored(row_matrix *m, const form_assembly *a) {
   m->M.factored = &m->factored;
 }
 
-/* Large enough for factors beside the matrix to be worth their memory, and nothing was eliminated. */
-static bool has_factors(const form_assembly *a) {
-  return a->n_row > 128 && a->set->n_group == a->set->n_contact && !a->reduced;
-}
-
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err) {
   const size_t n = (size_t)a->n_row;
@@ -149,7 +145,7 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
   if (storage == ROW_AUTO) {
     storage = (n <= 64 || nnz > n * n / 4) ? ROW_DENSE : ROW_CSC;
   }
-  const bool beside = has_factors(a) && storage != ROW_FACTORED;
+  const bool beside = form_keeps_factors(a, a->n_row) && storage != ROW_FACTORED;
   size_t jac = 0;
   for (int i = 0; (beside || storage == ROW_FACTORED) && i < a->n_group; i++) {
     jac += jacobian_size(a, i);

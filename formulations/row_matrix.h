@@ -20,9 +20,10 @@ typedef struct row_matrix {
 /* What `storage` is for this set: ROW_AUTO becomes ROW_FACTORED where factors pay, and stays for row_matrix_build otherwise. */
 row_storage row_storage_of(row_storage storage, const contact_set *c);
 
-/* The assembly that the storage needs, joints eliminated unless it is ROW_FACTORED. */
+/* The assembly that the storage needs; `eliminate`: without joints, unless it is ROW_FACTORED. */
 base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_storage storage,
-                               const form_rule *rule, contact_memory *memory, base_error *err);
+                               bool eliminate, const form_rule *rule, contact_memory *memory,
+                               base_error *err);
 
 /* Large matrices without joints have their factors beside them. ROW_FACTORED takes an assembly of own blocks only, with its joints still in it: joints that were
  * eliminated cannot be expressed by factors. */
