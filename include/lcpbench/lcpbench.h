@@ -106,7 +106,7 @@ int lcp_residual(const lcp_problem *p, const double *z, double *w);
 typedef struct lcp_report {
   const char *solver; /* its name; "" after lcp_verify */
   const char *
-      status; /* verdict: "ok", "near", "stalled", "max_iter", "time_limit", "ray", "infeasible" (proved),
+      status; /* verdict: "ok", "near", "stalled", "budget", "max_iter", "time_limit", "ray", "infeasible" (proved),
                               "unverified" (claimed, and wrong), "numerical", "unsupported", "error" */
   const char *claim; /* what the solver said: "ok", "max_iter", ..., "" where it was not asked */
   int verified;      /* 1: rho <= tolerance, by the judge alone */

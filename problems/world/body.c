@@ -6,8 +6,7 @@ static unsigned spec_bit(int axis) {
   return 1u << axis;
 }
 
-/* Axes that exist in this scene at all. */
-static unsigned scene_axes(int dim, unsigned effects) {
+unsigned body_axes(int dim, unsigned effects) {
   unsigned axes = SPEC_X | SPEC_Y;
   if (dim == 3) {
     axes = ((effects & EFFECT_SPATIAL) != 0) ? (unsigned)(SPEC_X | SPEC_Y | SPEC_Z | SPEC_ROT)
@@ -41,7 +40,7 @@ void body_start(body *b, const spec_body *s, int dim, unsigned effects) {
     b->inertia[k] = s->inertia[(dim == 3) ? k : 0];
   }
   const unsigned moves = (effects & EFFECT_MOTION) != 0 ? ~0u : 0u;
-  const unsigned exist = scene_axes(dim, effects);
+  const unsigned exist = body_axes(dim, effects);
   const unsigned driven = moves & (s->kinematic ? ~0u : s->prescribed);
   b->driven = false;
   b->spins = false;
@@ -239,6 +238,17 @@ void body_move(body *b, int dim, double h) {
     b->angle += h * b->v[5];
   }
   body_orient(b, dim);
+}
+
+void body_shift(body *b, int dim, double h, const double *shift) {
+  double v[6];
+  memcpy(v, b->v, sizeof v);
+  memset(b->v, 0, sizeof v);
+  for (int k = 0; k < b->n_dof; k++) {
+    b->v[b->axis[k]] = shift[b->dof + k];
+  }
+  body_move(b, dim, h);
+  memcpy(b->v, v, sizeof v);
 }
 
 double body_kinetic(const body *b, int dim) {

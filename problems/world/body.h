@@ -23,6 +23,9 @@ typedef struct body {
   double driven_v0[6], driven_a[6];
 } body;
 
+/* Axes (SPEC_ bits) that bodies of a scene have with these effects. */
+unsigned body_axes(int dim, unsigned effects);
+
 /* Initial state of s. Axes of undeclared effects are locked: without rotation no body turns,
  * without motion nothing is driven, and a three-dimensional scene without the spatial effect moves
  * in the x-z plane only. */
@@ -53,6 +56,8 @@ base_status body_free_velocity(const body *b, int dim, bool gyroscopic, double h
 
 /* Moves the pose by h with the velocity b->v. */
 void body_move(body *b, int dim, double h);
+/* Moves by h times `shift` (of all dofs); the velocity stays. */
+void body_shift(body *b, int dim, double h, const double *shift);
 
 double body_kinetic(const body *b, int dim);
 

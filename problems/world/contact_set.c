@@ -137,3 +137,28 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
     }
   }
 }
+
+/* The normal speed of contact i with the free velocity [m/s], positive when it opens. */
+static double free_normal_speed(const contact_set *c, int i) {
+  const int rows = c->row_start[i + 1] - c->row_start[i];
+  const double *jac = c->jac + c->jac_start[i];
+  double u = c->u_drift[c->row_start[i]];
+  for (int s = 0; s < 2; s++) {
+    const int b = c->body[2 * i + s];
+    const int n = contact_dofs(c, b);
+    for (int k = 0; k < n; k++) {
+      u += jac[k] * c->v_free[c->dof_start[b] + k];
+    }
+    jac += (ptrdiff_t)rows * n;
+  }
+  return u;
+}
+
+double contact_approach(const contact_set *c) {
+  double farthest = 0.0;
+  for (int i = 0; i < c->n_contact; i++) {
+    const double travel = (c->gap[i] > c->tol) ? -c->h * free_normal_speed(c, i) : 0.0;
+    farthest = (c->gap[i] < travel) ? fmax(farthest, travel) : farthest;
+  }
+  return farthest;
+}

@@ -17,6 +17,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* The low bits of an id tell copies of one contact apart (spec: contact_multiplicity). */
+enum { CONTACT_COPY_BITS = 8 };
+
 /* Row counts of one contact. */
 typedef struct contact_rows {
   unsigned char tangent, torsion, rolling; /* 0..2, 0..1, 0..2 */
@@ -77,6 +80,10 @@ base_status contact_set_check(const contact_set *c, base_error *err);
 /* Invariant for assert, which looks at no number with a unit: ids increase, so each is there once; the groups and their
  * Jacobians follow each other without a gap; a contact's rows are its normal and then what `rows` counts. */
 bool contact_set_is_ordered(const contact_set *c);
+
+/* How deep a gap that closes inside the step can get [m]: h times the fastest approach, with the free velocity, of the
+ * contacts that are open and would close in the step. 0 without one. */
+double contact_approach(const contact_set *c);
 
 /* u = J v + u_drift (u_drift NULL: J v alone), n_row. */
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,

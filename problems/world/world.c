@@ -279,6 +279,12 @@ void world_note_impulses(world *w, const double *impulse) {
   }
 }
 
+void world_shift(world *w, const double *shift) {
+  for (int i = 0; i < w->n_body && w->model == NULL; i++) {
+    body_shift(&w->body[i], w->dim, w->h, shift);
+  }
+}
+
 base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err) {
   if (!(w->h > 0.0)) {
     return BASE_FAIL(err, BASE_EINVAL, "advance: no contact set was asked for yet");

@@ -34,6 +34,9 @@ base_status world_contacts_curved(world *w, double h, double margin, contact_set
  * world_contact_force; NULL: none. */
 base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err);
 
+/* q <- q + h N shift of bodies after world_advance (formulation_answer.shift); velocities stay. */
+void world_shift(world *w, const double *shift);
+
 double world_time(const world *w);
 unsigned world_effects(const world *w);
 unsigned world_occurring(const world *w);   /* those of them that occur in the scene's data */
@@ -51,7 +54,7 @@ base_status world_acceleration(world *w, double *a, base_error *err);
 
 /* Everything of a world that its next step depends on, its clock included, as world_saved_size numbers: a step from a
  * loaded state has the bits of the step from the state that was saved. Of a world of the same spec; the effects may
- * differ where both move the same axes. */
+ * differ: an axis that stands still without one of them is at rest after the load. */
 size_t world_saved_size(const world *w);
 void world_save(const world *w, double *state);
 void world_load(world *w, const double *state);
@@ -59,6 +62,22 @@ void world_load(world *w, const double *state);
  * largest difference of its velocities [m/s]. Generalised coordinates count as metres. */
 void world_saved_distance(const world *w, const double *a, const double *b, double *position,
                           double *velocity);
+/* Richardson's extrapolation of two saved states of the same time, one of them reached by half the steps: 2 fine - coarse in
+ * places, turns and velocities. What is first order in the step cancels. */
+void world_extrapolate(world *w, const double *coarse, const double *fine);
+/* What one step of h from `start` and two of h/2 differ by beyond what a constant acceleration explains, h (v_fine -
+ * v_start) / 4: the largest over the points of all bodies [m]; of third order where the motion is smooth. */
+double world_saved_bend(const world *w, double h, const double *start, const double *coarse,
+                        const double *fine);
+
+/* What the effects that the world leaves out of `effects` would do in the step from its last set to v_next with these
+ * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the
+ * step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
+ * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. */
+void world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
+                   double change[EFFECT_COUNT]);
+/* Those of `effects` (rotation, spatial) that a velocity or a prescribed motion of the scene needs. */
+unsigned world_moved_by(const scene_spec *spec, unsigned effects);
 
 /* "body.x", "body.pos", "body.vel", "body.omega.z", "body.angle", ...: false if there is no such
  * quantity. dir (or NULL) picks a component of a vector; without dir a vector gives its norm. */
@@ -77,6 +96,8 @@ world_surface_speed(const world *w); /* bound of the speed of every point of eve
  * distance between their bounding balls, or `margin` [m] where that is more [1/s]. A pair that slides along a
  * half-space comes no nearer. */
 double world_closing_rate(const world *w, double margin);
+/* Springs and dampers, which are explicit, refuse steps of this length and longer; HUGE_VAL: there are none [s]. */
+double world_longest_step(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
 bool world_finite(const world *w);
 

@@ -16,7 +16,7 @@ typedef struct contact_item {
 
 /* id = side a | side b | piece of a | piece of b | feature | copy, 64 bits in all */
 enum {
-  ID_COPY_BITS = 8,
+  ID_COPY_BITS = CONTACT_COPY_BITS,
   ID_FEATURE_BITS = 12,
   ID_PIECE_BITS = 3,
   ID_SIDE_BITS = 19,
@@ -73,6 +73,8 @@ typedef enum world_unit {
   PER_COUNT
 } world_unit;
 
+enum { WORLD_RESIDUAL = 10 }; /* numbers of what acts on a body without the effects left out */
+
 /* Every array of a world has one line here, X(element, name, unit, elements for one unit). The line declares the
  * array, and world_memory.c grows and frees it. */
 #define WORLD_ARRAYS(X)                                                                            \
@@ -80,8 +82,9 @@ typedef enum world_unit {
   X(joint_data, joint, PER_JOINT, 1)                                                               \
   X(piece, piece, PER_PIECE, 1)                                                                    \
   X(double, vertex, PER_VERTEX, 3)                                                                 \
-  X(int, free_body, PER_MOVING, 1) /* bodies with dofs */                                          \
-  X(double, curve, PER_CURVE, 1)   /* u_curve of the last set */                                   \
+  X(int, free_body, PER_MOVING, 1)              /* bodies with dofs */                             \
+  X(double, residual, PER_BODY, WORLD_RESIDUAL) /* world_omitted.c */                              \
+  X(double, curve, PER_CURVE, 1)                /* u_curve of the last set */                      \
   X(double, displaced, PER_DISPLACED, 1)
 
 /* Behind the contact_set views. */
@@ -174,6 +177,8 @@ base_status detect_min_gap(world *w, double *gap, base_error *err);
 
 /* world_rows.c: groups, rows and Jacobians of the detected points and the joints. */
 base_status world_assemble(world *w, double h, base_error *err);
+/* Rows of a joint that some dof can move: those that are posed. */
+int joint_rows_posed(const world *w, const joint_data *j, joint_row *row);
 /* Room for a set of this size. */
 base_status world_reserve_set(world *w, size_t n_group, size_t n_row, size_t n_jac,
                               base_error *err);

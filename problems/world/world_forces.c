@@ -167,15 +167,17 @@ static double mobility_of(const world *w, const spec_load *l, int b) {
   return 1.0 / ((l->kind == SPEC_TORSION_SPRING) ? y->inertia[2] : y->mass);
 }
 
+static bool is_spring(const spec_load *l) {
+  return l->kind == SPEC_SPRING || l->kind == SPEC_SPRING_PAIR || l->kind == SPEC_TORSION_SPRING;
+}
+
 /* Explicit springs and dampers: refuses steps beyond a + 2 b < 4, a = h^2 k/m, b = h c/m, 1/m the sum over
  * both ends. There l^2 - (2 - a - b) l + 1 - b, of the step of one spring alone, has a root l <= -1 (Jury's
  * criterion); several springs on one body may need less. */
 static base_status check_stiffness(const world *w, double h, base_error *err) {
   for (int i = 0; i < w->spec.n_load; i++) {
     const spec_load *l = &w->spec.load[i];
-    const bool spring =
-        l->kind == SPEC_SPRING || l->kind == SPEC_SPRING_PAIR || l->kind == SPEC_TORSION_SPRING;
-    if (!spring) {
+    if (!is_spring(l)) {
       continue;
     }
     const double inverse = mobility_of(w, l, l->body) + mobility_of(w, l, l->other);
@@ -187,6 +189,22 @@ static base_status check_stiffness(const world *w, double h, base_error *err) {
     }
   }
   return BASE_OK;
+}
+
+double world_longest_step(const world *w) {
+  double longest = HUGE_VAL;
+  for (int i = 0; world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
+    const spec_load *l = &w->spec.load[i];
+    const double inverse =
+        is_spring(l) ? mobility_of(w, l, l->body) + mobility_of(w, l, l->other) : 0.0;
+    const double c = is_spring(l) ? damping_of(w, l) : 0.0;
+    if (inverse > 0.0 && (l->k > 0.0 || c > 0.0)) {
+      /* the root of h^2 k + 2 h c = 4 / inverse */
+      const double h = 4.0 / (inverse * (c + sqrt(c * c + 4.0 * l->k / inverse)));
+      longest = fmin(longest, h);
+    }
+  }
+  return longest;
 }
 
 base_status world_free_motion(world *w, double h, base_error *err) {

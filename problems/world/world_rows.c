@@ -98,26 +98,31 @@ static void write_row(world *w, row_at *r, const double *d, bool angular) {
   r->row++;
 }
 
+/* Without the spatial effect all motion is in a plane: one tangent, one rolling axis. */
+static bool in_plane(const world *w) {
+  return w->dim == 2 || !world_has(w, EFFECT_SPATIAL);
+}
+
 /* Tangents: planar t = n turned by -90 degrees (n up: t along +x); spatial t1 = world x projected
- * on the contact plane, world y where x is nearly normal, t2 = n x t1. */
-static void tangents(int dim, double *frame) {
+ * on the contact plane, world y where x is nearly normal, t2 = n x t1. Motion in the x-z plane of space has t1 in that
+ * plane, y x n, wherever n points. */
+static void tangents(const world *w, double *frame) {
   const double *n = frame;
   double *t1 = frame + 3, *t2 = frame + 6;
-  if (dim == 2) {
+  if (w->dim == 2) {
     t1[0] = n[1], t1[1] = -n[0], t1[2] = 0.0;
     t2[0] = t2[1] = t2[2] = 0.0;
     return;
   }
   const double x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
-  const double *e = (fabs(n[0]) < 1.0 - 1e-6) ? x : y;
-  v3_add_scaled(e, -v3_dot(e, n), n, t1);
+  if (in_plane(w) && hypot(n[0], n[2]) > 0.0) {
+    v3_cross(y, n, t1);
+  } else {
+    const double *e = (fabs(n[0]) < 1.0 - 1e-6) ? x : y;
+    v3_add_scaled(e, -v3_dot(e, n), n, t1);
+  }
   v3_scale(1.0 / v3_norm(t1), t1, t1);
   v3_cross(n, t1, t2);
-}
-
-/* Without the spatial effect all motion is in a plane: one tangent, one rolling axis. */
-static bool in_plane(const world *w) {
-  return w->dim == 2 || !world_has(w, EFFECT_SPATIAL);
 }
 
 static contact_rows rows_of(const world *w, const contact_item *c) {
@@ -169,7 +174,7 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
   double *frame = s->frame + 9 * (ptrdiff_t)i;
   static const double z[3] = {0, 0, 1};
   v3_copy(c->n, frame);
-  tangents(w->dim, frame);
+  tangents(w, frame);
   v3_copy(c->x, s->point + 3 * (ptrdiff_t)i);
   s->id[i] = c->id;
   s->gap[i] = c->gap;
@@ -229,7 +234,7 @@ static bool row_moves(const world *w, const joint_data *j, const joint_row *r) {
   return false;
 }
 
-static int moving_rows(const world *w, const joint_data *j, joint_row *row) {
+int joint_rows_posed(const world *w, const joint_data *j, joint_row *row) {
   const int n = joint_rows(w, j, row);
   int kept = 0;
   for (int k = 0; k < n; k++) {
@@ -243,7 +248,7 @@ static int moving_rows(const world *w, const joint_data *j, joint_row *row) {
 static void fill_joint(world *w, const joint_data *j, int group, double h) {
   set_store *s = &w->store;
   joint_row row[JOINT_ROWS_MAX];
-  const int n = moving_rows(w, j, row), side[2] = {j->a, j->b};
+  const int n = joint_rows_posed(w, j, row), side[2] = {j->a, j->b};
   row_at at = rows_of_group(w, group, side, h);
   for (int k = 0; k < n; k++) {
     const int own = at.row - s->row_start[w->set.n_contact];
@@ -283,7 +288,7 @@ static base_status index_groups(world *w, int *n_group, base_error *err) {
   }
   w->set.n_contact = s->n_item;
   for (int i = 0; i < w->n_joint; i++) {
-    const int rows = moving_rows(w, &w->joint[i], row);
+    const int rows = joint_rows_posed(w, &w->joint[i], row);
     if (rows > 0) {
       add_group(w, &g, w->joint[i].a, w->joint[i].b, rows);
     }
@@ -302,7 +307,7 @@ base_status world_assemble(world *w, double h, base_error *err) {
   }
   int group = s->n_item;
   for (int i = 0; i < w->n_joint; i++) {
-    if (moving_rows(w, &w->joint[i], row) > 0) {
+    if (joint_rows_posed(w, &w->joint[i], row) > 0) {
       fill_joint(w, &w->joint[i], group++, h);
     }
   }

@@ -139,6 +139,17 @@ void world_save(const world *w, double *state) {
   }
 }
 
+/* An axis that is neither free nor driven does not move, whatever it did with other effects. */
+static void still_locked(body *b) {
+  unsigned moves = 0;
+  for (int k = 0; k < b->n_dof; k++) {
+    moves |= 1u << b->axis[k];
+  }
+  for (int k = 0; k < 6 && !b->driven; k++) {
+    b->v[k] = ((moves & 1u << k) != 0) ? b->v[k] : 0.0;
+  }
+}
+
 void world_load(world *w, const double *state) {
   w->t = *state++;
   if (w->model != NULL) {
@@ -154,6 +165,7 @@ void world_load(world *w, const double *state) {
     b->angle = then.angle;
     memcpy(b->quat, then.quat, sizeof b->quat);
     memcpy(b->v, then.v, sizeof b->v);
+    still_locked(b);
   }
 }
 
@@ -185,4 +197,102 @@ void world_saved_distance(const world *w, const double *a, const double *b, doub
     *position = fmax(*position, apart(s.at.x, t.at.x, 3) + w->body[i].bound * turn);
     *velocity = fmax(*velocity, apart(s.v, t.v, 3) + w->body[i].bound * apart(s.v + 3, t.v + 3, 3));
   }
+}
+
+/* ---- one step and two halves ----------------------------------------------------------------- */
+
+/* 2 fine - coarse. */
+static void beyond(const double *coarse, const double *fine, int n, double *out) {
+  for (int k = 0; k < n; k++) {
+    out[k] = 2.0 * fine[k] - coarse[k];
+  }
+}
+
+/* The rotation from `coarse` to `fine`. */
+static void quat_between(const double *coarse, const double *fine, double *turn) {
+  const double back[4] = {coarse[0], -coarse[1], -coarse[2], -coarse[3]};
+  quat_mul(fine, back, turn);
+}
+
+static void body_extrapolate(body *b, int dim, const body_state *coarse, const body_state *fine) {
+  double turn[4];
+  beyond(coarse->at.x, fine->at.x, 3, b->at.x);
+  beyond(coarse->v, fine->v, 6, b->v);
+  b->angle = 2.0 * fine->angle - coarse->angle;
+  if (b->spins && dim == 3) {
+    quat_between(coarse->quat, fine->quat, turn);
+    quat_mul(turn, fine->quat, b->quat);
+    quat_normalise(b->quat);
+  }
+  body_orient(b, dim);
+  still_locked(b);
+}
+
+void world_extrapolate(world *w, const double *coarse, const double *fine) {
+  world_load(w, fine);
+  if (w->model != NULL) {
+    beyond(coarse + 1, fine + 1, w->n_dof, w->q);
+    beyond(coarse + 1 + w->n_dof, fine + 1 + w->n_dof, w->n_dof, w->qv);
+    return;
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    body_state s;
+    body_state t;
+    memcpy(&s, coarse + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof s);
+    memcpy(&t, fine + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof t);
+    if (w->body[i].n_dof > 0) {
+      body_extrapolate(&w->body[i], w->dim, &s, &t);
+    }
+  }
+}
+
+/* sqrt of the sum of squares of x_fine - x_coarse + h (v_fine - v_start) / 4. */
+static double bent(const double *apart, const double *v_start, const double *v_fine, double h,
+                   int n) {
+  double sum = 0.0;
+  for (int k = 0; k < n; k++) {
+    const double e = apart[k] + 0.25 * h * (v_fine[k] - v_start[k]);
+    sum += e * e;
+  }
+  return sqrt(sum);
+}
+
+static double body_bend(const world *w, int i, double h, const double *start, const double *coarse,
+                        const double *fine) {
+  const ptrdiff_t at = 1 + BODY_NUMBERS * (ptrdiff_t)i;
+  body_state o;
+  body_state s;
+  body_state t;
+  double way[3];
+  double turn[4];
+  memcpy(&o, start + at, sizeof o);
+  memcpy(&s, coarse + at, sizeof s);
+  memcpy(&t, fine + at, sizeof t);
+  v3_add_scaled(t.at.x, -1.0, s.at.x, way);
+  if (w->dim == 3) {
+    quat_between(s.quat, t.quat, turn);
+  } else {
+    turn[0] = 1.0, turn[1] = turn[2] = 0.0, turn[3] = 0.5 * (t.angle - s.angle);
+  }
+  const double angle[3] = {2.0 * turn[1], 2.0 * turn[2], 2.0 * turn[3]};
+  return bent(way, o.v, t.v, h, 3) + w->body[i].bound * bent(angle, o.v + 3, t.v + 3, h, 3);
+}
+
+double world_saved_bend(const world *w, double h, const double *start, const double *coarse,
+                        const double *fine) {
+  double most = 0.0;
+  if (w->model != NULL) {
+    const int n = w->n_dof;
+    double sum = 0.0;
+    for (int k = 1; k <= n; k++) {
+      const double apart = fine[k] - coarse[k];
+      const double e = bent(&apart, start + n + k, fine + n + k, h, 1);
+      sum += e * e;
+    }
+    return sqrt(sum);
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    most = fmax(most, body_bend(w, i, h, start, coarse, fine));
+  }
+  return most;
 }

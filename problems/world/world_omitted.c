@@ -1,0 +1,409 @@
+/* world_omitted.c - what effects that are left out would do in a step, from the step without them.
+ *
+ * The step without an effect is one with it where the force that the effect would add is zero. So each effect has a
+ * residual: along axes that are locked the impulse that contacts, joints and loads leave over; at contacts without
+ * friction (rolling, torsion) what Coulomb's law could exert at the velocity there. */
+#include "problems/vec.h"
+#include "problems/world/world_data.h"
+
+enum { AXES = 6 };
+
+/* What may act on one body in the step. */
+typedef struct residual {
+  double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
+  double rub, resist;  /* friction left out [N s]; rolling and torsion left out [N m s] */
+  double bounce;       /* velocity that restitution left out may return [m/s] */
+  double under;        /* contacts that press on it as their second side */
+} residual;
+_Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
+
+static residual *of_body(const world *w, int i) {
+  return (residual *)(void *)(w->residual + (ptrdiff_t)WORLD_RESIDUAL * i);
+}
+
+/* ---- axes that are locked without the effect ------------------------------------------------- */
+
+static unsigned free_axes(const world *w, int i, unsigned effects) {
+  const spec_body *s = &w->spec.body[i];
+  return s->kinematic ? 0u : body_axes(w->dim, effects) & ~(s->lock | s->prescribed);
+}
+
+static unsigned locked_now(const world *w, int i, unsigned effects) {
+  return free_axes(w, i, effects) & ~free_axes(w, i, w->effects);
+}
+
+/* The effects that an axis needs: it counts for each. */
+static unsigned needs(int axis, int dim) {
+  const bool turns = axis >= 3;
+  const bool in_plane = dim == 2 || axis == 0 || axis == 2 || axis == 4;
+  return (turns ? EFFECT_ROTATION : 0u) | (in_plane ? 0u : EFFECT_SPATIAL);
+}
+
+static void push(const world *w, int side, const double *at, const double *impulse, double sign) {
+  if (side < 0 || side >= w->n_body) {
+    return;
+  }
+  double arm[3], moment[3];
+  double *f = of_body(w, side)->wrench;
+  v3_sub(at, w->body[side].at.x, arm);
+  v3_cross(arm, impulse, moment);
+  v3_add_scaled(f, sign, impulse, f);
+  v3_add_scaled(f + 3, sign, moment, f + 3);
+}
+
+static void twist(const world *w, int side, const double *moment, double sign) {
+  if (side >= 0 && side < w->n_body) {
+    double *f = of_body(w, side)->wrench;
+    v3_add_scaled(f + 3, sign, moment, f + 3);
+  }
+}
+
+/* The impulse of a contact in world axes, and the moment of its torsion and rolling rows. */
+static void contact_impulse(const world *w, int i, const double *impulse, double *f, double *m) {
+  static const double z[3] = {0, 0, 1};
+  const set_store *s = &w->store;
+  const double *frame = s->frame + 9 * (ptrdiff_t)i;
+  const double *row = impulse + s->row_start[i];
+  const contact_rows r = s->rows[i];
+  memset(m, 0, 3 * sizeof *m);
+  v3_scale(*row++, frame, f);
+  for (int k = 0; k < r.tangent; k++) {
+    v3_add_scaled(f, *row++, frame + 3 + 3 * (ptrdiff_t)k, f);
+  }
+  if (r.torsion > 0) {
+    v3_add_scaled(m, *row++, frame, m);
+  }
+  if (r.rolling == 1) {
+    v3_add_scaled(m, *row, (w->dim == 2) ? z : frame + 6, m);
+  }
+  for (int k = 0; r.rolling == 2 && k < 2; k++) {
+    v3_add_scaled(m, *row++, frame + 3 + 3 * (ptrdiff_t)k, m);
+  }
+}
+
+static void add_contacts(const world *w, const double *impulse) {
+  const set_store *s = &w->store;
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    double f[3], m[3];
+    contact_impulse(w, i, impulse, f, m);
+    push(w, c->a, c->x, f, 1.0);
+    push(w, c->b, c->x, f, -1.0);
+    if (c->b < w->n_body && impulse[s->row_start[i]] > 0.0) {
+      of_body(w, c->b)->under += 1.0;
+    }
+    twist(w, c->a, m, 1.0);
+    twist(w, c->b, m, -1.0);
+  }
+}
+
+static void add_joints(const world *w, const double *impulse) {
+  joint_row row[JOINT_ROWS_MAX];
+  const double *p = impulse + w->store.row_start[w->set.n_contact];
+  for (int i = 0; i < w->n_joint; i++) {
+    const joint_data *j = &w->joint[i];
+    const int n = joint_rows_posed(w, j, row);
+    for (int k = 0; k < n; k++, p++) {
+      double f[3];
+      v3_scale(*p, row[k].d, f);
+      if (row[k].angular) {
+        twist(w, j->a, f, 1.0);
+        twist(w, j->b, f, -1.0);
+      } else {
+        push(w, j->a, row[k].p_a, f, 1.0);
+        push(w, j->b, row[k].p_b, f, -1.0);
+      }
+    }
+  }
+}
+
+/* Gravity and loads, as they were taken at the start of the step, and omega x I omega. */
+static void add_loads(const world *w) {
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    double *f = of_body(w, i)->wrench;
+    for (int k = 0; k < AXES; k++) {
+      f[k] = w->h * w->store.wrench[AXES * (ptrdiff_t)i + k];
+    }
+    if (w->dim == 3 && b->spins) {
+      double I[9], L[3], c[3];
+      body_inertia(b, w->dim, I);
+      m3_mul_vec(I, b->v + 3, L);
+      v3_cross(b->v + 3, L, c);
+      v3_add_scaled(f + 3, -w->h, c, f + 3);
+    }
+  }
+}
+
+/* ---- bodies that stand ------------------------------------------------------------------------ */
+
+enum { FEET_MOST = 16 }; /* what costs more to judge is not left out */
+
+/* Contacts of one body with one plane that nothing moves. */
+typedef struct feet {
+  int first, last, count; /* contacts; they need not follow each other */
+  int body, plane;        /* sides */
+  double force[3];        /* all of them on the body [N s] */
+  double mu;
+} feet;
+
+static bool is_foot(const world *w, const feet *f, int i) {
+  const contact_item *c = &w->store.item[w->store.key[i].item];
+  return c->a == f->body && c->b == f->plane && w->store.gap[i] <= 1e-6 * w->size;
+}
+
+static const double *point_of(const world *w, int i) {
+  return w->store.item[w->store.key[i].item].x;
+}
+
+/* Finds them among the contacts from `first` on, which are sorted by their first side; false where something else touches
+ * the body too, the feet differ in friction, or are more than FEET_MOST. */
+static bool find_feet(const world *w, int own, int first, const double *impulse, feet *f) {
+  const set_store *s = &w->store;
+  *f = (feet){.first = -1, .body = own, .plane = -1};
+  for (int i = first; i < w->set.n_contact && f->count <= FEET_MOST; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    if (c->a != own) {
+      break;
+    }
+    double push_f[3], moment[3];
+    contact_impulse(w, i, impulse, push_f, moment);
+    const bool presses = impulse[s->row_start[i]] > 0.0;
+    if (!presses && !is_foot(w, f, i)) {
+      continue;
+    }
+    const bool same = f->first < 0 || (c->b == f->plane && s->mu_static[i] == f->mu);
+    if (c->b < w->n_body || !same || v3_norm(moment) > 0.0) {
+      return false;
+    }
+    f->plane = c->b;
+    f->mu = s->mu_static[i];
+    f->first = (f->first < 0) ? i : f->first;
+    f->last = i;
+    f->count++;
+    v3_add_scaled(f->force, 1.0, push_f, f->force);
+  }
+  return f->first >= 0 && f->count <= FEET_MOST;
+}
+
+/* Is x inside the edge through feet i and j (in the plane: the end i of the line of feet), or is that no edge? All lie in
+ * the plane with normal n. */
+static bool inside_edge(const world *w, const feet *f, const double *x, int i, int j) {
+  const double *n = w->store.frame + 9 * (ptrdiff_t)f->first;
+  double along[3], out[3], d[3];
+  v3_sub(point_of(w, j), point_of(w, i), along);
+  if (w->dim == 2) {
+    v3_scale(-1.0, along, out);
+  } else {
+    v3_cross(along, n, out);
+  }
+  const double length = v3_norm(out);
+  for (int k = f->first; k <= f->last; k++) {
+    v3_sub(point_of(w, k), point_of(w, i), d);
+    if (is_foot(w, f, k) && v3_dot(d, out) > 1e-9 * length * length) {
+      return true; /* feet beyond it */
+    }
+  }
+  v3_sub(x, point_of(w, i), d);
+  return !(length > 0.0) || v3_dot(d, out) < -1e-9 * length * length;
+}
+
+/* Can the feet share their force so that it has no moment about the body's centre? It can where the line of the force
+ * through the centre meets their plane within them: friction goes with the normal forces. */
+static bool stands(const world *w, int own, int first, const double *impulse) {
+  feet f;
+  if (of_body(w, own)->under > 0.0 || !find_feet(w, own, first, impulse, &f) || f.count < w->dim) {
+    return false;
+  }
+  const double *n = w->store.frame + 9 * (ptrdiff_t)f.first;
+  const double press = v3_dot(f.force, n);
+  double d[3], x[3];
+  v3_sub(point_of(w, f.first), w->body[own].at.x, d);
+  if (!(press > 0.0)) {
+    return false;
+  }
+  v3_copy(w->body[own].at.x, x);
+  v3_add_scaled(x, v3_dot(d, n) / press, f.force, x);
+  for (int i = f.first; i <= f.last; i++) {
+    for (int j = f.first; j <= f.last; j++) {
+      if (i != j && is_foot(w, &f, i) && is_foot(w, &f, j) && !inside_edge(w, &f, x, i, j)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+static bool without_loads(const world *w, int i) {
+  const double *torque = w->store.wrench + AXES * (ptrdiff_t)i + 3;
+  return w->n_joint == 0 && v3_norm(torque) == 0.0;
+}
+
+/* ---- laws that are left out at contacts ------------------------------------------------------- */
+
+/* Velocity of a side's point at the end of the step, and its angular velocity. */
+static void side_motion(const world *w, int side, const double *v_next, const double *at,
+                        double *velocity, double *spin) {
+  memset(velocity, 0, 3 * sizeof *velocity);
+  memset(spin, 0, 3 * sizeof *spin);
+  if (side >= w->n_body) {
+    v3_copy(world_has(w, EFFECT_MOTION) ? w->spec.fixed[side - w->n_body].surface_velocity : spin,
+            velocity);
+    return;
+  }
+  const body *b = &w->body[side];
+  double arm[3], v[AXES];
+  memcpy(v, b->v, sizeof v);
+  if (b->driven) {
+    body_driven(b, w->t + w->h, v);
+  }
+  for (int k = 0; k < b->n_dof; k++) {
+    v[b->axis[k]] = v_next[b->dof + k];
+  }
+  v3_sub(at, b->at.x, arm);
+  v3_copy(v + 3, spin);
+  v3_cross(spin, arm, velocity);
+  v3_add_scaled(velocity, 1.0, v, velocity);
+}
+
+static double inverse_mass(const world *w, int side) {
+  return (side < w->n_body && w->body[side].n_dof > 0) ? 1.0 / w->body[side].mass : 0.0;
+}
+
+static double least_inertia(const world *w, int side) {
+  const double *I = w->body[side].inertia;
+  return (w->dim == 2) ? I[2] : fmin(I[0], fmin(I[1], I[2]));
+}
+
+static double inverse_inertia(const world *w, int side) {
+  const bool turns = side < w->n_body && w->body[side].spins && w->body[side].n_dof > 0;
+  return turns ? 1.0 / least_inertia(w, side) : 0.0;
+}
+
+static void add_to_sides(const world *w, const contact_item *c, size_t field, double value) {
+  const int side[2] = {c->a, c->b};
+  for (int k = 0; k < 2; k++) {
+    if (side[k] < w->n_body) {
+      *(double *)(void *)((char *)of_body(w, side[k]) + field) += value;
+    }
+  }
+}
+
+/* No force exceeds mu p, nor what stops the sliding: u over the mobility of the two sides. */
+static double most_of(double coefficient, double press, double speed, double mobility) {
+  const double most = coefficient * press;
+  return (mobility > 0.0) ? fmin(most, speed / mobility) : most;
+}
+
+static void add_laws(const world *w, unsigned omitted, int i, const double *v_next, double press) {
+  const set_store *s = &w->store;
+  const contact_item *c = &s->item[s->key[i].item];
+  const double *n = s->frame + 9 * (ptrdiff_t)i;
+  double ua[3], ub[3], wa[3], wb[3];
+  side_motion(w, c->a, v_next, c->x, ua, wa);
+  side_motion(w, c->b, v_next, c->x, ub, wb);
+  v3_sub(ua, ub, ua);
+  v3_sub(wa, wb, wa);
+  v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
+  if ((omitted & EFFECT_FRICTION) != 0) {
+    const double mu = fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
+    const double mobility = inverse_mass(w, c->a) + inverse_mass(w, c->b);
+    add_to_sides(w, c, offsetof(residual, rub), most_of(mu, press, v3_norm(ua), mobility));
+  }
+  const double turning = inverse_inertia(w, c->a) + inverse_inertia(w, c->b);
+  const double about = v3_dot(wa, n);
+  v3_add_scaled(wa, -about, n, wa);
+  double resist = 0.0;
+  if ((omitted & EFFECT_TORSION) != 0) {
+    resist += most_of(pair_value(&w->torsion, c->a, c->b), press, fabs(about), turning);
+  }
+  if ((omitted & EFFECT_ROLLING) != 0) {
+    resist += most_of(pair_value(&w->rolling, c->a, c->b), press, v3_norm(wa), turning);
+  }
+  add_to_sides(w, c, offsetof(residual, resist), resist);
+  const double e = pair_value(&w->restitution, c->a, c->b);
+  if ((omitted & EFFECT_RESTITUTION) != 0) {
+    add_to_sides(w, c, offsetof(residual, bounce), -e * fmin(s->u_before[s->row_start[i]], 0.0));
+  }
+}
+
+/* ---- the whole -------------------------------------------------------------------------------- */
+
+static void raise(double change[EFFECT_COUNT], unsigned effects, double speed) {
+  for (int e = 0; e < EFFECT_COUNT; e++) {
+    if ((effects & 1u << e) != 0) {
+      change[e] = fmax(change[e], speed);
+    }
+  }
+}
+
+/* `first`: the first contact of which it is the first side. */
+static void judge_body(const world *w, int i, int first, unsigned effects, const double *impulse,
+                       double change[EFFECT_COUNT]) {
+  const unsigned omitted = effects & ~w->effects;
+  const unsigned locked = locked_now(w, i, effects);
+  const body *b = &w->body[i];
+  const residual *r = of_body(w, i);
+  if (w->spec.body[i].kinematic) {
+    return;
+  }
+  const double reach = b->bound / least_inertia(w, i); /* velocity a moment gives its points */
+  bool turns = false;
+  for (int k = 3; k < AXES; k++) {
+    turns = turns || ((locked & 1u << k) != 0 && r->wrench[k] != 0.0);
+  }
+  const bool still = turns && without_loads(w, i) && stands(w, i, first, impulse);
+  for (int k = 0; k < AXES; k++) {
+    if ((locked & 1u << k) != 0 && !(k >= 3 && still)) {
+      raise(change, needs(k, w->dim) & omitted,
+            fabs(r->wrench[k]) * (k < 3 ? 1.0 / b->mass : reach));
+    }
+  }
+  const bool can_turn = (free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  const double arm = can_turn ? b->bound * reach : 0.0;
+  raise(change, omitted & EFFECT_FRICTION, r->rub * (1.0 / b->mass + arm));
+  raise(change, omitted & (EFFECT_ROLLING | EFFECT_TORSION), r->resist * reach);
+  raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
+}
+
+void world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
+                   double change[EFFECT_COUNT]) {
+  const unsigned omitted = effects & ~w->effects;
+  memset(change, 0, EFFECT_COUNT * sizeof *change);
+  if (w->model != NULL || omitted == 0) {
+    return;
+  }
+  memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
+  if ((omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0) {
+    add_loads(w);
+    add_contacts(w, impulse);
+    add_joints(w, impulse);
+  }
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const double press = impulse[w->store.row_start[i]];
+    if (press > 0.0) {
+      add_laws(w, omitted, i, v_next, press);
+    }
+  }
+  for (int i = 0, first = 0; i < w->n_body; i++) {
+    while (first < w->set.n_contact && w->store.item[w->store.key[first].item].a < i) {
+      first++;
+    }
+    judge_body(w, i, first, effects, impulse, change);
+  }
+}
+
+unsigned world_moved_by(const scene_spec *s, unsigned effects) {
+  unsigned moved = 0;
+  for (int i = 0; i < s->n_body; i++) {
+    const spec_body *b = &s->body[i];
+    for (int k = 0; k < AXES; k++) {
+      const double v = (k < 3) ? b->vel[k] : b->omega[k - 3];
+      const double a = (k < 3 && b->kinematic) ? b->acc[k] : b->prescribed_a[k];
+      if (v != 0.0 || a != 0.0 || b->prescribed_v0[k] != 0.0) {
+        moved |= needs(k, s->dim);
+      }
+    }
+  }
+  return moved & effects;
+}
