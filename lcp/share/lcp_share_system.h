@@ -1,4 +1,4 @@
-/* lcp/lcp_share_system.h - the linear system of lcp_share: active rows of M + delta C, cones that slip linearised.
+/* lcp/share/lcp_share_system.h - the linear system of lcp_share: active rows of M + delta C, cones that slip linearised.
  * Private to lcp_share*.c. */
 #pragma once
 

@@ -1,9 +1,9 @@
-/* lcp/lcp_share_bodies.h - the system of lcp_share_system.h for M = J W J' + S in factors, solved in the body velocities
+/* lcp/share/lcp_share_bodies.h - the system of lcp_share_system.h for M = J W J' + S in factors, solved in the body velocities
  * (linear/body_space.h), so that nothing of the size of contact space squared is made. Private to lcp_share*.c. */
 #pragma once
 
-#include "lcp/lcp_share_system.h"
 #include "lcp/linear/body_space.h"
+#include "lcp/share/lcp_share_system.h"
 
 typedef struct share_bodies {
   lin_body_space space;

@@ -1,5 +1,5 @@
 /* lcp_share_system.c - assembles the active rows of M + delta C as sparse columns, and factors them. */
-#include "lcp/lcp_share_system.h"
+#include "lcp/share/lcp_share_system.h"
 
 #include "lcp/lcp_column.h"
 

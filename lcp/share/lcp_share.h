@@ -1,4 +1,4 @@
-/* lcp/lcp_share.h - one answer where the problem has many: impulses of redundant rows as equal springs share them.
+/* lcp/share/lcp_share.h - one answer where the problem has many: impulses of redundant rows as equal springs share them.
  *
  * Rigid bodies on more contacts than degrees of freedom leave the normal impulses undetermined, and with sliding
  * friction the motion follows them. Blocks with compliance c_i > 0 (`soft` in lcp_block, the block's first row)
@@ -11,8 +11,8 @@
  *
  *   1. the normal rows that touch are factored, with the free ones of joints; without a zero pivot that the free ones do
  *      not have by themselves z is unique and is left alone, bit for bit;
- *   2. the active rows of M + delta C are found by pivoting in blocks from those of z (cones: by Newton's method),
- *      delta = 1e-7 of the diagonal;
+ *   2. the active rows of M + delta C are found by pivoting in blocks from those of the last step's choice or of z (cones: by
+ *      Newton's method), delta = 1e-7 of the diagonal;
  *   3. with their factor, z <- (M + delta C)^-1 (-q + delta C z) is repeated until delta C z no longer moves. From zero
  *      this proximal iteration never leaves the C-orthogonal complement of what M does not see, so that it ends in
  *      the limit and not near it.
@@ -47,6 +47,7 @@ typedef struct lcp_share lcp_share; /* opaque: owns the workspace, reusable step
 base_status lcp_share_open(lcp_share **out, base_error *err);
 void lcp_share_close(lcp_share *s); /* accepts NULL */
 
-/* z[n], an answer of p, in; the chosen answer out. BASE_ENOMEM only. */
-base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, double *z, lcp_share_result *out,
-                            base_error *err);
+/* z[n], an answer of p, in; the chosen answer out. start[n]: what the last step chose, unknown by unknown, whose active rows are
+ * tried first; NULL: nothing is taken from earlier calls. BASE_ENOMEM only. */
+base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *start, double *z,
+                            lcp_share_result *out, base_error *err);

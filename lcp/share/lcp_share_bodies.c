@@ -1,4 +1,4 @@
-#include "lcp/lcp_share_bodies.h"
+#include "lcp/share/lcp_share_bodies.h"
 
 #include "lcp/lcp_column.h"
 

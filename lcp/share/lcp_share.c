@@ -1,0 +1,335 @@
+/* lcp_share.c - the three steps of lcp_share.h: rank of the normals, active rows, the limit on them. */
+#include "lcp/share/lcp_share.h"
+
+#include "lcp/lcp_column.h"
+#include "lcp/share/lcp_share_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_ROUNDS = 40, RESTING_ROUNDS = 20, FREE_ROUNDS = 6, FOLLOW_ROUNDS = 6 };
+
+static const double friction_share =
+    1e-2; /* of delta, on rows without compliance: holds what is left */
+static const double joint_share = 1e-5; /* the same, of joints that say the same twice */
+static const double body_joint_share =
+    1e-3;                        /* the same in body space, where every row needs some */
+static const int few_rows = 128; /* of a stored matrix, that are chosen faster in contact space */
+static const int most_counted =
+    2000; /* contacts whose rank is counted: that fills in as the graph of all of them */
+static const double same_tol = 1e-8; /* z over its terms */
+
+base_status lcp_share_open(lcp_share **out, base_error *err) {
+  *out = calloc(1, sizeof **out);
+  return (*out != NULL) ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "no memory for shared impulses");
+}
+
+void lcp_share_close(lcp_share *s) {
+  if (s != NULL) {
+    lcp_share_system_close(&s->system);
+    lcp_share_bodies_close(&s->bodies);
+    lcp_csc_free(&s->copy);
+    free(s->mem);
+    free(s);
+  }
+}
+
+static void layout(lcp_share *s, base_arena *a) {
+  const int n = s->cap_n;
+  s->z = BASE_ARRAY(a, double, n);
+  s->w = BASE_ARRAY(a, double, n);
+  s->size = BASE_ARRAY(a, double, n);
+  s->right = BASE_ARRAY(a, double, n);
+  s->anchor = BASE_ARRAY(a, double, n);
+  s->diagonal = BASE_ARRAY(a, double, n);
+  s->kept = BASE_ARRAY(a, double, n);
+  s->lower = BASE_ARRAY(a, double, n);
+  s->had = BASE_ARRAY(a, double, n);
+  s->before = BASE_ARRAY(a, unsigned char, n);
+  s->by_limit = BASE_ARRAY(a, unsigned char, n);
+  s->contact = BASE_ARRAY(a, int, n);
+  s->owner = BASE_ARRAY(a, int, n);
+  s->island = BASE_ARRAY(a, int, n);
+  s->met = BASE_ARRAY(a, int, s->cap_body);
+  s->rests = BASE_ARRAY(a, bool, n);
+  s->rows.kind = BASE_ARRAY(a, unsigned char, n);
+  s->rows.delta = BASE_ARRAY(a, double, n);
+  s->rows.part = BASE_ARRAY(a, int, n);
+  s->rows.part_dim = BASE_ARRAY(a, int, n);
+  s->rows.slips = BASE_ARRAY(a, int, n);
+  s->rows.own = BASE_ARRAY(a, double, n);
+  s->rows.pull = BASE_ARRAY(a, double, n);
+  s->rows.gain = BASE_ARRAY(a, double, 2 * (size_t)n);
+}
+
+static base_status grow(lcp_share *s, int n, int n_body, base_error *err) {
+  if (s->mem != NULL && n <= s->cap_n && n_body <= s->cap_body) {
+    return BASE_OK;
+  }
+  s->cap_n = n + n / 2;
+  s->cap_body = n_body + n_body / 2;
+  base_arena measure = base_arena_measuring();
+  layout(s, &measure);
+  free(s->mem);
+  s->mem = measure.overflow ? NULL : base_alloc(measure.used > 0 ? measure.used : 1);
+  if (s->mem == NULL) {
+    s->cap_n = 0;
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory to share %d impulses", n);
+  }
+  base_arena a = base_arena_over(s->mem, measure.used);
+  layout(s, &a);
+  return BASE_OK;
+}
+
+/* ---- the three steps ------------------------------------------------------------------------- */
+
+static void set_delta(lcp_share *s, double most_soft) {
+  double low = HUGE_VAL, high = 0;
+  for (int k = 0; k < s->n_contact; k++) {
+    const double d = s->diagonal[lcp_share_block(s, k)->start];
+    low = fmin(low, d);
+    high = fmax(high, d);
+  }
+  s->delta = LCP_SHARE_DELTA * sqrt(low) * sqrt(high);
+  for (int i = 0; i < s->p->M.n; i++) {
+    s->rows.delta[i] = (s->diagonal[i] > 0) ? friction_share * s->delta : 0;
+    s->rows.slips[i] = 0;
+    s->rows.part[i] = -1;
+    s->rows.part_dim[i] = 0;
+  }
+  for (int k = 0; k < s->n_contact; k++) {
+    const lcp_block *b = lcp_share_block(s, k);
+    s->rows.delta[b->start] = s->delta * (b->soft / most_soft);
+    if (b->set != LCP_CONE) {
+      continue;
+    }
+    s->rows.slips[b->start] = b->start + b->size;
+    for (int part = 0, row = b->start + 1; part < b->n_part; part++) {
+      for (int m = 0; m < b->part_dim[part]; m++) {
+        s->rows.part[row + m] = row;
+        s->rows.part_dim[row + m] = b->part_dim[part];
+      }
+      row += b->part_dim[part];
+    }
+  }
+}
+/* Factors the active rows; how many of them are too many. */
+static base_status rank_of_active(lcp_share *s, int count, int *deficit, base_error *err) {
+  bool regular;
+  BASE_TRY(lcp_share_factor(s, &regular, err));
+  s->normals_regular = regular;
+  *deficit = 0;
+  if (s->by_bodies) {
+    return regular ? lin_body_space_deficit(&s->bodies.space, deficit, err) : BASE_OK;
+  }
+  *deficit = regular ? lcp_share_system_small_pivots(&s->system, 10.0 * count * s->delta)
+                     : s->system.lu.deficient;
+  return BASE_OK;
+}
+
+static void hold_joints(lcp_share *s, double delta) {
+  for (int k = 0; k < s->p->n_block; k++) {
+    const lcp_block *b = &s->p->block[k];
+    for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
+      s->rows.kind[i] = SHARE_ACTIVE;
+      s->rows.delta[i] = delta;
+    }
+  }
+}
+
+/* Joints kept as free rows, which are rigid; what their own rows say twice leaves no normal impulse open, and is held. */
+static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, base_error *err) {
+  for (int k = 0; k < s->p->n_block; k++) {
+    *count += (s->p->block[k].set == LCP_FREE) ? s->p->block[k].size : 0;
+  }
+  for (int i = 0; i < s->p->M.n; i++) {
+    s->rows.kind[i] = SHARE_FIXED;
+  }
+  s->has_joints = *count > 0;
+  if (!s->has_joints) {
+    return BASE_OK;
+  }
+  hold_joints(s, s->by_bodies ? body_joint_share * s->delta : 0);
+  if (!s->counted) {
+    return BASE_OK;
+  }
+  BASE_TRY(rank_of_active(s, *count, deficit, err));
+  if (!s->by_bodies) {
+    hold_joints(s, (*deficit > 0) ? joint_share * s->delta : 0);
+  }
+  return BASE_OK;
+}
+
+/* Step 1: the touching normal rows, with joints where M has them. */
+static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_error *err) {
+  int free_rows = 0, free_deficit = 0, count = 0;
+  BASE_TRY(begin_with_joints(s, &free_rows, &free_deficit, err));
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    if (lcp_share_touches(s, i)) {
+      s->rows.kind[i] = SHARE_ACTIVE;
+      count++;
+    }
+  }
+  if (count < 2) {
+    return BASE_OK;
+  }
+  BASE_TRY(rank_of_active(s, free_rows + count, &out->deficit, err));
+  out->deficit -= free_deficit;
+  return BASE_OK;
+}
+
+/* A contact of a resting island is held up by the friction that it was found with. */
+static bool is_held(const lcp_share *s) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    if (s->rests[k] && s->rows.kind[i] == SHARE_FIXED && s->lower[i] > 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Of those there was one in `start`. */
+static bool was_held(const lcp_share *s, const double *start) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const lcp_block *b = lcp_share_block(s, k);
+    if (s->rests[k] && start[b->start] > 0 && lcp_share_is_at_least(s, b, start)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* No normal impulse moves by more than delta can tell. */
+static bool is_same(const lcp_share *s, const double *z, const double *chosen) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    if (!(fabs(z[i] - chosen[i]) <= same_tol * lcp_share_scale(s, i))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* The rows of the last step's answer first, where there is one; then those of z. */
+static base_status search(lcp_share *s, const double *z, const double *start, int rounds,
+                          share_end *end, lcp_share_result *out, base_error *err) {
+  *end = SHARE_LOST;
+  if (start != NULL) {
+    const share_search recalled = {.z = z, .start = start, .rounds = RESTING_ROUNDS};
+    BASE_TRY(lcp_share_search(s, &recalled, end, out, err));
+  }
+  const share_search own = {.z = z, .rounds = rounds};
+  return (*end == SHARE_LOST) ? lcp_share_search(s, &own, end, out, err) : BASE_OK;
+}
+
+/* Where nothing moves normal impulses alone are chosen; where the friction found stands in the way of that, friction
+ * is chosen anew with them, unless the last step left it so. */
+static base_status choose_among(lcp_share *s, const double *start, double *z, lcp_share_result *out,
+                                base_error *err) {
+  const size_t n = (size_t)s->p->M.n;
+  share_end end, anew = SHARE_LOST;
+  bool any_rest = false;
+  lcp_share_find_islands(s);
+  for (int k = 0; k < s->n_contact; k++) {
+    any_rest = any_rest || s->rests[k];
+  }
+  BASE_TRY(search(s, z, start, any_rest ? RESTING_ROUNDS : MOST_ROUNDS, &end, out, err));
+  const bool held =
+      any_rest && end != SHARE_LOST && is_held(s) && !(start != NULL && was_held(s, start));
+  if (any_rest && end == SHARE_OFF) {
+    BASE_TRY(lcp_share_follow(s, FOLLOW_ROUNDS, &end, out, err));
+  }
+  const bool made = end == SHARE_DONE;
+  if (any_rest && (!made || held)) {
+    const share_search free_too = {
+        .z = z, .rounds = made ? FREE_ROUNDS : MOST_ROUNDS, .brief = made};
+    memcpy(s->kept, s->z, n * sizeof *z);
+    memset(s->rests, 0, (size_t)s->n_contact * sizeof *s->rests);
+    BASE_TRY(lcp_share_search(s, &free_too, &anew, out, err));
+    if (anew != SHARE_DONE) {
+      memcpy(s->z, s->kept, n * sizeof *z);
+    }
+  }
+  out->outcome = (made || anew == SHARE_DONE) ? LCP_SHARE_MADE : LCP_SHARE_MISSED;
+  if (out->outcome == LCP_SHARE_MADE && !s->counted && is_same(s, z, s->z)) {
+    out->outcome = LCP_SHARE_UNIQUE; /* as far as delta tells */
+  } else if (out->outcome == LCP_SHARE_MADE) {
+    memcpy(z, s->z, n * sizeof *z);
+  }
+  return BASE_OK;
+}
+
+/* Contacts with compliance; false where there are not two. */
+static bool collect(lcp_share *s, double *most_soft) {
+  s->n_contact = 0;
+  *most_soft = 0;
+  for (int k = 0; k < s->p->n_block; k++) {
+    if (s->p->block[k].soft > 0) {
+      s->contact[s->n_contact++] = k;
+      *most_soft = fmax(*most_soft, s->p->block[k].soft);
+    }
+  }
+  return s->n_contact > 1;
+}
+
+/* `start`, unless it says nothing: no contact carries there. */
+static const double *known(const lcp_share *s, const double *start) {
+  bool any = false;
+  for (int k = 0; start != NULL && k < s->n_contact; k++) {
+    any = any || start[lcp_share_block(s, k)->start] > 0;
+  }
+  return any ? start : NULL;
+}
+
+base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *start, double *z,
+                            lcp_share_result *out, base_error *err) {
+  const int n = p->M.n;
+  *out = (lcp_share_result){.outcome = LCP_SHARE_UNIQUE};
+  if (p->block == NULL || n < 2) {
+    return BASE_OK;
+  }
+  s->view = *p;
+  s->by_bodies = p->M.factored != NULL && (p->M.storage == LCP_FACTORED || n > few_rows) &&
+                 lin_body_space_admits(p->M.factored, NULL) == BASE_OK;
+  if (s->by_bodies) {
+    s->view.M = lcp_matrix_in_factors(&p->M);
+  }
+  p = s->p = &s->view;
+  const int n_body = s->by_bodies ? p->M.factored->n_body : 0;
+  BASE_TRY(grow(s, n, n_body, err));
+  double most_soft;
+  if (!collect(s, &most_soft)) {
+    return BASE_OK;
+  }
+  s->M = p->M;
+  if (s->by_bodies) {
+    BASE_TRY(lcp_share_bodies_begin(&s->bodies, p, err));
+  } else if (p->M.storage == LCP_FACTORED) {
+    lcp_csc_free(&s->copy);
+    BASE_TRY(lcp_matrix_to_csc(&p->M, &s->copy, err));
+    s->M = (lcp_matrix){.storage = LCP_CSC, .n = n, .csc = s->copy};
+  }
+  const long factored = s->system.factorizations, solved = s->system.backsolves;
+  memcpy(s->z, z, (size_t)n * sizeof *z);
+  lcp_matrix_diagonal(&s->M, s->diagonal);
+  lcp_share_product(s, s->size);
+  lcp_share_level_sizes(s);
+  set_delta(s, most_soft);
+  s->counted = !(s->by_bodies && s->n_contact > most_counted);
+  if (s->counted) {
+    BASE_TRY(rank_of_normals(s, out, err));
+  } else {
+    int joints = 0;
+    BASE_TRY(begin_with_joints(s, &joints, &out->deficit, err));
+    s->normals_regular = false;
+    out->deficit = LCP_SHARE_UNCOUNTED;
+  }
+  if (out->deficit != 0) {
+    BASE_TRY(choose_among(s, known(s, start), z, out, err));
+  }
+  out->factorizations = s->system.factorizations - factored;
+  out->backsolves = s->system.backsolves - solved;
+  return BASE_OK;
+}

@@ -1,0 +1,131 @@
+/* lcp/share/lcp_share_state.h - what the parts of lcp_share share; private to lcp_share*.c. lcp_share_rows.c finds which rows
+ * are active, lcp_share.c solves for them. */
+#pragma once
+
+#include "lcp/share/lcp_share.h"
+#include "lcp/share/lcp_share_bodies.h"
+#include "lcp/share/lcp_share_system.h"
+
+#define LCP_SHARE_DELTA    1e-7 /* of the diagonal; what M leaves open has 1e-16 over this as noise */
+#define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
+#define LCP_SHARE_ROW_TOL  1e-12 /* w, or z, over its terms: rounding */
+
+/* Owner of a row that belongs to no contact; a joint's rows have smaller ones. */
+enum { LCP_SHARE_NOBODY = -1 };
+
+struct lcp_share {
+  share_system system;
+  share_bodies bodies; /* in its place where M is held in factors */
+  bool by_bodies, has_joints;
+  share_rows rows;
+  double *z, *w, *size, *right, *anchor, *diagonal; /* cap_n */
+  double *kept;          /* cap_n: an answer, while a better one is looked for */
+  double *lower;         /* cap_n: least value of a normal impulse */
+  double *had;           /* cap_n: |w| of the answer that came in */
+  unsigned char *before; /* cap_n: kinds of the round before */
+  unsigned char
+      *by_limit; /* cap_n: 1 + the kind of a resting normal row that the limit asked for, else 0 */
+  int *contact;  /* cap_n: blocks with compliance */
+  int *owner;    /* cap_n: contact of a row, or a number below zero */
+  int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */
+  int *met;      /* cap_body: a contact or joint at a body, -1 */
+  bool *rests;   /* cap_n: of a contact's island */
+  int n_contact;
+  int cap_n, cap_body;
+  void *mem;            /* owned */
+  const lcp_problem *p; /* view, with its factors for storage where by_bodies */
+  lcp_problem view;
+  lcp_matrix M; /* of p, or its columns where p has factors that the body space does not take */
+  lcp_csc copy; /* owned */
+  double delta;
+  bool normals_regular; /* step 1 left a factor */
+  bool counted;         /* step 1 was taken */
+  bool one_by_one;      /* of resting normal rows one may change in a round */
+  int asked;            /* of them asked for a change in the last round */
+  double pull;          /* 1 while delta is in the problem, 0 once it has gone */
+  double speed_slack;   /* slip speeds below zero by this share: delta's doing, until it has gone */
+};
+
+static inline const lcp_block *lcp_share_block(const lcp_share *s, int k) {
+  return &s->p->block[s->contact[k]];
+}
+
+/* One past the last row of the contact of block b: the friction of a box is the block behind its normal. */
+static inline int lcp_share_end(const lcp_share *s, const lcp_block *b) {
+  const bool boxed = b + 1 < s->p->block + s->p->n_block && b[1].set == LCP_BOX;
+  return b->start + b->size + (boxed ? b[1].size : 0);
+}
+
+/* Of the friction of a part, one or two rows. */
+static inline double lcp_share_length(const double *x, int n) {
+  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
+}
+
+/* What z of row i is measured against. */
+static inline double lcp_share_scale(const lcp_share *s, int i) {
+  return (s->diagonal[i] > 0) ? s->size[i] / s->diagonal[i] : 0;
+}
+
+static inline bool lcp_share_carries(const lcp_share *s, int i) {
+  return s->z[i] > LCP_SHARE_TOUCHING * lcp_share_scale(s, i);
+}
+
+/* Normal row i touches: it carries something, or does not part. Iterative solvers leave w above zero there. */
+static inline bool lcp_share_touches(const lcp_share *s, int i) {
+  return s->w[i] <= LCP_SHARE_TOUCHING * s->size[i] || lcp_share_carries(s, i);
+}
+
+/* Contacts that M couples, and of which islands every touching contact is still: there only normal impulses are
+ * chosen, and friction stays as it was found. */
+void lcp_share_find_islands(lcp_share *s);
+
+/* Least normal impulse that carries the friction that contact b has in z. */
+double lcp_share_carried(const lcp_share *s, const lcp_block *b, const double *z);
+
+/* Contact b has no more in z than its friction asks for. */
+bool lcp_share_is_at_least(const lcp_share *s, const lcp_block *b, const double *z);
+
+/* ---- rows ---- */
+
+/* The active rows of the answer in s->z, with its w and sizes. */
+void lcp_share_begin_rows(lcp_share *s);
+
+/* After it: of the contacts that touch, those are held that were held in `start`, which carried nothing there or no more than
+ * their friction asked for. */
+void lcp_share_recall_rows(lcp_share *s, const double *start);
+
+/* After it: facets of friction that is at its bound stay there. */
+void lcp_share_hold_bounds(lcp_share *s);
+
+/* Brings the active rows into agreement with z and w; true where they changed. */
+bool lcp_share_settle(lcp_share *s);
+
+/* ---- the limit ---- */
+
+/* w = M z + q of s->z; size: the sum of what each row is made of, unless NULL. */
+void lcp_share_product(lcp_share *s, double *size);
+/* Rows of one contact share their roundings, as do those of one joint. */
+void lcp_share_level_sizes(lcp_share *s);
+
+/* The system for the rows as they are. *regular = false: singular. */
+base_status lcp_share_factor(lcp_share *s, bool *regular, base_error *err);
+
+/* How a search ended: no active rows found that solve the problem; found, but for what delta leaves of a motion; s->z is the
+ * answer asked for. */
+typedef enum share_end { SHARE_LOST, SHARE_OFF, SHARE_DONE } share_end;
+
+typedef struct share_search {
+  const double *z; /* a solver's answer */
+  const double
+      *start; /* an answer of the step before, whose rows are tried first; NULL: those of z */
+  int rounds; /* most */
+  bool brief; /* given up where the second round changes many rows */
+} share_search;
+
+/* Steps 2 and 3. */
+base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *end,
+                             lcp_share_result *out, base_error *err);
+
+/* After SHARE_OFF: normal impulses and friction together, from where they are. */
+base_status lcp_share_follow(lcp_share *s, int rounds, share_end *end, lcp_share_result *out,
+                             base_error *err);
