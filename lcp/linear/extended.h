@@ -23,11 +23,21 @@ static inline void lin_extended_flush(lin_extended *e) {
                 t[2] * (long double)c[i]) +
                t[3] * (long double)d[i];
     }
-  } else {
-    for (int k = 0; k < e->count; ++k) {
-      for (int i = 0; i < e->n; ++i) {
-        sum[i] += e->t[k] * (long double)e->column[k][i];
-      }
+  } else if (e->count == 3) {
+    const double *a = e->column[0], *b = e->column[1], *c = e->column[2];
+    const long double *t = e->t;
+    for (int i = 0; i < e->n; ++i) {
+      sum[i] = ((sum[i] + t[0] * (long double)a[i]) + t[1] * (long double)b[i]) +
+               t[2] * (long double)c[i];
+    }
+  } else if (e->count == 2) {
+    const double *a = e->column[0], *b = e->column[1];
+    for (int i = 0; i < e->n; ++i) {
+      sum[i] = (sum[i] + e->t[0] * (long double)a[i]) + e->t[1] * (long double)b[i];
+    }
+  } else if (e->count == 1) {
+    for (int i = 0; i < e->n; ++i) {
+      sum[i] += e->t[0] * (long double)e->column[0][i];
     }
   }
   e->count = 0;

@@ -1,0 +1,22 @@
+/* linear/blocks_inside.h - what the files of lin_blocks share: blocks.c (entries, factors, solutions), blocks_pattern.c
+ * (order and fill) and blocks_inverse.c (parts of the inverse). */
+#pragma once
+
+#include "lcp/base/arena.h"
+#include "lcp/linear/blocks.h"
+
+/* Rows of the block that stands at a place of the order. */
+static inline int lin_blocks_rows(const lin_blocks *s, int place) {
+  const int b = s->order[place];
+  return s->first[b + 1] - s->first[b];
+}
+
+/* Where block row i of column j < i stands, by places; it must be in the pattern. */
+int lin_blocks_find(const lin_blocks *s, int i, int j);
+
+/* One block of memory for a layout; what stood there before is lost. BASE_ENOMEM only. */
+base_status lin_blocks_memory(lin_blocks *s, void **mem, void (*layout)(lin_blocks *, base_arena *),
+                              base_error *err);
+
+/* C -= X Y', C m x n, X m x k, Y n x k, all by columns. */
+void lin_blocks_subtract(double *C, const double *X, const double *Y, int m, int n, int k);
