@@ -25,6 +25,11 @@ base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp
                                base_error *err);
 
 lcp_times lcp_instance_times(const lcp_instance *k);
+
+/* Reads the clock no more, and all times are zero: for a caller with a clock of its own, where a problem of a few unknowns
+ * takes no longer than the readings. */
+void lcp_instance_untimed(lcp_instance *k);
+
 lcp_storage lcp_instance_storage(const lcp_instance *k); /* what the solver read */
 size_t lcp_instance_bytes(const lcp_instance *k);        /* workspace size [bytes] */
 void lcp_instance_close(lcp_instance *k);                /* accepts NULL */

@@ -9,7 +9,8 @@
   X(LCP_STALLED, "stalled")       /* no progress, tolerance not met */                             \
   X(LCP_RAY, "ray")               /* ended on a ray that proves nothing */                         \
   X(LCP_INFEASIBLE, "infeasible") /* proved: a certificate y >= 0, M'y <= 0, q'y < 0 exists */     \
-  X(LCP_NUMERICAL, "numerical")   /* pivot or factorisation broke down, NaN */
+  X(LCP_NUMERICAL, "numerical")   /* pivot or factorisation broke down, NaN */                     \
+  X(LCP_BUDGET, "budget")         /* the sweeps asked for are done, nothing was tested */
 
 #define LCP_OUTCOME_ENUM_(id, text) id,
 typedef enum lcp_outcome { LCP_OUTCOME_LIST(LCP_OUTCOME_ENUM_) LCP_OUTCOME_COUNT } lcp_outcome;

@@ -1,8 +1,9 @@
 #include "lcp/lcp_rho.h"
 
+#include "lcp/base/clones.h"
 #include "lcp/lcp_cone.h"
 
-void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *size) {
+BASE_CLONES void lcp_rho_product(const lcp_problem *p, const double *x, double *w, double *size) {
   for (int i = 0; i < p->M.n; i++) {
     size[i] = fabs(p->q[i]);
     if (w != NULL) {

@@ -26,6 +26,18 @@ const lcp_solver *lcp_solver_find(const char *name) {
 #define NAME_(id, text) text,
 static const char *const outcome_names[] = {LCP_OUTCOME_LIST(NAME_)};
 
+void lcp_work_add(lcp_work *sum, const lcp_work *more) {
+  sum->iterations += more->iterations;
+  sum->pivots += more->pivots;
+  sum->sweeps += more->sweeps;
+  sum->matvecs += more->matvecs;
+  sum->factorizations += more->factorizations;
+  sum->backsolves += more->backsolves;
+  sum->refinements += more->refinements;
+  sum->linesearches += more->linesearches;
+  sum->fallbacks += more->fallbacks;
+}
+
 const char *lcp_outcome_name(lcp_outcome o) {
   return ((unsigned)o < LCP_OUTCOME_COUNT) ? outcome_names[o] : "unknown";
 }
@@ -38,6 +50,10 @@ const char *lcp_set_name(int set) {
 
 static const char *const trait_names[] = {
     "symmetric", "psd", "pd", "copositive", "copositive_plus", "p_matrix", "zero_diagonal"};
+
+const char *lcp_trait_name(int trait) {
+  return (trait >= 0 && trait < BASE_COUNT(trait_names)) ? trait_names[trait] : NULL;
+}
 
 unsigned lcp_trait_find(const char *name) {
   for (int i = 0; i < BASE_COUNT(trait_names); i++) {

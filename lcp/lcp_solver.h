@@ -39,6 +39,8 @@ typedef struct lcp_work {
       fallbacks;
 } lcp_work;
 
+void lcp_work_add(lcp_work *sum, const lcp_work *more);
+
 typedef struct lcp_result {
   lcp_outcome outcome; /* the solver's claim; the harness judges separately */
   double residual;     /* last residual the solver saw (its own estimate of rho) */
@@ -107,6 +109,9 @@ typedef struct lcp_solver {
 
 /* Of an lcp_set, as errors and lists tell it; NULL beyond the last. */
 const char *lcp_set_name(int set);
+
+/* Of the trait 1u << trait; NULL beyond the last. */
+const char *lcp_trait_name(int trait);
 
 /* The bit of a trait by its word ("psd"); 0: there is none, or it is one that is never declared (zero_diagonal). */
 unsigned lcp_trait_find(const char *name);

@@ -85,6 +85,8 @@ static double slide(double a, void *data) {
   return sqrt(size) - s->mu * s->r[0];
 }
 
+static const double singular_noise = 1e-13; /* share of a diagonal that a zero is computed with */
+
 /* A tangential block of the Schur complement of A_nn, diagonal in the axes e. */
 typedef struct tangential {
   double value[2], axis[2][2]; /* largest first */
@@ -122,18 +124,36 @@ static void diagonalise(const double *A, const double *b, int n, tangential *t) 
   }
 }
 
+/* Is the Schur complement of A_nn, whose smaller value is at least det / trace, regular for sure? */
+static bool is_regular(const double *A, int n, double largest) {
+  const double inverse = 1.0 / A[0];
+  const double first = A[1 + n] - A[1] * A[n] * inverse;
+  if (n == 2) {
+    return first > singular_noise * 4.0 * largest;
+  }
+  const double second = A[2 + 2 * n] - A[2] * A[2 * n] * inverse;
+  const double off = A[2 + n] - A[2] * A[n] * inverse;
+  const double back = A[1 + 2 * n] - A[1] * A[2 * n] * inverse;
+  const double shared = 0.5 * (off + back);
+  return first > 0.0 && second > 0.0 &&
+         first * second - shared * shared > singular_noise * 4.0 * largest * (first + second);
+}
+
 /* Joints that let a contact move along one line, or in one plane, through its normal make A singular. */
 typedef enum singular { REGULAR, RESTS, SLIDES } singular;
 
 /* Rest (w = 0) of a singular A: of all r with w = 0 the one of least friction, from there along the null vector to the
  * cone. SLIDES: no such r is in the cone. */
 static singular rest_of_singular(const lcp_block *k, const double *A, const double *b, double *r) {
-  static const double noise = 1e-13; /* share of a diagonal that a zero is computed with */
+  const double noise = singular_noise;
   const int n = k->size, dim = n - 1;
   const double mu = k->part_mu[0];
   double largest = 0.0, x[2] = {0};
   for (int i = 1; i < n; i++) {
     largest = fmax(largest, A[i + i * n]);
+  }
+  if (is_regular(A, n, largest)) {
+    return REGULAR;
   }
   tangential t;
   diagonalise(A, b, n, &t);

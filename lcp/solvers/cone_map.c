@@ -1,5 +1,7 @@
 #include "lcp/solvers/cone_map.h"
 
+#include "lcp/solvers/facet_fold.h"
+
 #include <string.h>
 
 static double length(const double *v, int n) {
@@ -46,11 +48,65 @@ static void slip(int n, int at, int dim, double mu, double radius, double t, con
   }
 }
 
-static void alart_curnier(const lcp_block *b, const double *x, const double *y, double *F,
-                          double *X, double *Y) {
-  const int n = b->size;
+/* A part over the polygon of f corners mu p_n d_k, p = x - y. */
+// NOLINTNEXTLINE(readability-function-size): as of slip
+static void on_polygon(int n, int at, int f, double mu, double radius, const double *x,
+                       const double *y, double *F, double *X, double *Y) {
+  const double p[2] = {x[at] - y[at], x[at + 1] - y[at + 1]};
+  double to[2], by_p[4], by_radius[2];
+  if (lcp_polygon_project(f, radius, p, to, by_p, by_radius)) {
+    stick(n, at, 2, y, F, Y);
+    return;
+  }
+  for (int i = 0; i < 2; i++) {
+    F[at + i] = x[at + i] - to[i];
+    for (int j = 0; X != NULL && j < 2; j++) {
+      X[at + i + (at + j) * n] = (i == j) - by_p[i + 2 * j];
+      Y[at + i + (at + j) * n] = by_p[i + 2 * j];
+    }
+    if (X != NULL) {
+      X[at + i] = -mu * by_radius[i];
+      Y[at + i] = mu * by_radius[i];
+    }
+  }
+}
+
+void lcp_cone_modes(const lcp_block *b, double lo, double hi, const double *x, const double *y,
+                    unsigned char *mode) {
   const double p = x[0] - y[0];
+  memset(mode, LCP_MODE_LOW, (size_t)b->size);
+  if (b->set != LCP_CONE) {
+    mode[0] = (p <= lo) ? LCP_MODE_LOW : ((p >= hi) ? LCP_MODE_HIGH : LCP_MODE_HELD);
+    return;
+  }
   if (!(p > 0.0)) {
+    return;
+  }
+  mode[0] = LCP_MODE_HELD;
+  for (int k = 0, at = 1; k < b->n_part; at += b->part_dim[k++]) {
+    const double v[2] = {x[at] - y[at], (b->part_dim[k] == 2) ? x[at + 1] - y[at + 1] : 0.0};
+    const double radius = b->part_mu[k] * p;
+    if (radius > 0.0) {
+      mode[at] = (length(v, b->part_dim[k]) <= radius) ? LCP_MODE_HELD : LCP_MODE_SLIP;
+    }
+  }
+}
+
+static void smooth_interval(double lo, double hi, unsigned char mode, const double *x,
+                            const double *y, double *F, double *X, double *Y) {
+  const bool held = mode == LCP_MODE_HELD;
+  F[0] = held ? y[0] : x[0] - ((mode == LCP_MODE_LOW) ? lo : hi);
+  if (X != NULL) {
+    X[0] = held ? 0.0 : 1.0;
+    Y[0] = held ? 1.0 : 0.0;
+  }
+}
+
+// NOLINTNEXTLINE(readability-function-size): as of lcp_cone_map
+static void smooth_cone(const lcp_block *b, const int *facets, const unsigned char *mode,
+                        const double *x, const double *y, double *F, double *X, double *Y) {
+  const int n = b->size;
+  if (mode[0] == LCP_MODE_LOW) {
     vanish(n, 0, n, x, F, X);
     return;
   }
@@ -60,16 +116,44 @@ static void alart_curnier(const lcp_block *b, const double *x, const double *y, 
   }
   for (int k = 0, at = 1; k < b->n_part; at += b->part_dim[k++]) {
     const int dim = b->part_dim[k];
-    double v[2] = {x[at] - y[at], (dim == 2) ? x[at + 1] - y[at + 1] : 0.0};
-    const double t = length(v, dim), radius = b->part_mu[k] * p;
-    if (radius == 0.0) {
+    const double v[2] = {x[at] - y[at], (dim == 2) ? x[at + 1] - y[at + 1] : 0.0};
+    if (mode[at] == LCP_MODE_LOW) {
       vanish(n, at, dim, x, F, X);
-    } else if (t <= radius) {
-      stick(n, at, dim, y, F, Y);
+    } else if (facets != NULL && facets[at] > 2) {
+      on_polygon(n, at, facets[at], b->part_mu[k], b->part_mu[k] * (x[0] - y[0]), x, y, F, X, Y);
+    } else if (mode[at] == LCP_MODE_HELD || length(v, dim) == 0.0) {
+      stick(n, at, dim, y, F, Y); /* zero is in every disc, and has no direction to slip in */
     } else {
-      slip(n, at, dim, b->part_mu[k], radius, t, x, y, F, X, Y);
+      slip(n, at, dim, b->part_mu[k], b->part_mu[k] * (x[0] - y[0]), length(v, dim), x, y, F, X, Y);
     }
   }
+}
+
+static void clear(const lcp_block *b, double *X, double *Y) {
+  const size_t bytes = (size_t)b->size * (size_t)b->size * sizeof *X;
+  if (X != NULL) {
+    memset(X, 0, bytes);
+    memset(Y, 0, bytes);
+  }
+}
+
+// NOLINTNEXTLINE(readability-function-size): a map takes its block, its point and three results
+void lcp_cone_smooth(const lcp_block *b, double lo, double hi, const unsigned char *mode,
+                     const double *x, const double *y, double *F, double *X, double *Y) {
+  clear(b, X, Y);
+  if (b->set == LCP_CONE) {
+    smooth_cone(b, NULL, mode, x, y, F, X, Y);
+  } else {
+    smooth_interval(lo, hi, mode[0], x, y, F, X, Y);
+  }
+}
+
+// NOLINTNEXTLINE(readability-function-size): as of lcp_cone_map
+static void alart_curnier(const lcp_block *b, const int *facets, const double *x, const double *y,
+                          double *F, double *X, double *Y) {
+  unsigned char mode[LCP_CONE_MAX];
+  lcp_cone_modes(b, 0.0, 0.0, x, y, mode);
+  smooth_cone(b, facets, mode, x, y, F, X, Y);
 }
 
 /* out = a + L_c^-1 (...) is not formed: columns of L_c^-1 L_a, where L_v is the product with v of the algebra,
@@ -153,13 +237,9 @@ static void fischer(const lcp_block *k, const double *x, const double *y, double
 }
 
 // NOLINTNEXTLINE(readability-function-size): a map takes its block, its point and three results
-void lcp_cone_map(lcp_map map, const lcp_block *b, double lo, double hi, const double *x,
-                  const double *y, double *F, double *X, double *Y) {
-  const size_t bytes = (size_t)b->size * (size_t)b->size * sizeof *X;
-  if (X != NULL) {
-    memset(X, 0, bytes);
-    memset(Y, 0, bytes);
-  }
+void lcp_cone_map(lcp_map map, const lcp_block *b, const int *facets, double lo, double hi,
+                  const double *x, const double *y, double *F, double *X, double *Y) {
+  clear(b, X, Y);
   if (b->set != LCP_CONE) {
     double dx, dy;
     F[0] = lcp_interval_map(map, lo, hi, x[0], y[0], &dx, &dy);
@@ -169,9 +249,9 @@ void lcp_cone_map(lcp_map map, const lcp_block *b, double lo, double hi, const d
       X[0] = tie ? 1.0 : dx;
       Y[0] = tie ? 0.0 : dy;
     }
-  } else if (map == LCP_MAP_FISCHER && b->n_part == 1 && b->part_mu[0] > 0.0) {
+  } else if (map == LCP_MAP_FISCHER && b->n_part == 1 && b->part_mu[0] > 0.0 && facets == NULL) {
     fischer(b, x, y, F, X, Y);
   } else {
-    alart_curnier(b, x, y, F, X, Y);
+    alart_curnier(b, facets, x, y, F, X, Y);
   }
 }

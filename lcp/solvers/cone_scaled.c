@@ -1,5 +1,6 @@
 #include "lcp/solvers/cone_scaled.h"
 
+#include "lcp/lcp_cone.h"
 #include "lcp/solvers/sets.h"
 
 void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a) {
@@ -39,13 +40,14 @@ static base_status scale_cone(lcp_cone_scaled *c, const lcp_problem *p, const lc
 }
 
 base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, const double *d,
-                                  base_error *err) {
+                                  const int *facets, base_error *err) {
   const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
   const lcp_block *block = (p->block != NULL) ? p->block : &whole;
   const int count = (p->block != NULL) ? p->n_block : 1;
   lcp_set_scaling(&p->M, d, c->s);
   lcp_set_intervals(p, c->lo, c->hi);
   c->n_piece = 0;
+  c->facets = facets;
   for (int k = 0; k < count; k++) {
     const lcp_block *b = &block[k];
     if (b->set == LCP_CONE) {
@@ -68,11 +70,30 @@ double lcp_cone_scaled_map(lcp_cone_scaled *c, lcp_map map, const double *x, con
     const lcp_block *b = &c->piece[k];
     const int i = b->start;
     const size_t at = (size_t)i * LCP_CONE_MAX;
-    lcp_cone_map(map, b, c->lo[i], c->hi[i], x + i, y + i, c->F + i, slope ? c->X + at : NULL,
-                 slope ? c->Y + at : NULL);
+    lcp_cone_map(map, b, (c->facets != NULL) ? c->facets + i : NULL, c->lo[i], c->hi[i], x + i,
+                 y + i, c->F + i, slope ? c->X + at : NULL, slope ? c->Y + at : NULL);
     for (int r = i; r < i + b->size; r++) {
       sum += c->F[r] * c->F[r];
     }
   }
   return sum;
+}
+
+void lcp_cone_scaled_project(const lcp_cone_scaled *c, const double *z, double *to) {
+  for (int k = 0; k < c->n_piece; k++) {
+    const lcp_block *b = &c->piece[k];
+    const int i = b->start;
+    if (b->set == LCP_CONE) { /* in x, where mu is scaled */
+      double x[LCP_CONE_MAX];
+      for (int r = 0; r < b->size; r++) {
+        x[r] = z[i + r] / c->s[i + r];
+      }
+      lcp_cone_project(b, x, x);
+      for (int r = 0; r < b->size; r++) {
+        to[i + r] = x[r] * c->s[i + r];
+      }
+    } else {
+      to[i] = lcp_set_clip(z[i], c->lo[i] * c->s[i], c->hi[i] * c->s[i]);
+    }
+  }
 }

@@ -11,18 +11,22 @@
 typedef struct lcp_cone_scaled {
   lcp_block *piece; /* n_piece in order, cones with scaled mu */
   int n_piece;
-  double *s;       /* n */
-  double *lo, *hi; /* n, in x; read where a piece is an interval */
-  double *F;       /* n */
-  double *X, *Y;   /* size^2 a piece, at LCP_CONE_MAX piece.start */
+  const int *facets; /* n: as of lcp_cone_map, or NULL */
+  double *s;         /* n */
+  double *lo, *hi;   /* n, in x; read where a piece is an interval */
+  double *F;         /* n */
+  double *X, *Y;     /* size^2 a piece, at LCP_CONE_MAX piece.start */
 } lcp_cone_scaled;
 
 void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a);
 
-/* d: diagonal of M. BASE_EUNSUPPORTED: a cone of more than LCP_CONE_MAX rows, or with a diagonal that is not positive. */
+/* d: diagonal of M; facets: n, borrowed, or NULL. BASE_EUNSUPPORTED: a cone of more than LCP_CONE_MAX rows, or with a diagonal that is not positive. */
 base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, const double *d,
-                                  base_error *err);
+                                  const int *facets, base_error *err);
 
 /* F at (x, y), with `slope` also X and Y; returns |F|^2. */
 double lcp_cone_scaled_map(lcp_cone_scaled *c, lcp_map map, const double *x, const double *y,
                            bool slope);
+
+/* to = the point of K nearest to z in x, cones as they are; both in the units of z. */
+void lcp_cone_scaled_project(const lcp_cone_scaled *c, const double *z, double *to);

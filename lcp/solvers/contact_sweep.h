@@ -12,28 +12,21 @@
  * with A the scaled 3 x 3 block of M. Stored: two directions, two arms, three entries of A, q, x and
  * bounds, 200 bytes a contact, read once per sweep, and two cache lines a body.
  *
- * Order: contacts are gathered greedily, in the order given, into batches of four that share no moving
- * body (a colouring with a window of 64 open batches, repeated on what is left over); full batches
- * are swept first, in order, all four contacts at once; the rest follows one by one. Since contacts
- * of one batch do not touch each other, the iterates are those of a plain sweep in that order
- * (lcp_contact_sweep_order), up to the rounding of the scaling. */
+ * Order: that of contact_batches.h. The iterates are those of a plain sweep in that order, up to the rounding of the
+ * scaling. */
 #pragma once
 
 #include "lcp/lcp_solver.h"
+#include "lcp/solvers/contact_batches.h"
 #include "lcp/solvers/gauss_seidel.h"
-
-enum { LCP_LANES = 4 };
 
 typedef struct lcp_contact_batch lcp_contact_batch; /* four contacts, 800 bytes */
 
 typedef struct lcp_contact_sweep {
-  lcp_contact_batch *batch; /* n_batch; of four contacts each, the last may have fewer */
-  double *body;             /* 16 per body: v (3), 1/m, o (3), 0, inertia^-1 (6), 0; one fixed */
-  int *order;               /* contact swept in place k */
-  int *left, *next_left;    /* n_contact, of the colouring */
-  unsigned long long *open; /* n_body, batches that touch the body, while colouring */
-  double *root;             /* n, square roots of the diagonal */
-  int n_contact, n_full;    /* contacts; batches without a shared body */
+  lcp_contact_batch *batch; /* as many as contacts, for the longest chain */
+  double *body;             /* lcp_contact_bodies */
+  lcp_batches in;
+  double *root; /* n, square roots of the diagonal */
 } lcp_contact_sweep;
 
 void lcp_contact_sweep_layout(lcp_contact_sweep *s, const lcp_capacity *cap, base_arena *a);
@@ -44,8 +37,3 @@ bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp
 void lcp_contact_sweep_import(lcp_contact_sweep *s, const lcp_problem *p, const double *z);
 void lcp_contact_sweep_run(lcp_contact_sweep *s, double omega, int sweeps);
 void lcp_contact_sweep_export(const lcp_contact_sweep *s, const lcp_problem *p, double *z);
-
-/* The contact (group) swept in place k. */
-static inline int lcp_contact_sweep_order(const lcp_contact_sweep *s, int k) {
-  return s->order[k];
-}

@@ -6,16 +6,25 @@
 
 #include <float.h>
 
+/* fmax and fmin of numbers, without the calls. */
+static double larger(double a, double b) {
+  return (a > b) ? a : b;
+}
+
+static double smaller(double a, double b) {
+  return (a < b) ? a : b;
+}
+
 /* Violation of row i of an interval set, as a velocity: the natural map d z - P(d z - w). */
 static double violation(const lcp_problem *p, lcp_set set, int i, double d, double z, double w) {
   switch (set) {
   case LCP_ORTHANT:
-    return fmax(fmax(-w, -d * z), fmin(w, d * z));
+    return larger(larger(-w, -d * z), smaller(w, d * z));
   case LCP_FREE:
     return fabs(w);
   case LCP_BOX:
-    return fmax(fmax(d * (p->lo[i] - z), d * (z - p->hi[i])),
-                (w > 0.0) ? fmin(w, d * (z - p->lo[i])) : fmin(-w, d * (p->hi[i] - z)));
+    return larger(larger(d * (p->lo[i] - z), d * (z - p->hi[i])),
+                  (w > 0.0) ? smaller(w, d * (z - p->lo[i])) : smaller(-w, d * (p->hi[i] - z)));
   case LCP_CONE: /* by its block */
     break;
   }
@@ -39,12 +48,12 @@ static double cone_violation(const lcp_block *b, double d, const double *z, cons
 double lcp_data_size(const lcp_problem *p, const double *r) {
   double size = 0.0;
   for (int i = 0; i < p->M.n; i++) {
-    size = fmax(size, r[i] * fabs(p->q[i]));
+    size = larger(size, r[i] * fabs(p->q[i]));
   }
   for (int b = 0; p->block != NULL && b < p->n_block; b++) {
     const lcp_block *k = &p->block[b];
     for (int i = k->start; k->set == LCP_BOX && i < k->start + k->size; i++) {
-      size = fmax(size, fabs(lcp_set_clip(0.0, p->lo[i], p->hi[i])) / r[i]);
+      size = larger(size, fabs(lcp_set_clip(0.0, p->lo[i], p->hi[i])) / r[i]);
     }
   }
   return size;
@@ -66,10 +75,26 @@ static miss miss_of_cone(const lcp_block *b, const double *r, const double *z, c
   double d = 0.0, top = 0.0;
   for (int i = b->start; i < b->start + b->size; i++) {
     d += 1.0 / (r[i] * r[i] * b->size);
-    top = (tau0 != NULL) ? fmax(top, tau0[i]) : 0.0;
+    top = (tau0 != NULL) ? larger(top, tau0[i]) : 0.0;
   }
   const double rb = 1.0 / sqrt(d);
   return (miss){rb * cone_violation(b, d, z + b->start, w + b->start), DBL_EPSILON * rb * top};
+}
+
+double lcp_data_limit(double tol, double size) {
+  return 10.0 * tol * size;
+}
+
+double lcp_data_miss(const lcp_problem *p, const lcp_block *b, const double *r, const double *z,
+                     const double *w) {
+  double worst = 0.0;
+  if (b->set == LCP_CONE) {
+    return miss_of_cone(b, r, z, w, NULL).seen;
+  }
+  for (int i = b->start; i < b->start + b->size; i++) {
+    worst = lcp_rho_worse(worst, miss_of_row(p, b->set, i, r, z, w, NULL).seen);
+  }
+  return worst;
 }
 
 bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double *r,
@@ -77,7 +102,7 @@ bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double
   const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
   const lcp_block *block = (p->block != NULL) ? p->block : &whole;
   const int n_block = (p->block != NULL) ? p->n_block : 1;
-  const double limit = 10.0 * tol * size;
+  const double limit = lcp_data_limit(tol, size);
   for (int b = 0; b < n_block; b++) {
     const bool cone = block[b].set == LCP_CONE;
     for (int i = block[b].start; i < block[b].start + block[b].size;

@@ -20,6 +20,11 @@ double lcp_data_size(const lcp_problem *p, const double *r);
 bool lcp_data_allows(const lcp_problem *p, double tol, double size, const double *r,
                      const double *z, const double *w, const double *tau0);
 
+/* What z may miss by, tol and size as above; and by how much the worst row of a block does, for w of its rows. */
+double lcp_data_limit(double tol, double size);
+double lcp_data_miss(const lcp_problem *p, const lcp_block *b, const double *r, const double *z,
+                     const double *w);
+
 /* The same for a direct method on a stored M, after lcp_stop_met at z (w and the diagonal are in s). r[n] and tau0[n]
  * are scratch; counts its product with |M|. */
 bool lcp_data_met(const lcp_problem *p, double tol, const lcp_stop_state *s, const double *z,

@@ -16,6 +16,9 @@ typedef struct lcp_gs {
   double *lo, *hi;       /* n */
   unsigned char *whole;  /* n_block: solved block by block */
   double *Mbb, *qb, *xb; /* of one block */
+  double *kept;          /* M_bb of small blocks, LEMKE_KEPT_MAX a row */
+  double *inverse;       /* as long: what lemke_block_stays keeps of them */
+  lemke_kept *basis;     /* n_block */
   lemke_block lemke;     /* solves it */
   bool by_block;         /* some block is solved as a whole */
 } lcp_gs;

@@ -1,5 +1,6 @@
 #include "lcp/solvers/loop.h"
 
+#include "lcp/base/clock.h"
 #include "lcp/lcp_rho.h"
 #include "lcp/solvers/data_test.h"
 #include "lcp/solvers/sets.h"
@@ -115,8 +116,30 @@ static bool repeats(lcp_loop *s, int n, const double *z) {
   return false;
 }
 
+static bool cycles(lcp_loop *s, const lcp_problem *p, const double *z, lcp_result *res) {
+  const bool cycle = s->memoryless && repeats(s, p->M.n, z);
+  if (cycle) {
+    res->outcome = LCP_STALLED;
+  }
+  return cycle;
+}
+
+static bool spent(const lcp_loop *s, lcp_result *res, bool *fresh) {
+  if (fresh != NULL) {
+    *fresh = res->work.iterations == 0;
+  }
+  if (res->work.iterations >= s->budget) {
+    res->outcome = LCP_BUDGET;
+    return true;
+  }
+  return false;
+}
+
 bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                     lcp_trace *trace, lcp_result *res, bool *fresh) {
+  if (s->budget > 0) {
+    return spent(s, res, fresh);
+  }
   const bool last = res->work.iterations >= stop->max_iter;
   const bool due = last || res->work.iterations % stop->check_every == 0;
   if (fresh != NULL) {
@@ -138,11 +161,25 @@ bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, con
   if (last) {
     return true;
   }
-  if (s->memoryless && repeats(s, p->M.n, z)) {
-    res->outcome = LCP_STALLED;
+  return cycles(s, p, z, res);
+}
+
+bool lcp_loop_put_off(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                      lcp_result *res) {
+  if (base_seconds() - s->stop.started > stop->max_seconds) {
+    res->outcome = LCP_TIME_LIMIT;
     return true;
   }
-  return false;
+  return cycles(s, p, z, res);
+}
+
+long lcp_loop_until_test(const lcp_loop *s, const lcp_stop *stop, const lcp_result *res) {
+  const long every = stop->check_every, done = res->work.iterations;
+  if (s->budget > 0) {
+    return s->budget - done;
+  }
+  const long due = every - done % every, left = stop->max_iter - done;
+  return (due < left) ? due : left;
 }
 
 void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,

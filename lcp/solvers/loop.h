@@ -13,6 +13,10 @@
 /* LCP_STOP_FIELDS for methods whose iteration costs less than a residual test: tested every tenth. */
 #define LCP_LOOP_SWEEP_FIELDS(T, tol_, max_iter_) LCP_STOP_FIELDS_EVERY(T, tol_, max_iter_, 10)
 
+/* Of methods that can spend a fixed number of sweeps in place of a tolerance (LCP_BUDGET). */
+#define LCP_LOOP_BUDGET_FIELD(T)                                                                   \
+  BASE_FIELD(T, budget, BASE_INT, "1", 0, 0, 1e6, "sweeps of every solve, untested; 0: until tol")
+
 typedef struct lcp_loop {
   lcp_stop_state stop;
   lcp_rho_factored factored;
@@ -21,18 +25,28 @@ typedef struct lcp_loop {
   long tests, next;
   double q_size;   /* max r |q| */
   bool memoryless; /* the next iterate depends on z alone */
+  int budget;      /* iterations of a solve, after which it ends untested; 0: it ends by a test */
 } lcp_loop;
 
 void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a);
 
-/* memoryless: the next iterate depends on z only, so a repeated z proves a cycle. */
+/* memoryless: the next iterate depends on z only, so a repeated z proves a cycle. Not needed where a budget is spent. */
 void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless);
 
 /* Once per iteration, before it. True when the loop must end. Evaluates only when
  * work.iterations is a multiple of check_every or has reached max_iter; after an evaluation
- * s->stop.w holds M z + q and *fresh (may be NULL) is set. */
+ * s->stop.w holds M z + q and *fresh (may be NULL) is set. With a budget it only counts: true when that is spent, *fresh
+ * before the first iteration. */
 bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                     lcp_trace *trace, lcp_result *res, bool *fresh);
+
+/* Iterations from one that was tested to the next that is. */
+long lcp_loop_until_test(const lcp_loop *s, const lcp_stop *stop, const lcp_result *res);
+
+/* In the place of a test that is known to fail: ends a loop that is late or whose iterate came back, like a test. The
+ * iteration is not the last. */
+bool lcp_loop_put_off(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+                      lcp_result *res);
 
 /* For a method that cannot move z any more: tests it out of turn; `stalled` where it does not pass. */
 void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,

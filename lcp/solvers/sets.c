@@ -31,10 +31,12 @@ static void meet(const double *d, int i, int j, double m, double *s) {
 }
 
 void lcp_set_scaling(const lcp_matrix *M, const double *d, double *s) {
+  bool any_zero = false; /* else no entry counts but the diagonal's */
   for (int i = 0; i < M->n; i++) {
     s[i] = 0.0;
+    any_zero = any_zero || !(d[i] > 0.0);
   }
-  for (int j = 0; j < M->n;
+  for (int j = 0; j < M->n && any_zero;
        j++) { /* a zero on the diagonal of J W J' is a zero row: S alone counts there */
     const lcp_column c = lcp_column_of(M, j);
     for (int k = 0; k < c.count; k++) {

@@ -20,10 +20,10 @@
  *
  * Of an infeasible problem the proximal points run away along a y with y'w < 0 (Rockafellar 1976, theorem 1): the normal
  * parts of an outer step's way are tried as a Farkas vector where it made z four times as large. */
-#include "lcp/lcp_cone.h"
 #include "lcp/lcp_farkas.h"
 #include "lcp/solvers/cone_step.h"
 #include "lcp/solvers/data_test.h"
+#include "lcp/solvers/facet_fold.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
 
@@ -51,13 +51,16 @@ typedef struct state {
   lcp_loop loop;
   lcp_cone_scaled eq;
   lcp_cone_step step;
-  double *x, *y;         /* n, where F is taken */
-  double *center;        /* n, in x */
-  double *dx;            /* n */
-  double *trial;         /* n, z */
-  double *wt;            /* n, w of the trial */
-  double *best;          /* n, z of the smallest residual */
-  double *proof;         /* n, Farkas vector */
+  double *x, *y;  /* n, where F is taken */
+  double *center; /* n, in x */
+  double *dx;     /* n */
+  double *trial;  /* n, z */
+  double *wt;     /* n, w of the trial */
+  double *best;   /* n, z of the smallest residual */
+  double *proof;  /* n, Farkas vector */
+  lcp_fold fold; /* facets are solved folded: all above but `best` is of the folded problem then, */
+  double *inner, *w;     /* n: the iterate there, its w */
+  double *shown;         /* n: what a trial is unfolded */
   unsigned char *kind;   /* n, of lcp_farkas.h */
   lcp_farkas_sum *force; /* n_dof */
   /* of the outer step */
@@ -74,8 +77,9 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   lcp_loop_layout(&s->loop, cap, a);
   lcp_cone_scaled_layout(&s->eq, cap, a);
   lcp_cone_step_layout(&s->step, cap, a);
-  double **const arrays[] = {&s->x,     &s->y,  &s->center, &s->dx,
-                             &s->trial, &s->wt, &s->best,   &s->proof};
+  lcp_fold_layout(&s->fold, cap, a);
+  double **const arrays[] = {&s->x,    &s->y,     &s->center, &s->dx, &s->trial, &s->wt,
+                             &s->best, &s->proof, &s->inner,  &s->w,  &s->shown};
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
@@ -83,12 +87,37 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
 }
 
+/* The problem that is solved: p, or p with its facets folded. */
+static const lcp_problem *inner_of(const state *s, const lcp_problem *p) {
+  return s->fold.done ? &s->fold.p : p;
+}
+
+static base_status prepare_inner(state *s, const lcp_problem *p, const int *facets,
+                                 base_error *err) {
+  lcp_matrix_diagonal(&p->M, s->dx);
+  BASE_TRY(lcp_cone_scaled_begin(&s->eq, p, s->dx, facets, err));
+  return lcp_cone_step_prepare(&s->step, p, &s->eq, err);
+}
+
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
   state *s = st;
-  lcp_matrix_diagonal(&p->M, s->dx);
-  BASE_TRY(lcp_cone_scaled_begin(&s->eq, p, s->dx, err));
-  return lcp_cone_step_prepare(&s->step, p, &s->eq, err);
+  lcp_fold_begin(&s->fold, p);
+  if (s->fold.done && prepare_inner(s, &s->fold.p, s->fold.facets, err) == BASE_OK) {
+    return BASE_OK;
+  }
+  s->fold.done =
+      false; /* a friction without mobility is no cone, but its facets are rows like others */
+  return prepare_inner(s, p, NULL, err);
+}
+
+/* What the iterate x of the inner problem is in p: z itself, or unfolded with w. */
+static void show(state *s, const double *x, double *w, double *z, lcp_result *res) {
+  if (s->fold.done) {
+    lcp_matrix_apply(&s->fold.p.M, x, s->fold.p.q, w, s->loop.stop.scratch);
+    lcp_fold_out(&s->fold, x, w, z);
+    res->work.matvecs++;
+  }
 }
 
 /* |F|^2 at z with w = M z + q and this weight; F stays, with `slope` its derivatives too. */
@@ -114,11 +143,19 @@ static void stalled(state *s, const options *o, lcp_result *res) {
   res->work.fallbacks++;
 }
 
+static void unfold_kinds(state *s, const lcp_problem *p) {
+  for (int k = 0; k < p->n_block; k++) {
+    const lcp_block *b = &p->block[k];
+    memset(s->kind + b->start, (b->set == LCP_FREE) ? LCP_FARKAS_FREE : LCP_FARKAS_SIGNED,
+           (size_t)b->size);
+  }
+}
+
 /* Has z run to four times the largest impulse of the outer step's centre, and do the normal parts of the way prove that no w
  * is feasible? */
 static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
   double here = 0.0, before = 0.0;
-  for (int i = 0; i < p->M.n; i++) {
+  for (int i = 0; i < inner_of(s, p)->M.n; i++) {
     here = fmax(here, fabs(z[i] / s->eq.s[i]));
     before = fmax(before, fabs(s->center[i]));
   }
@@ -135,6 +172,11 @@ static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
       s->proof[i] = sideways ? 0.0 : ((b->set == LCP_FREE) ? way : fmax(way, 0.0));
     }
   }
+  if (s->fold.done) {
+    memcpy(s->shown, s->proof, (size_t)s->fold.p.M.n * sizeof *s->proof);
+    lcp_fold_out_rows(&s->fold, s->shown, s->proof);
+    unfold_kinds(s, p);
+  }
   return lcp_farkas_prove(&p->M, p->q, s->kind, s->force, s->proof);
 }
 
@@ -142,7 +184,7 @@ static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
  * res->outcome turns LCP_INFEASIBLE where that is proved. */
 static double advance(state *s, const options *o, const lcp_problem *p, const double *z,
                       const double *w, lcp_result *res) {
-  const int n = p->M.n;
+  const int n = inner_of(s, p)->M.n;
   const double bare = merit(s, n, 0.0, z, w, false);
   double now = merit(s, n, s->weight, z, w, true);
   const bool reached = s->started && now <= 0.01 * bare;
@@ -189,17 +231,36 @@ static void search(state *s, const lcp_problem *p, double now, double *z, lcp_re
   }
 }
 
+/* Into the cone over polygons: the normal impulse first, then friction within what it bears. */
+static void into_polygons(const state *s, const lcp_block *b, double *x) {
+  x[0] = fmax(x[0], 0.0);
+  for (int k = 0, at = 1; k < b->n_part; at += b->part_dim[k++]) {
+    const double radius = b->part_mu[k] * x[0];
+    double to[2], by_v[4], by_radius[2];
+    if (b->part_dim[k] == 1) {
+      x[at] = lcp_set_clip(x[at], -radius, radius);
+    } else {
+      (void)lcp_polygon_project(s->eq.facets[b->start + at], radius, x + at, to, by_v, by_radius);
+      memcpy(x + at, to, sizeof to);
+    }
+  }
+}
+
 /* to = the point of K nearest to z, cones as they are. */
 static void project(const state *s, const double *z, double *to) {
+  if (!s->fold.done) {
+    lcp_cone_scaled_project(&s->eq, z, to);
+    return;
+  }
   for (int k = 0; k < s->eq.n_piece; k++) {
     const lcp_block *b = &s->eq.piece[k];
     const int i = b->start;
     if (b->set == LCP_CONE) { /* in x, where mu is scaled */
-      double x[LCP_CONE_MAX];
+      double x[LCP_CONE_MAX] = {0};
       for (int r = 0; r < b->size; r++) {
         x[r] = z[i + r] / s->eq.s[i + r];
       }
-      lcp_cone_project(b, x, x);
+      into_polygons(s, b, x);
       for (int r = 0; r < b->size; r++) {
         to[i + r] = x[r] * s->eq.s[i + r];
       }
@@ -227,77 +288,116 @@ static bool whole_step(state *s, const lcp_problem *p, double *z, lcp_result *re
   return true;
 }
 
-/* The accepted z moved into K, where that passes the test as well; where it does not, after one or two more Newton steps:
+/* The accepted x moved into K, where that passes the test as well; where it does not, after one or two more Newton steps:
  * rho hardly sees an impulse of a light body that is out of its cone. */
-static base_status finish(state *s, const options *o, const lcp_problem *p, double *z,
-                          lcp_result *res) {
+static base_status finish(state *s, const options *o, const lcp_problem *p, const double *x,
+                          double *z, lcp_result *res) {
   const lcp_stop now = {o->stop.tol, o->stop.max_iter, 1, o->stop.max_seconds};
-  const size_t bytes = (size_t)p->M.n * sizeof *z;
+  const lcp_problem *in = inner_of(s, p);
+  double *shown = s->fold.done ? s->shown : s->trial;
   base_status status = BASE_OK;
-  memcpy(s->best, z, bytes);
+  memcpy(s->best, x, (size_t)in->M.n * sizeof *x);
   for (int k = 0; k < 3; k++) {
     lcp_result again = *res;
     project(s, s->best, s->trial);
-    if (lcp_loop_ended(&s->loop, &now, p, s->trial, NULL, &again, NULL) &&
+    show(s, s->trial, s->wt, shown, &again);
+    if (lcp_loop_ended(&s->loop, &now, p, shown, NULL, &again, NULL) &&
         again.outcome == LCP_SOLVED) {
-      memcpy(z, s->trial, bytes);
+      memcpy(z, shown, (size_t)p->M.n * sizeof *z);
       *res = again;
       break;
     }
-    if (k == 2 || !whole_step(s, p, s->best, res, &status)) {
+    if (k == 2 || !whole_step(s, in, s->best, res, &status)) {
       break;
     }
   }
   return status;
 }
 
+/* One Newton step from x, whose w is given. False: the solve ends with the outcome that is set. */
+static bool advance_and_step(state *s, const options *o, const lcp_problem *p, const double *w,
+                             double *x, lcp_result *res, base_status *status) {
+  const lcp_problem *in = inner_of(s, p);
+  const double now = advance(s, o, p, x, w, res);
+  if (res->outcome == LCP_INFEASIBLE) {
+    return false;
+  }
+  res->work.iterations++;
+  if (lcp_cone_step_factor(&s->step, in, &s->eq, s->weight, &res->work, status)) {
+    lcp_cone_step_solve(&s->step, in, &s->eq, s->dx, &res->work);
+    search(s, in, now, x, res);
+  } else if (*status != BASE_OK || s->weight >= most_weight) {
+    res->outcome = LCP_STALLED;
+    return false;
+  } else {
+    stalled(s, o, res);
+    recentre(s, in->M.n, x);
+  }
+  return true;
+}
+
+/* The start point in K: outside, where M z + q = 0, rho has no scale. */
+static void begin(state *s, const options *o, const lcp_problem *p, double *z, double *x) {
+  const lcp_problem *in = inner_of(s, p);
+  s->map = (o->map == FISCHER) ? LCP_MAP_FISCHER : LCP_MAP_MIN;
+  s->shrink = o->shrink;
+  s->waited = 0;
+  if (s->fold.done) {
+    lcp_fold_in(&s->fold, z, x);
+  }
+  project(s, x, s->trial);
+  memcpy(x, s->trial, (size_t)in->M.n * sizeof *x);
+  recentre(s, in->M.n, x);
+  lcp_loop_begin(&s->loop, p, false);
+}
+
+/* How far off the start point is, 1 at most: rho, or, where facets are folded, |F| over |x|. Their rho is near 1 until all is
+ * solved, since sigma is nothing beside the impulses that its row is made of. */
+static double off_at_start(state *s, const lcp_problem *p, const double *x, const double *w,
+                           double rho) {
+  const int n = inner_of(s, p)->M.n;
+  double size = 0.0;
+  const double bare = sqrt(merit(s, n, 0.0, x, w, false));
+  for (int i = 0; i < n; i++) {
+    size += s->x[i] * s->x[i];
+  }
+  const double off = fmin(1.0, rho);
+  return (s->fold.done && size > 0.0) ? fmin(off, bare / sqrt(size)) : off;
+}
+
 static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   const options *o = opt;
   state *s = st;
-  const int n = p->M.n;
-  const size_t bytes = (size_t)n * sizeof *z;
-  double *w = s->loop.stop.w, best = HUGE_VAL;
-  bool fresh, first = true;
+  const size_t bytes = (size_t)p->M.n * sizeof *z;
+  double *x = s->fold.done ? s->inner : z, *w = s->fold.done ? s->w : s->loop.stop.w;
+  double best = HUGE_VAL;
+  bool fresh;
   base_status status = BASE_OK;
-  s->map = (o->map == FISCHER) ? LCP_MAP_FISCHER : LCP_MAP_MIN;
-  s->shrink = o->shrink;
-  s->waited = 0;
-  project(s, z, s->trial); /* from K: outside, where M z + q = 0, rho has no scale */
-  memcpy(z, s->trial, bytes);
-  recentre(s, n, z);
-  lcp_loop_begin(&s->loop, p, false);
-  while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
-    if (!fresh) {
-      lcp_matrix_apply(&p->M, z, p->q, w, s->loop.stop.scratch);
-      res->work.matvecs++;
-    } else if (res->residual < best) {
+  begin(s, o, p, z, x);
+  for (bool first = true;; first = false) {
+    show(s, x, w, z, res);
+    if (lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
+      break;
+    }
+    if (fresh && res->residual < best) {
       best = res->residual;
       memcpy(s->best, z, bytes);
+    } else if (!fresh && !s->fold.done) {
+      lcp_matrix_apply(&p->M, z, p->q, w, s->loop.stop.scratch);
+      res->work.matvecs++;
     }
     if (first) {
-      s->weight = o->weight * fmin(1.0, res->residual);
-      first = false;
+      s->weight = fmax(o->weight * off_at_start(s, p, x, w, res->residual), least_weight);
     }
-    const double now = advance(s, o, p, z, w, res);
-    if (res->outcome == LCP_INFEASIBLE) {
-      return BASE_OK;
-    }
-    res->work.iterations++;
-    if (lcp_cone_step_factor(&s->step, p, &s->eq, s->weight, &res->work, &status)) {
-      lcp_cone_step_solve(&s->step, p, &s->eq, s->dx, &res->work);
-      search(s, p, now, z, res);
-    } else if (status != BASE_OK || s->weight >= most_weight) {
-      res->outcome = LCP_STALLED;
+    if (!advance_and_step(s, o, p, w, x, res, &status)) {
       break;
-    } else {
-      stalled(s, o, res);
-      recentre(s, n, z);
     }
   }
   if (res->outcome == LCP_SOLVED) {
-    status = finish(s, o, p, z, res);
-  } else if (best < res->residual || res->residual != res->residual) {
+    status = finish(s, o, p, x, z, res);
+  } else if (res->outcome != LCP_INFEASIBLE &&
+             (best < res->residual || res->residual != res->residual)) {
     memcpy(z, s->best, bytes);
     res->residual = best;
   }

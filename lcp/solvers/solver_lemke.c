@@ -1,6 +1,5 @@
 /* solver_lemke.c - Lemke's method (Lemke 1965; Cottle, Pang & Stone 1992, algorithms 4.4.5 and 4.9.3):
  * covering vector, complementary pivots, lexicographic ratio test. See README.md, "lemke". */
-#include "lcp/base/clock.h"
 #include "lcp/lcp_solver.h"
 #include "lcp/solvers/lemke/proof.h"
 #include "lcp/solvers/lemke/sift.h"
@@ -449,7 +448,8 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   memset(k->best, 0, sizeof(double) * (size_t)p->M.n);
   t->pivots = 0;
   t->pivot_limit = o->stop.max_iter;
-  t->deadline = base_seconds() + o->stop.max_seconds;
+  t->deadline = -1;
+  t->max_seconds = o->stop.max_seconds;
   lemke_engine_forget(&k->table.engine);
   lemke_engine_forget(&k->basis.engine);
   k->basis.basis.factorizations = 0;

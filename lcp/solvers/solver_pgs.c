@@ -9,10 +9,12 @@
  * symmetric positive semidefinite M and 0 < omega < 2 (w does; z where it is unique); on others it
  * may cycle, which ends as `stalled`.
  *
- * On the factored form the sweep runs on body velocities and never forms M (sweep.h); boxed friction
- * with three rows a contact on rigid bodies goes in batches of four contacts, in a colouring order
- * (variant "batches", contact_sweep.h). */
+ * On the factored form the sweep runs on body velocities and never forms M (sweep.h); boxed friction with three rows a
+ * contact (contact_sweep.h) and, with omega = 1, blocks of faceted friction (facet_batches.h) between rigid bodies go in
+ * batches of four contacts (variant "batches"). */
+#include "lcp/solvers/batch_test.h"
 #include "lcp/solvers/contact_sweep.h"
+#include "lcp/solvers/facet_batches.h"
 #include "lcp/solvers/gauss_seidel.h"
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sets.h"
@@ -20,10 +22,13 @@
 typedef struct options {
   lcp_stop stop;
   double omega;
+  int budget;
+  long rays; /* of one solve */
 } options;
 
 static const base_field fields[] = {
     LCP_LOOP_SWEEP_FIELDS(options, 1e-8, 10000),
+    LCP_LOOP_BUDGET_FIELD(options),
     BASE_FIELD(options, omega, BASE_REAL, "1", 1.0, 0.01, 1.99, "relaxation factor"),
 };
 
@@ -31,7 +36,12 @@ typedef struct state {
   lcp_loop loop;
   lcp_gs gs;
   lcp_contact_sweep contacts;
-  bool in_batches; /* the matrix-free sweep of contact_sweep.h */
+  lcp_batch_test test;
+  double omega;
+  long rays; /* of one solve */
+  lcp_facet_batches facets;
+  bool in_facets;  /* of facet_batches.h */
+  bool in_batches; /* the matrix-free sweep of contact_sweep.h, or */
 } state;
 
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
@@ -40,43 +50,58 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   lcp_loop_layout(&s->loop, cap, a);
   lcp_gs_layout(&s->gs, cap, a);
   lcp_contact_sweep_layout(&s->contacts, cap, a);
+  lcp_facet_batches_layout(&s->facets, cap, a);
 }
 
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
-  (void)opt;
+  const options *o = opt;
   state *s = st;
   BASE_TRY(lcp_gs_prepare(&s->gs, p, err));
   s->in_batches = lcp_contact_sweep_prepare(&s->contacts, &s->gs, p);
+  s->in_facets = o->omega == 1.0 && lcp_facet_batches_prepare(&s->facets, &s->gs, p);
   return BASE_OK;
 }
 
-/* Sweeps in batches until the next residual test. */
-static void run_batches(state *s, const options *o, const lcp_problem *p, double *z,
-                        lcp_result *res) {
-  const long every = o->stop.check_every, done = res->work.iterations;
-  const long due = every - done % every, left = o->stop.max_iter - done;
-  const long count = (due < left) ? due : left;
+static void sweep_batches(void *state_of, const lcp_problem *p, long sweeps, double *z) {
+  state *s = state_of;
   lcp_contact_sweep_import(&s->contacts, p, z);
-  lcp_contact_sweep_run(&s->contacts, o->omega, (int)count);
+  lcp_contact_sweep_run(&s->contacts, s->omega, (int)sweeps);
   lcp_contact_sweep_export(&s->contacts, p, z);
   for (int i = 0; i < p->M.n; i++) { /* bounds went through the scaling */
     z[i] = lcp_set_clip(z[i], s->gs.lo[i], s->gs.hi[i]);
   }
-  res->work.iterations += count;
-  res->work.sweeps += count;
+}
+
+static void sweep_facets(void *state_of, const lcp_problem *p, long sweeps, double *z) {
+  state *s = state_of;
+  lcp_facet_batches_run(&s->facets, p, sweeps, z);
+  s->rays += s->facets.rays;
 }
 
 static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   const options *o = opt;
   state *s = st;
-  res->variant = s->in_batches ? "batches" : (s->gs.by_block ? "block" : "point");
+  res->variant = (s->in_batches || s->in_facets) ? "batches" : (s->gs.by_block ? "block" : "point");
+  s->test = (lcp_batch_test){.loop = &s->loop,
+                             .stop = &o->stop,
+                             .sweeps = s->in_facets ? sweep_facets : sweep_batches,
+                             .state = s,
+                             .body = s->in_facets ? s->facets.lanes.body : s->contacts.body,
+                             .every = trace != NULL};
+  s->omega = o->omega;
+  s->rays = 0;
   lcp_gs_start(&s->gs, p, z, &res->work);
-  lcp_loop_begin(&s->loop, p, true);
+  s->loop.budget = o->budget;
+  if (o->budget == 0) {
+    lcp_loop_begin(&s->loop, p, true);
+  }
   bool fresh;
   while (!lcp_loop_ended(&s->loop, &o->stop, p, z, trace, res, &fresh)) {
-    if (s->in_batches) {
-      run_batches(s, o, p, z, res);
+    if (s->in_batches || s->in_facets) {
+      if (lcp_batch_run(&s->test, p, z, res)) {
+        break;
+      }
       continue;
     }
     if (fresh) { /* so that the next iterate depends on z alone */
@@ -86,6 +111,7 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
     res->work.iterations++;
     res->work.sweeps++;
   }
+  res->work.fallbacks += s->rays;
   return BASE_OK;
 }
 
@@ -97,6 +123,7 @@ const lcp_solver lcp_solver_pgs = {
     .when = "A rough answer of a large problem, cheaply.",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
+    .by_factors = true,
     .warm = true,
     .prepare = prepare,
     LCP_SOLVER_PARTS(state),

@@ -9,23 +9,22 @@
  * z'Mz/2 + q'z falls strictly from one driving row to the next, so no F returns and ties need no
  * rule. When nothing blocks, d >= 0 with Md = 0 and q'd < 0: no feasible point.
  * A start point gives the first F, by the rows strictly inside their bounds; descent to w_F = 0 precedes.
- * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray. */
+ * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray.
+ * Small problems from z = 0 take the same pivots on a tableau (ppm/ppm_table.c). */
 #include "lcp/base/clock.h"
 #include "lcp/lcp_column.h"
-#include "lcp/solvers/data_test.h"
 #include "lcp/solvers/ppm/ppm.h"
 #include "lcp/solvers/sets.h"
 
 #include <float.h>
+#include <string.h>
 
 typedef struct options {
   lcp_stop stop;
 } options;
 
-/* Relative sizes, all in the metric of unit: below `rank` a Schur complement is zero, below `faint` a
- * direction is; a violation below `sure` is driven at most twice. */
-static const double rank_share = 2e-13;
-static const double faint_share = 1e-12;
+/* Relative sizes, all in the metric of unit; a violation below `sure` is driven at most twice. */
+static const lcp_ppm_share share = {.rank = 2e-13, .faint = 1e-12};
 static const double sure_share = 1e-11;
 static const double round_share = 16 * DBL_EPSILON;
 
@@ -38,7 +37,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   (void)opt;
   ppm *s = state;
   const int m = most_basic(cap);
-  lcp_stop_layout(&s->stop, cap, a);
+  lcp_loop_layout(&s->loop, cap, a);
   lcp_sweep_layout(&s->sweep, cap, a);
   s->m_max = m;
   s->dof = BASE_ARRAY(a, double, cap->n_dof);
@@ -52,12 +51,16 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   s->cs = BASE_ARRAY(a, double, 2 * (size_t)cap->n);
   s->d = BASE_ARRAY(a, double, cap->n);
   s->unit = BASE_ARRAY(a, double, cap->n);
+  s->share = BASE_ARRAY(a, double, cap->n);
+  s->side = BASE_ARRAY(a, double, cap->n);
+  s->table =
+      BASE_ARRAY(a, double, lcp_ppm_table_size((cap->n < PPM_TABLE_MAX) ? cap->n : PPM_TABLE_MAX));
   s->lo = BASE_ARRAY(a, double, cap->n);
   s->hi = BASE_ARRAY(a, double, cap->n);
   s->w = BASE_ARRAY(a, double, cap->n);
   s->bound = BASE_ARRAY(a, double, cap->n);
   s->x = BASE_ARRAY(a, double, cap->n);
-  s->y = BASE_ARRAY(a, double, cap->n);
+  s->y = BASE_ARRAY(a, double, cap->n + 3); /* as padded as a column of the table */
   s->ray = BASE_ARRAY(a, double, cap->n);
   s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
   s->sum = BASE_ARRAY(a, long double, cap->n);
@@ -75,7 +78,7 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   (void)opt;
   ppm *s = state;
   const bool factored = p->M.storage == LCP_FACTORED;
-  if ((p->traits & LCP_SYMMETRIC) == 0 && (factored || !lcp_matrix_is_symmetric(&p->M))) {
+  if ((p->traits & LCP_SYMMETRIC) == 0 && factored) { /* stored ones were compared: `needs` */
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "ppm: needs a symmetric matrix");
   }
   if (factored) {
@@ -86,8 +89,11 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
     set_rows(s, p, p->block[k].start, p->block[k].start + p->block[k].size, p->block[k].set);
   }
   lcp_matrix_diagonal(&p->M, s->d);
+  s->small = !factored && p->M.n <= PPM_TABLE_MAX && lcp_problem_sets(p) == 1u << LCP_ORTHANT;
   for (int i = 0; i < p->M.n; i++) {
+    s->small = s->small && s->d[i] > 0;
     s->unit[i] = (s->d[i] != 0) ? sqrt(fabs(s->d[i])) : 1;
+    s->share[i] = 1 / s->unit[i];
   }
   return BASE_OK;
 }
@@ -176,7 +182,7 @@ static int first_block(const ppm *s, const double *z, double top, double sign, d
     const double rate = sign * s->y[k];
     const double scaled = fabs(rate) * s->unit[i];
     const double room = (rate < 0) ? z[i] - s->lo[i] : s->hi[i] - z[i];
-    if (s->is_free[i] || !(scaled > faint_share * top) || room == HUGE_VAL) {
+    if (s->is_free[i] || !(scaled > share.faint * top) || room == HUGE_VAL) {
       continue;
     }
     const double t = fmax(room, 0.0) / fabs(rate);
@@ -228,7 +234,7 @@ static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp
       return SPENT;
     }
     const double schur = direction(s, &p->M, r, work);
-    const bool positive = schur > rank_share * fabs(s->d[r]) && s->m < s->m_max;
+    const bool positive = schur > share.rank * fabs(s->d[r]) && s->m < s->m_max;
     const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
     double t = HUGE_VAL;
     const int k = first_block(s, z, s->unit[r], sign, &t);
@@ -295,7 +301,7 @@ static bool start(ppm *s, const lcp_matrix *M, double *z, lcp_work *work) {
   for (int i = 0; i < M->n; i++) {
     const bool inside = s->is_free[i] ? z[i] != 0 : z[i] > s->lo[i] && z[i] < s->hi[i];
     const double schur = (warm && inside) ? direction(s, M, i, work) : 0;
-    if (schur > rank_share * fabs(s->d[i]) && s->m < s->m_max) {
+    if (schur > share.rank * fabs(s->d[i]) && s->m < s->m_max) {
       enter(s, i, sqrt(schur));
     } else {
       z[i] = resting_place(s, i);
@@ -371,28 +377,68 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
     } else if (e == UNBLOCKED) {
       return proves_infeasible(s, p, r) ? LCP_INFEASIBLE : LCP_RAY;
     }
-    if (res->work.iterations % 32 == 0 && base_seconds() - s->stop.started > stop->max_seconds) {
+    if (res->work.iterations % 32 == 0 &&
+        base_seconds() - s->loop.stop.started > stop->max_seconds) {
       return LCP_TIME_LIMIT;
     }
   }
 }
 
-/* See data_test.h: a basis regular by rounding alone has a z so large that rho says nothing. */
-static bool small_for_data(ppm *s, const lcp_problem *p, const lcp_stop *stop, const double *z) {
-  lcp_ppm_evaluate(s, p, z);
-  lcp_set_scaling(&p->M, s->d, s->x);
-  return lcp_data_allows(p, stop->tol, lcp_data_size(p, s->x), s->x, z, s->w, s->bound);
+/* The test of an iterative method: rho alone says nothing of a basis that is regular by rounding (data_test.h), and of
+ * rows of factors whose terms cancel only their entries tell how large those were. */
+static bool passes(ppm *s, const lcp_problem *p, const lcp_stop *stop, const double *z,
+                   lcp_result *res) {
+  lcp_loop_stationary(&s->loop, stop, p, z, NULL, res);
+  return res->outcome == LCP_SOLVED;
 }
 
 /* Each takes 16 digits off what is too much in a row whose answer is tiny beside the others', as friction is that a turn by
  * 1e-50 asks for; rho sees every row in its own scale. */
 enum { REFINEMENTS = 6 };
 
+/* F as a certificate. */
+static lcp_certificate basis(ppm *s, int n) {
+  for (int i = 0; i < n; i++) {
+    s->tries[i] = s->where[i] == BASIC;
+  }
+  return (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->tries};
+}
+
+/* A small problem from z = 0. False: nothing is decided, z is as it was. */
+static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_trace *trace,
+                        double *z, lcp_result *res) {
+  bool small = s->small;
+  for (int i = 0; i < p->M.n && small; i++) {
+    small = z[i] == 0;
+  }
+  if (!small) {
+    return false;
+  }
+  if (!lcp_ppm_table_solve(s, p, stop, &share, z, res)) {
+    memset(z, 0, (size_t)p->M.n * sizeof *z);
+    res->work.pivots = 0;
+    res->work.fallbacks++;
+    return false;
+  }
+  res->variant = "table";
+  res->outcome = LCP_SOLVED;
+  res->work.iterations = res->work.pivots;
+  res->certificate = basis(s, p->M.n);
+  if (trace != NULL && trace->len < trace->cap) {
+    trace->iteration[trace->len] = res->work.pivots;
+    trace->residual[trace->len++] = res->residual;
+  }
+  return true;
+}
+
 static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
                          double *z, lcp_result *res) {
   ppm *s = state;
   const lcp_stop *stop = &((const options *)opt)->stop;
-  lcp_stop_begin(&s->stop, p);
+  if (solve_small(s, p, stop, trace, z, res)) {
+    return BASE_OK;
+  }
+  lcp_loop_begin(&s->loop, p, false);
   if (start(s, &p->M, z, &res->work)) {
     res->variant = "warm";
     settle(s, p, z, &res->work);
@@ -405,20 +451,17 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
     if (ended == LCP_SOLVED) {
       lcp_ppm_refine(s, p, z, &res->work);
     }
-    met = lcp_stop_met(&s->stop, stop->tol, p, z, res) && small_for_data(s, p, stop, z);
-    res->work.matvecs++;
+    met = passes(s, p, stop, z, res);
   }
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
+    res->outcome = ended;
     res->certificate = (lcp_certificate){
         .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
   } else if (met && (lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {
     res->outcome = LCP_SOLVED; /* a basis does not tell the two ends of a box apart */
   } else if (met) {
-    for (int i = 0; i < p->M.n; i++) {
-      s->tries[i] = s->where[i] == BASIC;
-    }
     res->outcome = LCP_SOLVED;
-    res->certificate = (lcp_certificate){.kind = LCP_CERT_BASIS, .basis = s->tries};
+    res->certificate = basis(s, p->M.n);
   } else {
     res->outcome = (ended == LCP_SOLVED) ? LCP_NUMERICAL : ended;
   }
@@ -430,7 +473,7 @@ static const base_field fields[] = {LCP_STOP_FIELDS(options, 1e-10, 1000000)};
 const lcp_solver lcp_solver_ppm = {
     .name = "ppm",
     .title = "principal pivoting",
-    .cite = "keller1973; cottle1992, algorithm 4.2.11",
+    .cite = "keller1973; cottle1992, algorithm 4.2.11; goodnight1979",
     .words = "Exact, by pivoting on a growing principal block.",
     .when = "Symmetric problems with few changes from step to step.",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE) | (1u << LCP_BOX),

@@ -22,6 +22,14 @@ void lemke_path_layout(lemke_path *t, int rows, base_arena *a) {
   t->in_z = BASE_ARRAY(a, unsigned char, n);
 }
 
+bool lemke_path_late(lemke_path *t) {
+  const double now = base_seconds();
+  if (t->deadline < 0) {
+    t->deadline = now + t->max_seconds;
+  }
+  return now >= t->deadline;
+}
+
 static int complement(int var, int n) {
   return (var < n) ? var + n : var - n;
 }
@@ -191,7 +199,7 @@ static lemke_end follow(lemke_path *t) {
     if (t->pivots >= t->pivot_limit) {
       return LEMKE_LIMIT;
     }
-    if (step % TIME_EVERY == 0 && base_seconds() > t->deadline) {
+    if (step % TIME_EVERY == 0 && lemke_path_late(t)) {
       return LEMKE_TIMEOUT;
     }
     t->d = e->kind->column(e, t->entering, t->room);

@@ -34,12 +34,17 @@ typedef struct lemke_path {
   int entering;         /* variable that drives */
   uint64_t hash, noted; /* of the present basis, of one met before */
   long period, until_note;
-  double deadline; /* [s] */
+  double
+      deadline; /* [s]; negative until the first look at the clock, from which max_seconds count */
+  double max_seconds;
   long pivot_limit;
   long pivots;
 } lemke_path;
 
 void lemke_path_layout(lemke_path *t, int rows, base_arena *a);
+
+/* Is the time used up? A short path never asks: the clock costs as much as two of its pivots. */
+bool lemke_path_late(lemke_path *t);
 
 /* Pivots from the complementary basis in_z until the path ends. */
 lemke_end lemke_path_run(lemke_path *t, lemke_engine *e, const lemke_system *s,

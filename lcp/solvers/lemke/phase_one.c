@@ -1,7 +1,5 @@
 #include "lcp/solvers/lemke/phase_one.h"
 
-#include "lcp/base/clock.h"
-
 #include <math.h>
 
 static const double zero =
@@ -117,7 +115,7 @@ lemke_end lemke_phase_one(lemke_path *t, lemke_table *table, const lemke_system 
     if (t->pivots >= t->pivot_limit || r < 0) {
       return (r < 0) ? LEMKE_BROKEN : LEMKE_LIMIT;
     }
-    if (base_seconds() > t->deadline) {
+    if (lemke_path_late(t)) {
       return LEMKE_TIMEOUT;
     }
     (void)e->kind->replace(e, r, var, d);

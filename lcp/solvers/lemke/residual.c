@@ -65,7 +65,7 @@ static void products(const lemke_system *s, const double *z) {
     if (z[j] != 0) {
       const lcp_column c = lemke_system_column(s, j);
       lin_extended_add(&w, (long double)z[j], c.val, c.row, c.count);
-      lcp_column_add_size(own_rows(s, j), z[j], s->tau0);
+      lcp_column_add_size((s->rows > s->n) ? own_rows(s, j) : c, z[j], s->tau0);
     }
   }
   lin_extended_flush(&w);
@@ -126,6 +126,33 @@ static double row_size(const lemke_system *s, int i, const double *z, int suppor
   return size;
 }
 
+/* |min(z', w')| of row i. */
+static double missed(const lemke_system *s, int i, double z, double q_unit) {
+  const double w = q_unit * (double)s->w[i];
+  const double x = s->view ? q_unit * lemke_power(-s->col_exp[i]) * z : z;
+  return fabs(lemke_is_free(s, i) ? w : lemke_smaller(x, w));
+}
+
+/* An upper bound of rho after products(): tau_i >= tau0_i, because zref_j >= |z_j|, and min(x, y) <= y where z_i > 0.
+ * It needs no scale, and is enough where the answer is right to round-off. HUGE_VAL where z_i < 0 is to be measured. */
+static double bound(const lemke_system *s, const double *z, double q_unit, double *defect) {
+  double rho = 0;
+  *defect = 0;
+  for (int i = 0; i < s->n; ++i) {
+    const double w = (double)s->w[i];
+    const bool taut = z[i] > 0 || lemke_is_free(s, i);
+    if (w == 0 || (!taut && w > 0 && z[i] == 0)) {
+      continue;
+    }
+    if (!(taut || z[i] == 0) || !(fabs(w) < HUGE_VAL)) {
+      return HUGE_VAL;
+    }
+    rho = lemke_larger(fabs(w) / s->tau0[i], rho);
+    *defect = lemke_larger(missed(s, i, z[i], q_unit), *defect);
+  }
+  return rho;
+}
+
 static double row_residual(const lemke_system *s, int i, double z, double zref, double tau) {
   const lcp_set set = lemke_is_free(s, i) ? LCP_FREE : LCP_ORTHANT;
   return lcp_rho_row(set, z, (double)s->w[i], 0, HUGE_VAL, zref, tau);
@@ -133,9 +160,13 @@ static double row_residual(const lemke_system *s, int i, double z, double zref, 
 
 double lemke_residual(const lemke_system *s, const double *z, double *defect) {
   const double q_unit = s->view ? lemke_power(-s->q_exp) : 1;
-  double rho = 0;
-  *defect = 0;
   products(s, z);
+  double rho = bound(s, z, q_unit, defect);
+  if (rho <= looks_bad) {
+    return rho;
+  }
+  rho = 0;
+  *defect = 0;
   scales(s);
   const int support = list_support(s, z);
   for (int i = 0; i < s->n; ++i) {
@@ -152,9 +183,7 @@ double lemke_residual(const lemke_system *s, const double *z, double *defect) {
     }
     rho = lemke_larger(r, rho);
     if (r != 0) {
-      const double w = q_unit * (double)s->w[i];
-      const double x = s->view ? q_unit * lemke_power(-s->col_exp[i]) * z[i] : z[i];
-      *defect = lemke_larger(fabs(lemke_is_free(s, i) ? w : lemke_smaller(x, w)), *defect);
+      *defect = lemke_larger(missed(s, i, z[i], q_unit), *defect);
     }
   }
   return rho;

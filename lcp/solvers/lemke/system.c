@@ -410,34 +410,44 @@ void lemke_system_build(lemke_system *s, lemke_store *m, const lcp_problem *p, b
 
 /* ---- views ------------------------------------------------------------------------------------ */
 
-/* Scales column j to maximum 1..2, raises the tops of the rows, notes the diagonal. */
-static void view_full(lemke_store *m, const double *restrict val, int n, int j,
-                      double *restrict top) {
-  const double largest = lemke_largest(val, n);
-  const int e = (largest > 0) ? lemke_exponent(largest) : 0;
-  m->col_exp[j] = -e;
-  m->diagonal[j] = val[j];
-  const double unit = (e >= -REACH && e <= REACH) ? lemke_power(-e) : 0;
-  for (int i = 0; i < n; ++i) {
-    top[i] = lemke_larger(fabs(val[i]) * unit, top[i]);
+/* Notes the power that scales column j to maximum 1..2, and its diagonal. */
+static void view_column(lemke_store *m, const lcp_column *c, int j) {
+  const double largest = lemke_largest(c->val, c->count);
+  double diagonal = (c->row == NULL) ? c->val[j] : 0;
+  for (int p = 0; c->row != NULL && p < c->count; ++p) {
+    diagonal = (c->row[p] == j) ? c->val[p] : diagonal;
   }
+  m->col_exp[j] = (largest > 0) ? -lemke_exponent(largest) : 0;
+  m->diagonal[j] = diagonal;
 }
 
-static void view_sparse(lemke_store *m, const double *restrict val, const int *restrict row,
-                        int count, int j, double *restrict top) {
-  double largest = 0;
-  double diagonal = 0;
-  for (int p = 0; p < count; ++p) {
-    largest = lemke_larger(fabs(val[p]), largest);
-    diagonal = (row[p] == j) ? val[p] : diagonal;
+/* Has row i an entry, the columns scaled, that stands for its maximum: above 2^-19, where none is above 2? The diagonal
+ * mostly; of a sparse matrix no other is looked for. */
+static bool view_clear(const lemke_system *s, const lemke_store *m, int i) {
+  bool clear = fabs(m->diagonal[i]) * lemke_power(m->col_exp[i]) * apart >= 2;
+  for (int j = 0; j < s->n && s->rowind == NULL && !clear; ++j) {
+    clear = fabs(s->val[(ptrdiff_t)j * s->n + i]) * lemke_power(m->col_exp[j]) * apart >= 2;
   }
-  const int e = (largest > 0) ? lemke_exponent(largest) : 0;
-  m->col_exp[j] = -e;
-  m->diagonal[j] = diagonal;
-  const double unit = (e >= -REACH && e <= REACH) ? lemke_power(-e) : 0;
-  for (int p = 0; p < count; ++p) {
-    top[row[p]] = lemke_larger(fabs(val[p]) * unit, top[row[p]]);
+  return clear;
+}
+
+/* Are the rows of a view within 2^20 of each other? */
+static bool view_alike(const lemke_system *s, lemke_store *m) {
+  const int n = s->n;
+  bool clear = true;
+  for (int i = 0; i < n && clear; ++i) {
+    clear = view_clear(s, m, i);
   }
+  if (clear) {
+    return true;
+  }
+  double *top = m->scratch;
+  memset(top, 0, sizeof *top * (size_t)n);
+  for (int j = 0; j < n; ++j) {
+    const lcp_column c = lemke_system_column(s, j);
+    raise_tops(c.val, c.row, c.count, n, lemke_power(m->col_exp[j]), top);
+  }
+  return alike(top, n);
 }
 
 bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
@@ -457,21 +467,15 @@ bool lemke_system_view(lemke_system *s, lemke_store *m, const lcp_problem *p) {
   s->row_exp = NULL;
   s->col_exp = m->col_exp;
   s->diagonal = m->diagonal;
-  double *top = m->scratch;
-  memset(top, 0, sizeof *top * (size_t)n);
   int most = 0;
   for (int j = 0; j < n; ++j) {
     const lcp_column c = lemke_system_column(s, j);
-    if (c.row == NULL) {
-      view_full(m, c.val, n, j, top);
-    } else {
-      view_sparse(m, c.val, c.row, c.count, j, top);
-    }
+    view_column(m, &c, j);
     most = (abs(m->col_exp[j]) > most) ? abs(m->col_exp[j]) : most;
   }
   const double largest = lemke_largest(p->q, n);
   s->q_exp = (largest > 0) ? lemke_exponent(largest) : 0;
-  return most <= REACH && abs(s->q_exp) <= REACH && alike(top, n);
+  return most <= REACH && abs(s->q_exp) <= REACH && view_alike(s, m);
 }
 
 bool lemke_system_over(lemke_system *s, int n, const double *M, const double *q, const int *row_exp,
