@@ -1,22 +1,12 @@
 #include "formulations/anderson.h"
 
-#include "formulations/assembly.h"
+#include "formulations/workspace.h"
 
-#include <lapacke.h>
 #include <stdlib.h>
-#include <string.h>
-
-static const double rank_tol = 1e-8; /* directions of the mixing that the differences do not tell */
 
 static void layout(void *state, base_arena *m) {
   anderson *a = state;
-  const size_t n = (size_t)a->cap;
-  a->at = BASE_ARRAY(m, double, n);
-  a->step = BASE_ARRAY(m, double, n);
-  a->d_at = BASE_ARRAY(m, double, n *ANDERSON_DEPTH);
-  a->d_step = BASE_ARRAY(m, double, n *ANDERSON_DEPTH);
-  a->mix = BASE_ARRAY(m, double, n *ANDERSON_DEPTH);
-  a->rest = BASE_ARRAY(m, double, n);
+  lin_anderson_layout(&a->mixing, a->cap, m);
 }
 
 void anderson_close(anderson *a) {
@@ -29,45 +19,10 @@ base_status anderson_begin(anderson *a, int n, base_error *err) {
     a->cap = n + n / 2 + 4;
     BASE_TRY(form_memory(&a->mem, layout, a, err));
   }
-  a->n = n;
-  a->taken = a->kept = 0;
+  lin_anderson_begin(&a->mixing, n);
   return BASE_OK;
-}
-
-/* Takes a point and its step in, and their differences from those of the last time. */
-static void take(anderson *a, const double *step, int from, const double *x) {
-  const int column = a->kept % ANDERSON_DEPTH * a->n;
-  for (int i = 0; i < a->n && a->taken >= from; i++) {
-    a->d_at[column + i] = x[i] - a->at[i];
-    a->d_step[column + i] = step[i] - a->step[i];
-  }
-  memcpy(a->at, x, (size_t)a->n * sizeof *x);
-  memcpy(a->step, step, (size_t)a->n * sizeof *step);
-  a->kept += a->taken >= from;
-  a->taken++;
 }
 
 base_status anderson_next(anderson *a, const double *step, int from, double *x, base_error *err) {
-  take(a, step, from, x);
-  const int n = a->n, deep = (a->kept < ANDERSON_DEPTH) ? a->kept : ANDERSON_DEPTH;
-  const int m = (deep < n) ? deep : n;
-  for (int j = 0; j < m; j++) {
-    memcpy(a->mix + (ptrdiff_t)j * n,
-           a->d_step + (ptrdiff_t)((a->kept - 1 - j) % ANDERSON_DEPTH) * n,
-           (size_t)n * sizeof *a->mix);
-  }
-  memcpy(a->rest, a->step, (size_t)n * sizeof *a->rest);
-  lapack_int pivot[ANDERSON_DEPTH] = {0}, rank = 0;
-  if (m > 0 && LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, m, 1, a->mix, n, a->rest, n, pivot, rank_tol,
-                              &rank) != 0) {
-    return BASE_FAIL(err, BASE_EEXTERNAL, "a fixed point's differences could not be mixed");
-  }
-  for (int i = 0; i < n; i++) {
-    x[i] += a->step[i];
-    for (int j = 0; j < m; j++) {
-      const int k = (a->kept - 1 - j) % ANDERSON_DEPTH * n + i;
-      x[i] -= a->rest[j] * (a->d_at[k] + a->d_step[k]);
-    }
-  }
-  return BASE_OK;
+  return lin_anderson_next(&a->mixing, step, from, x, err);
 }

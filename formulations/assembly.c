@@ -15,6 +15,7 @@ static void layout_rows(void *state, base_arena *m) {
   a->row = BASE_ARRAY(m, int, s->group + 1);
   a->r = BASE_ARRAY(m, double, s->row);
   a->lambda = BASE_ARRAY(m, double, s->row);
+  a->repair = BASE_ARRAY(m, double, s->row);
   a->home.near_start = BASE_ARRAY(m, int, s->group + 1);
   a->self = BASE_ARRAY(m, int, s->group);
   a->cursor = BASE_ARRAY(m, int, s->group);
@@ -24,6 +25,7 @@ static void layout_rows(void *state, base_arena *m) {
   a->impulse = BASE_ARRAY(m, double, s->row);
   a->v_next = BASE_ARRAY(m, double, s->dof);
   a->force = BASE_ARRAY(m, double, s->dof);
+  a->shift = BASE_ARRAY(m, double, s->dof);
   a->body_start = BASE_ARRAY(m, int, s->body + 2);
   a->body_group = BASE_ARRAY(m, int, 2 * (size_t)s->group);
   a->jw = BASE_ARRAY(m, double, s->jw);
@@ -312,10 +314,31 @@ static base_status check_rule(const contact_set *c, const form_rule *rule, base_
   return BASE_OK;
 }
 
+/* The tolerance is 1e-9 of the smallest body; half of one, in tolerances. */
+static const double half_a_body = 0.5e9;
+
+/* Position level closes gaps to first order in the step. A body that is inside another after a step of it all the same turned too
+ * far in that step: to push it out in one more would throw it. An overlap to begin with is pushed out. */
+static base_status check_depth(const contact_set *c, const form_rule *rule,
+                               const contact_memory *memory, base_error *err) {
+  const bool begun = rule->level == FORM_LEVEL_POSITION && memory->h_old > 0;
+  for (int i = 0; begun && i < c->n_contact; i++) {
+    if (c->gap[i] < -half_a_body * c->tol) {
+      return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                       "position level: an overlap of %.3g m, more than half of the smallest body, "
+                       "came in a step of "
+                       "%g s, which is too long to close gaps",
+                       -c->gap[i], memory->h_old);
+    }
+  }
+  return BASE_OK;
+}
+
 static base_status begin(form_assembly *a, const contact_set *c, form_rows rows,
                          const form_rule *rule, contact_memory *memory, base_error *err) {
   a->set = c;
   BASE_TRY(check_rule(c, rule, err));
+  BASE_TRY(check_depth(c, rule, memory, err));
   BASE_TRY(grow(a, c, err));
   form_assembly_choose(a, c, rows, rule, memory);
   if (!a->own_only) {

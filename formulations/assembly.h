@@ -34,7 +34,8 @@ typedef struct form_rule {
   int level;      /* form_level */
   int activation; /* form_activation: closed gap <= tol, or gap + h u-/2 <= tol */
   bool newton;    /* e enters the bias */
-  bool all_rows;  /* blocked directions stay, as exact zero rows */
+  bool gives; /* what the step before met without giving it back, this one does (PAST_APPROACH) */
+  bool all_rows; /* blocked directions stay, as exact zero rows */
   form_repair repair;
 } form_rule;
 
@@ -50,7 +51,7 @@ typedef struct form_rule {
 #define FORM_JOINT_PUSH_FIELD(T)                                                                   \
   BASE_FIELD_NAMED(T, repair.joint_push, "joint_push", BASE_REAL, "1", 0.2, 0, 1,                  \
                    "share of a joint error removed")
-/* What is asked where redundant contacts leave the normal impulses undetermined (lcp/lcp_share.h, MATHEMATICS 2.8). */
+/* What is asked where redundant contacts leave the normal impulses undetermined (lcp/share/lcp_share.h, MATHEMATICS 2.8). */
 typedef enum form_distribution { FORM_LEAST_NORM, FORM_EXTREME, FORM_COMPLIANT } form_distribution;
 #define FORM_DISTRIBUTION_FIELD(T)                                                                 \
   BASE_FIELD_CHOICE(T, distribution, "least_norm|extreme|compliant", FORM_LEAST_NORM,              \
@@ -65,9 +66,10 @@ static inline double form_soft(const contact_set *c, int g, int distribution) {
 #define FORM_ACTIVATION_FIELD(T)                                                                   \
   BASE_FIELD_CHOICE(T, activation, "closed|moreau", 0, "gap, or gap half a step ahead")
 #define FORM_STORAGE_FIELD(T)                                                                      \
-  BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0, "matrix handed to the solver")
+  BASE_FIELD_CHOICE(T, storage, "auto|dense|csc|factored", 0,                                      \
+                    "matrix handed to the solver; with joints, factored needs joints=mixed")
 #define FORM_JOINTS_FIELD(T)                                                                       \
-  BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows (always when factored)")
+  BASE_FIELD_CHOICE(T, joints, "eliminated|mixed", 0, "or free rows of the problem")
 
 /* One connected set of joints. */
 typedef struct form_component {
@@ -121,6 +123,9 @@ typedef struct form_assembly {
   int *row;       /* n_group+1 */
   double *r;      /* n_row [m/s] */
   double *lambda; /* n_row, scratch for the answer [N s] */
+  double *
+      repair; /* n_row; of joint rows: the part of r that takes back their error [m/s]; after an elimination, what of it
+                  is taken back beside the motion */
 
   /* Directions that joints or locks block are no rows (assembly_blocked.c): what is left of the rows
    * wanted from contact i, and whether it is less than all of them. */
@@ -155,10 +160,13 @@ typedef struct form_assembly {
   } home;
 
   /* per contact of the set, and the answer */
-  double *bias;        /* n_contact of the set; HUGE_VAL: not active */
-  double *r_normal;    /* n_contact of the set: J_n v_free + drift [m/s] */
-  double *impulse;     /* n_row of the set */
-  double *v_next;      /* n_dof */
+  double *bias;     /* n_contact of the set; HUGE_VAL: not active */
+  double *r_normal; /* n_contact of the set: J_n v_free + drift [m/s] */
+  double *impulse;  /* n_row of the set */
+  double *v_next;   /* n_dof */
+  double *shift;    /* n_dof: formulation_answer.shift, where `shifts` */
+  bool shifts; /* an error is taken back beside the motion: of eliminated joints, or an overlap */
+  bool shift_known;    /* in this step */
   double *force;       /* n_dof, scratch: J' lambda [N s] */
   unsigned char *mode; /* n_contact of the set */
 
@@ -185,6 +193,9 @@ base_status form_assembly_begin_own(form_assembly *a, const contact_set *c, form
 /* assembly_active.c: the active groups with their rows, r and bias; a step of the two above. */
 void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows,
                           const form_rule *rule, contact_memory *memory);
+/* Does an active contact approach faster than `rest` times what the applied forces add in the step, and by more than the
+ * tolerance? */
+bool form_has_impact(const form_assembly *a, double rest);
 void form_assembly_close(form_assembly *a);
 
 static inline int form_rows_of(const form_assembly *a, int i) {
@@ -199,6 +210,16 @@ static inline const double *form_own_block(const form_assembly *a, int i) {
 /* Is a stored matrix of n rows worth its factors beside it? It is large, and nothing was eliminated from the assembly. */
 static inline bool form_keeps_factors(const form_assembly *a, int n) {
   return n > 128 && a->set->n_group == a->set->n_contact && !a->reduced;
+}
+
+/* storage=auto for a solver that reads factors: they alone, where they would stand beside a stored matrix. */
+static inline bool form_factors_alone(const contact_set *c, bool by_factors) {
+  return by_factors && c->n_row > 128 && c->n_group == c->n_contact;
+}
+
+/* The option `storage` in a step whose joints are eliminated: of C' there are no factors, so it is stored as `auto` (0) does. */
+static inline int form_storage_without_joints(int storage, int factored, const contact_set *c) {
+  return (storage == factored && c->n_group > c->n_contact) ? 0 : storage;
 }
 
 /* Largest eigenvalue of the dim x dim block of C (dim 1 or 2) at rows `at` of contact i [1/kg]: the inverse of the effective
@@ -241,6 +262,11 @@ static inline void form_put_block(const double *block, int rows, int columns, do
 /* Takes the joint rows out: n_group = n_contact, r and C become those of the projected system. */
 base_status form_assembly_eliminate(form_assembly *a, base_error *err);
 void form_assembly_joint_impulses(form_assembly *a, double *lambda);
+/* S^-1 repair over all rows of `full`: the impulses that would take back the errors of eliminated joints; false: there are none. */
+bool form_assembly_repair_impulses(const form_assembly *a, double *lambda);
+static inline const double *form_shift_of(const form_assembly *a) {
+  return a->shifts ? a->shift : NULL;
+}
 void form_joints_close(form_joints *j);
 
 /* assembly_blocked.c: takes directions that cannot move out of rows, r and C, and contacts whose normal cannot move out of the
@@ -255,3 +281,6 @@ void form_to_rows(const form_assembly *a, int i, const double *x, double *out);
 void form_to_set(const form_assembly *a, int i, const double *in, double *x);
 /* Writes lambda (n_row) and the impulses of eliminated joints into impulse (set rows) and v_next = v_free + W J' lambda. */
 void form_assembly_answer(form_assembly *a, const double *lambda);
+/* The same, and into the shift what the impulses `way` would change in that motion: bodies go that way in this step and keep
+ * the velocities of lambda. Once a step. */
+void form_assembly_answer_beside(form_assembly *a, const double *lambda, const double *way);

@@ -4,6 +4,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 enum { MOST_ROWS = 8 };
 
@@ -161,7 +162,28 @@ static void append_joint(form_assembly *a, const contact_set *c, int g, const fo
   group_velocity(c, &r, g, 0, n, 0, sizes, to);
   for (int i = 0; i < n; i++) {
     const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
-    to[i] += rule->repair.joint_push / c->h * c->joint_error[at];
+    a->repair[a->row[k] + i] = rule->repair.joint_push / c->h * c->joint_error[at];
+    to[i] += a->repair[a->row[k] + i];
+  }
+}
+
+bool form_has_impact(const form_assembly *a, double rest) {
+  const contact_set *c = a->set;
+  bool any = false;
+  for (int i = 0; i < a->n_contact && !any; i++) {
+    const int g = a->group[i];
+    const double u = c->u_before[c->row_start[g]];
+    const double gain = fmax(0.0, u - a->r_normal[g]);
+    any = -u > rest * gain && -u * c->h > c->tol;
+  }
+  return any;
+}
+
+/* Springs stay as they are under a law that has none. */
+static void note_active(double *now, const double *past) {
+  now[PAST_CLOSED] = 1;
+  if (past != NULL && past[PAST_SPRUNG] > 0) {
+    memcpy(now + PAST_SPRUNG, past + PAST_SPRUNG, (PAST_COMMON - PAST_SPRUNG) * sizeof *now);
   }
 }
 
@@ -175,10 +197,14 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     const double u = row_velocity(c, &r, 0, &size);
     a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
-    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[0] > 0);
+    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[PAST_CLOSED] > 0);
     a->mode[i] = 0;
+    if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
+        c->restitution != NULL) {
+      a->bias[i] = fmin(a->bias[i], c->restitution[i] * past[PAST_APPROACH]);
+    }
     if (a->bias[i] < HUGE_VAL) {
-      contact_memory_now(memory, i)[0] = 1;
+      note_active(contact_memory_now(memory, i), past);
       activate(a, c, i, rows, &r, u, size);
     }
   }
@@ -189,6 +215,8 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
   }
   a->n_row = a->row[a->n_group];
   a->all_rows = rule->all_rows;
+  a->shifts = false;
+  a->shift_known = false;
   a->reduced = false;
   a->full.n_contact = a->n_contact;
   a->full.group = a->group;

@@ -361,6 +361,22 @@ static void equilibrate(const form_component *part, double *S, double *R, double
   }
 }
 
+/* Where contacts touch the component, joints alone take their errors back, in a velocity beside the motion that contacts do not feel (Cline & Pai
+ * 2003): a contact that jams them would answer a correction of a micrometre with impulses of any size, and their work with energy. Elsewhere
+ * the correction is part of the velocity: it makes up for what a step along the tangent adds to a circle. */
+static void set_apart(form_assembly *a, const form_component *part, double *y, const double *unit) {
+  const form_joints *j = &a->joints;
+  const bool apart = part->n_touch > 0;
+  for (int m = part->first; m < part->first + part->count; m++) {
+    const int g = j->member[m];
+    for (int k = 0; k < form_rows_of(a, g); k++) {
+      double *repair = &a->repair[a->row[g] + k];
+      *repair = apart ? *repair : 0;
+      y[j->offset[g] + k] -= unit[j->offset[g] + k] * *repair;
+    }
+  }
+}
+
 static void eliminate_one(form_assembly *a, form_component *part, int first_row) {
   form_joints *j = &a->joints;
   const int n = part->rows;
@@ -374,6 +390,7 @@ static void eliminate_one(form_assembly *a, form_component *part, int first_row)
   /* a positive return only says that the rank is less than n */
   (void)LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', n, S, n, pivot, &part->rank, same_row, j->work);
   permute(Y, n, part->columns, pivot, j->work);
+  set_apart(a, part, y, j->unit + first_row);
   permute(y, n, 1, pivot, j->work);
   if (part->rank > 0) {
     cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, part->rank,
@@ -381,6 +398,25 @@ static void eliminate_one(form_assembly *a, form_component *part, int first_row)
     cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, part->rank, S, n, y, 1);
   }
   subtract(a, part, Y, y);
+}
+
+/* x = S^-1 x over the rows of one component, in their order; 0 where a row says what others have said. */
+static void solve_rows(const form_joints *j, const form_component *part, double *x, double *work) {
+  const int n = part->rows;
+  const double *S = j->dense + part->at;
+  const int *pivot = j->pivot + part->row;
+  const double *unit = j->unit + part->row;
+  for (int k = 0; k < part->rank; k++) {
+    work[k] = unit[pivot[k] - 1] * x[pivot[k] - 1];
+  }
+  if (part->rank > 0) {
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, part->rank, S, n, work, 1);
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, part->rank, S, n, work, 1);
+  }
+  memset(x, 0, (size_t)n * sizeof *x);
+  for (int k = 0; k < part->rank; k++) {
+    x[pivot[k] - 1] = unit[pivot[k] - 1] * work[k];
+  }
 }
 
 /* The drift of the joint rows of one component. */
@@ -531,6 +567,29 @@ void form_assembly_joint_impulses(form_assembly *a, double *lambda) {
       memcpy(lambda + row[g], all + j->offset[g], (size_t)(row[g + 1] - row[g]) * sizeof *all);
     }
   }
+}
+
+bool form_assembly_repair_impulses(const form_assembly *a, double *lambda) {
+  const form_joints *j = &a->joints;
+  const int *row = a->full.row;
+  bool any = false;
+  for (int r = row[a->full.n_contact]; r < row[a->full.n_contact + a->n_joint_group]; r++) {
+    any = any || a->repair[r] != 0;
+  }
+  for (int c = 0; any && c < j->n_part; c++) {
+    const form_component *part = &j->part[c];
+    double *x = j->work + j->cap_row;
+    for (int m = part->first; m < part->first + part->count; m++) {
+      const int g = j->member[m];
+      memcpy(x + j->offset[g], a->repair + row[g], (size_t)(row[g + 1] - row[g]) * sizeof *x);
+    }
+    solve_rows(j, part, x, j->work);
+    for (int m = part->first; m < part->first + part->count; m++) {
+      const int g = j->member[m];
+      memcpy(lambda + row[g], x + j->offset[g], (size_t)(row[g + 1] - row[g]) * sizeof *x);
+    }
+  }
+  return any;
 }
 
 void form_joints_close(form_joints *j) {

@@ -69,8 +69,41 @@ static void push(form_assembly *a, int g, int rows, const double *l) {
   }
 }
 
+/* out = from + W force. */
+static void add_motion(const form_assembly *a, const double *from, double *out) {
+  const contact_set *c = a->set;
+  for (int b = 0; b < c->n_body; b++) {
+    const int n = contact_dofs(c, b);
+    const int at = c->dof_start[b];
+    memmove(out + at, from + at, (size_t)n * sizeof *out);
+    FORM_WITH_DOFS(n, form_add_product, c->inv_mass + c->mass_start[b], a->force + at, out + at);
+  }
+}
+
+/* shift = -W J_b' S^-1 repair, once a step. */
+static void find_shift(form_assembly *a) {
+  const contact_set *c = a->set;
+  a->shifts = form_assembly_repair_impulses(a, a->lambda);
+  a->shift_known = true;
+  if (!a->shifts) {
+    return;
+  }
+  memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
+  memset(a->shift, 0, (size_t)c->n_dof * sizeof *a->shift);
+  for (int i = a->full.n_contact; i < a->full.n_contact + a->n_joint_group; i++) {
+    push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], a->lambda + a->full.row[i]);
+  }
+  add_motion(a, a->shift, a->shift);
+  for (int d = 0; d < c->n_dof; d++) {
+    a->shift[d] = -a->shift[d];
+  }
+}
+
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
+  if (a->n_joint_group > 0 && !a->shift_known) {
+    find_shift(a);
+  }
   if (a->reduced) {
     memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
     for (int i = 0; i < a->n_contact; i++) {
@@ -94,12 +127,19 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
     memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
     push(a, g, rows, l);
   }
-  for (int b = 0; b < c->n_body; b++) {
-    const int n = contact_dofs(c, b);
-    const int at = c->dof_start[b];
-    memcpy(a->v_next + at, c->v_free + at, (size_t)n * sizeof *a->v_next);
-    FORM_WITH_DOFS(n, form_add_product, c->inv_mass + c->mass_start[b], a->force + at,
-                   a->v_next + at);
+  add_motion(a, c->v_free, a->v_next);
+}
+
+void form_assembly_answer_beside(form_assembly *a, const double *lambda, const double *way) {
+  const int n = a->set->n_dof;
+  form_assembly_answer(a, way);
+  for (int d = 0; d < n; d++) {
+    a->shift[d] = (a->shifts ? a->shift[d] : 0) + a->v_next[d];
+  }
+  a->shifts = true;
+  form_assembly_answer(a, lambda);
+  for (int d = 0; d < n; d++) {
+    a->shift[d] -= a->v_next[d];
   }
 }
 

@@ -1,12 +1,12 @@
-/* formulations/bristle.h - the deflection of a bristle from one step to the next (MATHEMATICS 2.3.11). It is remembered as a
+/* formulations/bristle.h - a bristle from one step to the next (MATHEMATICS 2.3.11). What it pulls with is remembered as a
  * vector in the world, three numbers, or where it has one row (a planar tangent, torsion) as that number; at the next step
- * it is projected onto the tangent plane, brought back to its length, and turned about the normal by the mean spin of the
+ * that is projected onto the tangent plane, brought back to its length, and turned about the normal by the mean spin of the
  * two bodies. A planar tangent turns with the normal by itself. */
 #pragma once
 
-#include "problems/world/contact_set.h"
+#include "formulations/contact_memory.h"
 
-enum { BRISTLE_NUMBERS = 3 }; /* of one deflection as it is remembered */
+enum { BRISTLE_NUMBERS = 3 }; /* of one bristle as it is remembered */
 
 /* By which a contact's frame has turned over the step. */
 typedef struct form_bristle_turn {
@@ -20,8 +20,19 @@ form_bristle_turn form_bristle_turn_of(const contact_set *c, int g);
 void form_bristle_to_frame(const contact_set *c, int g, form_bristle_turn by, const double *vector,
                            double *out);
 
+/* What the springs of a kind of part pull with at contact g, over its rows in the set [N], [N m], as `past` (contact_memory.h) of a step of
+ * h_old has it: of the last law that had springs, if the contact was active ever since. Otherwise friction pulled with its impulses, and
+ * springs take over from there. */
+void form_bristle_pull(const contact_set *c, int g, int kind, const double *past, double h_old,
+                       double out[2]);
+
 /* in[dim], rows t1 and t2 or only one, as it is remembered. */
 void form_bristle_remember(const contact_set *c, int g, int dim, const double *in, double *vector);
 
 /* Rows of a contact that belong to a kind of part (0 friction, 1 torsion, 2 rolling), and the first of them. */
 int form_bristle_rows(contact_rows rows, int kind, int *first);
+
+/* Of the n active contacts `group` (ascending) of the set: out[i] = how many of them are contact i again, between the same
+ * bodies, at the same point and with the same rows to rounding, itself included. Springs side by side add up, so that copies share one. With `extreme`, where the solver may let one
+ * of them carry all, it is 1. */
+void form_bristle_copies(const contact_set *c, int n, const int *group, bool extreme, int *out);

@@ -36,12 +36,26 @@ static base_status grow(contact_memory *m, int n, base_error *err) {
   return BASE_OK;
 }
 
+/* Entries of another length: the present is copied as far as both go. */
+static base_status restride(contact_memory *m, int stride, base_error *err) {
+  contact_memory next = {.stride = stride, .n = m->n, .h_now = m->h_now, .h_old = m->h_old};
+  const int shared = (stride < m->stride) ? stride : m->stride;
+  BASE_TRY(grow(&next, m->n + 1, err));
+  for (int i = 0; i < m->n; i++) {
+    double *to = next.now + (ptrdiff_t)i * stride;
+    memset(to, 0, (size_t)stride * sizeof *to);
+    memcpy(to, m->now + (ptrdiff_t)i * m->stride, (size_t)shared * sizeof *to);
+    next.id[i] = m->id[i];
+  }
+  free(m->mem);
+  *m = next;
+  return BASE_OK;
+}
+
 base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
                                  base_error *err) {
   if (stride != m->stride) {
-    contact_memory_forget(m);
-    m->cap = 0; /* too narrow: laid out anew below */
-    m->stride = stride;
+    BASE_TRY(restride(m, stride, err));
   }
   uint64_t *id = m->id;
   double *now = m->now;
@@ -120,6 +134,22 @@ base_status contact_memory_recall(contact_memory *m, const contact_past *past, b
     memcpy(m->now, past->number + past->n, (size_t)past->n * (size_t)past->stride * sizeof *m->now);
   }
   return BASE_OK;
+}
+
+void contact_memory_strip(contact_past *past) {
+  double *entry = past->number + past->n;
+  for (int i = 0; i < past->n && past->stride > PAST_COMMON; i++) {
+    memmove(entry + (ptrdiff_t)i * PAST_COMMON, entry + (ptrdiff_t)i * past->stride,
+            PAST_COMMON * sizeof *entry);
+  }
+  past->stride = (past->stride > PAST_COMMON) ? PAST_COMMON : past->stride;
+}
+
+void contact_memory_settle(contact_past *past) {
+  double *entry = past->number + past->n;
+  for (int i = 0; i < past->n; i++) {
+    entry[(ptrdiff_t)i * past->stride + PAST_APPROACH] = 0;
+  }
 }
 
 void contact_memory_drop(contact_past *past) {

@@ -1,9 +1,24 @@
 /* formulations/contact_memory.h - what a formulation remembers of each contact from one step to
  * the next, found again by contact id. An entry is `stride` doubles; a contact that was not listed
- * in the last step has no past. Both lists are sorted by id, so that matching is one merge. */
+ * in the last step has no past. Both lists are sorted by id, so that matching is one merge.
+ *
+ * The first PAST_COMMON numbers of an entry mean the same to all formulations, so that one can go on where another was
+ * (formulation_take_over); what only one of them understands lies behind them and is zero after such a change. */
 #pragma once
 
 #include "problems/world/contact_set.h"
+
+/* Impulses are over the rows of the set. What springs pull with is a force or moment, since their deflections mean nothing to
+ * another stiffness: k times the deflection, as form_bristle_remember keeps it, for friction, torsion and rolling. */
+enum {
+  PAST_CLOSED,   /* it was active */
+  PAST_SLIDES,   /* its friction slid: the kinetic coefficient holds */
+  PAST_APPROACH, /* at which it was met, to be given back in the next step, <= 0 [m/s] */
+  PAST_IMPULSE,  /* [N s], [N m s] */
+  PAST_SPRUNG = PAST_IMPULSE + 6, /* the last law with springs left them pulling with: */
+  PAST_PULL,                      /* [N], [N m] */
+  PAST_COMMON = PAST_PULL + 9
+};
 
 typedef struct contact_memory {
   int stride;
@@ -28,7 +43,13 @@ base_status contact_memory_keep(const contact_memory *m, contact_past *past, bas
 base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err);
 void contact_memory_drop(contact_past *past);
 
-/* Moves the present to the past and matches the contacts of c with it; new entries are zero. */
+/* Leaves what every formulation understands. */
+void contact_memory_strip(contact_past *past);
+/* Steps were taken that nothing is remembered of: what was owed is past. */
+void contact_memory_settle(contact_past *past);
+
+/* Moves the present to the past and matches the contacts of c with it; new entries are zero. Of entries of another length the
+ * first numbers of both stay. */
 base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
                                  base_error *err);
 void contact_memory_forget(contact_memory *m);

@@ -7,7 +7,8 @@
  * In impulses lambda = h f and with u- the velocity before the step the rows read
  *   w = u- + h (J a_free + (dJ/dt) v) + C lambda + b
  * i.e. h times the acceleration conditions, plus u-, which keeps closed contacts from drifting and
- * makes approaching ones (b: Newton's law) part of the same problem.
+ * makes approaching ones (b: Newton's law) part of the same problem. A step with an impact is a problem of velocities: its
+ * impulses are no forces, the frames do not turn, and friction chooses its direction.
  *
  * A contact that would reverse its sliding within the step is posed again as one that sticks or
  * starts anew (faceted cone), once; every such change is counted.
@@ -58,7 +59,8 @@ static double speed(const double *u, int n) {
   return (n == 2) ? hypot(u[0], u[1]) : (n == 1 ? fabs(u[0]) : 0.0);
 }
 
-/* Sliding starts from the velocity before the step; a contact at rest gets the cone. What rounding
+/* Sliding starts from the velocity before the step; a contact at rest gets the cone, and so does every contact in a step
+ * with an impact, in which a direction of sliding does not last. What rounding
  * leaves of a rest is no direction: it is measured against the largest free contact velocity. */
 static void choose_modes(state *s, const contact_set *c, double stick) {
   double scale = 0.0;
@@ -100,7 +102,11 @@ static void finish(state *s) {
   form_assembly_answer(&s->a, s->lambda);
   for (int i = 0; i < s->a.n_contact; i++) {
     const bool slips = s->p.direction[2 * i] != 0.0 || s->p.direction[2 * i + 1] != 0.0;
+    double *now = contact_memory_now(&s->memory, s->a.group[i]);
     s->a.mode[s->a.group[i]] = (s->lambda[s->a.row[i]] > 0.0) ? (slips ? 2 : 1) : 0;
+    now[PAST_SLIDES] = slips;
+    memset(now + PAST_IMPULSE, 0, 6 * sizeof *now);
+    form_to_set(&s->a, i, s->lambda + s->a.row[i], now + PAST_IMPULSE);
   }
 }
 
@@ -109,20 +115,30 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   (void)start; /* no unknown of the last step is a guess for the next one */
   state *s = st;
   const options *o = opt;
-  const form_rule rule = {
-      .level = FORM_LEVEL_VELOCITY, .activation = FORM_CLOSED, .newton = true, .repair = o->repair};
+  const form_rule rule = {.level = FORM_LEVEL_VELOCITY,
+                          .activation = FORM_CLOSED,
+                          .newton = true,
+                          .gives = true,
+                          .repair = o->repair};
   if (c->n_contact > 0 && c->u_curve == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "acceleration: needs u_curve of the contacts");
   }
-  BASE_TRY(contact_memory_begin(&s->memory, 1, c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, PAST_COMMON, c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   BASE_TRY(form_assembly_eliminate(&s->a, err));
   BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));
   BASE_TRY(grow(s, err));
-  choose_modes(s, c, o->stick);
+  const bool impact = form_has_impact(&s->a, o->repair.rest);
+  if (!impact) {
+    choose_modes(s, c, o->stick);
+  }
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i], first = s->a.row[i];
-    form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
+    if (impact) {
+      memset(s->u0 + first, 0, (size_t)form_rows_of(&s->a, i) * sizeof *s->u0);
+    } else {
+      form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
+    }
     for (int r = 0; r < form_rows_of(&s->a, i); r++) {
       s->u0[first + r] += s->a.r[first + r];
     }
@@ -149,6 +165,11 @@ static base_status assemble(void *st, lcp_problem *out, const double **z0, bool 
     s->answer.lcp_dim = (s->p.n > s->answer.lcp_dim) ? s->p.n : s->answer.lcp_dim;
   }
   return BASE_OK;
+}
+
+static void rows(const void *st, formulation_rows *out) {
+  const state *s = st;
+  *out = (formulation_rows){s->a.set, s->a.n_contact, s->p.first, s->a.group};
 }
 
 /* u at the end of the step along the old sliding direction; below zero: reversed. */
@@ -196,6 +217,7 @@ static void answer(const void *st, formulation_answer *out) {
   *out = s->answer;
   out->impulse = s->a.impulse;
   out->v_next = s->a.v_next;
+  out->shift = form_shift_of(&s->a);
   out->bias = s->a.bias;
   out->mode = s->a.mode;
   out->solved = s->solved;
@@ -226,6 +248,7 @@ const formulation form_acceleration = {
     .close = close,
     .begin = begin,
     .assemble = assemble,
+    .rows = rows,
     .recover = recover,
     .answer = answer,
 };

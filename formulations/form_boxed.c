@@ -2,8 +2,8 @@
  * own, with lambda_n' from the last solve (Peiret, Gholami, Kovecses & Font-Llagunes 2016, and the
  * common game engines). M is symmetric positive semidefinite, so every solve has a solution; the
  * bounds are iterated until the answer satisfies the bounds that follow from it (outer = 1: once,
- * with the impulses of the last step), which takes no second solve where contacts stick inside them. Bounds that do not
- * settle in three solves are mixed (anderson.h).
+ * with the impulses of the last step), which takes no second solve where contacts stick inside them. How bounds that do not
+ * settle in three solves are found: boxed/boxed_bounds.h.
  * A square box is up to sqrt(2) too strong along its diagonal.
  *
  * bristle=k, damper=c: a friction row gives way like a spring and a damper in parallel, s its deflection, implicit in the step
@@ -20,7 +20,7 @@
 typedef row_options options;
 
 static const base_field fields[] = {
-    BASE_FIELD(options, outer, BASE_INT, "1", 100, 1, 1e6, "most solves in a step; 1: lagged"),
+    BASE_FIELD(options, outer, BASE_INT, "1", 300, 1, 1e6, "most solves in a step; 1: lagged"),
     BASE_FIELD(options, bristle, BASE_REAL, "N/m", 0, 0, 1e18,
                "stiffness of friction rows; 0: rigid"),
     BASE_FIELD(options, damper, BASE_REAL, "N s/m", 0, 0, 1e18, "damping of friction rows"),
@@ -41,6 +41,7 @@ static void set_bounds(row_form *s) {
     int row = s->a.row[i] + 1;
     for (int p = 0; p < parts; p++) {
       for (int k = 0; k < dim[p]; k++, row++) {
+        s->mu[row] = mu[p];
         s->hi[row] = mu[p] * fmax(s->normal[i], 0.0);
         s->lo[row] = -s->hi[row];
       }
@@ -54,31 +55,34 @@ static bool has_bristles(const row_form *s) {
   return s->opt.bristle > 0 || s->opt.damper > 0;
 }
 
-/* Torsion and rolling have the spring at an arm of their coefficient. */
-static double arm_of(const contact_set *c, int g, int kind) {
-  return (kind == 0) ? 1 : ((kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g]);
+/* Stiffness and damping of a row of contact i in those of the options: torsion and rolling have the spring at an arm of their
+ * coefficient, and copies of a contact share it. */
+static double stiffness_of(const row_form *s, int i, int kind) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const double arm = (kind == 0) ? 1 : ((kind == 1) ? c->mu_torsion[g] : c->mu_rolling[g]);
+  return arm * arm / s->copies[i];
 }
 
 static void soften_contact(row_form *s, int i) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i];
-  const double *past = row_form_past(s, g);
+  const double *past = contact_memory_old(&s->memory, g);
   const double h = c->h;
   double deflection[6] = {0}, soft[6] = {0}, pull[6] = {0};
   for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
     int first;
     const int dim = form_bristle_rows(c->rows[g], kind, &first);
-    const double arm = (dim > 0) ? arm_of(c, g, kind) : 0;
-    const double k = s->opt.bristle * arm * arm, G = h * (h * k + s->opt.damper * arm * arm);
+    const double stiffness = (dim > 0) ? stiffness_of(s, i, kind) : 0;
+    const double k = s->opt.bristle * stiffness, G = h * (h * k + s->opt.damper * stiffness);
+    double force[2] = {0};
+    if (past != NULL && k > 0) {
+      form_bristle_pull(c, g, kind, past, s->memory.h_old, force);
+    }
     for (int m = 0; m < dim; m++) {
       soft[first + m] = 1 / G;
       pull[first + m] = h * k / G;
-    }
-    if (past != NULL && dim == 1) {
-      deflection[first] = past[BRISTLE_NUMBERS * kind];
-    } else if (past != NULL && dim == 2) {
-      form_bristle_to_frame(c, g, form_bristle_turn_of(c, g),
-                            past + (ptrdiff_t)BRISTLE_NUMBERS * kind, deflection + first);
+      deflection[first + m] = (k > 0) ? force[m] / k : 0;
     }
   }
   const int row = s->a.row[i];
@@ -97,6 +101,8 @@ static void soften_contact(row_form *s, int i) {
 
 /* The compliance of friction rows into M, what their deflections push into q. */
 static void soften(row_form *s) {
+  form_bristle_copies(s->a.set, s->a.n_contact, s->a.group, s->opt.distribution == FORM_EXTREME,
+                      s->copies);
   memset(s->soft, 0, (size_t)s->a.n_row * sizeof *s->soft);
   for (int i = 0; i < s->a.n_contact; i++) {
     soften_contact(s, i);
@@ -109,8 +115,8 @@ static void deflect(row_form *s, int i, const double *lambda) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i], row = s->a.row[i];
   const double h = c->h, creep = h * s->opt.bristle + s->opt.damper;
-  double next[6] = {0}, whole[6] = {0};
-  double *now = row_form_now(s, g);
+  double next[6] = {0}, force[6] = {0}, whole[6] = {0}; /* force: of the springs */
+  double *now = contact_memory_now(&s->memory, g);
   int dim[LCP_PARTS_MAX], at = 1;
   double mu[LCP_PARTS_MAX];
   const int parts = row_form_parts(s, i, dim, mu);
@@ -120,10 +126,11 @@ static void deflect(row_form *s, int i, const double *lambda) {
     while (form_bristle_rows(s->a.rows[i], kind, &first) == 0) {
       kind++;
     }
-    const double arm = arm_of(c, g, kind), stiffness = arm * arm;
+    const double stiffness = stiffness_of(s, i, kind);
     for (int m = 0; m < dim[p]; m++, at++) {
       next[at] = (s->opt.damper * stiffness * s->deflection[row + at] - lambda[row + at]) /
                  (creep * stiffness);
+      force[at] = s->opt.bristle * stiffness * next[at];
       out->spring_energy += 0.5 * s->opt.bristle * stiffness * next[at] * next[at];
     }
     if (kind == 0) {
@@ -131,24 +138,28 @@ static void deflect(row_form *s, int i, const double *lambda) {
                    bound = mu[p] * fmax(lambda[row], 0.0);
       out->stiffness_ratio = fmin(out->stiffness_ratio, h * creep / mass);
       if (s->opt.bristle > 0) {
-        out->deflection = fmax(out->deflection, bound / (h * s->opt.bristle));
+        out->deflection = fmax(out->deflection, bound / (h * s->opt.bristle * stiffness));
       } else {
-        out->v_slip = fmax(out->v_slip, bound / (h * s->opt.damper));
+        out->v_slip = fmax(out->v_slip, bound / (h * s->opt.damper * stiffness));
       }
     }
   }
-  form_to_set(&s->a, i, next, whole);
+  form_to_set(&s->a, i, force, whole);
   for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
     int first;
     const int rows = form_bristle_rows(c->rows[g], kind, &first);
     if (rows > 0) {
-      form_bristle_remember(c, g, rows, whole + first, now + (ptrdiff_t)BRISTLE_NUMBERS * kind);
+      form_bristle_remember(c, g, rows, whole + first,
+                            now + PAST_PULL + (ptrdiff_t)BRISTLE_NUMBERS * kind);
     }
   }
 }
 
 static void finish(row_form *s, const double *z, bool solved) {
   for (int i = 0; i < s->a.n_contact && has_bristles(s); i++) {
+    double *now = contact_memory_now(&s->memory, s->a.group[i]);
+    now[PAST_SPRUNG] = s->opt.bristle > 0;
+    memset(now + PAST_PULL, 0, (PAST_COMMON - PAST_PULL) * sizeof *now);
     if (z[s->a.row[i]] > 0 || s->a.set->gap[s->a.group[i]] <= 10 * s->a.set->tol) {
       deflect(s, i, z); /* else separated: forgotten */
     }
@@ -190,7 +201,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
     }
   }
   set_bounds(s);
-  return anderson_begin(&s->mixing, s->a.n_contact, err);
+  return boxed_bounds_begin(&s->bounds, s->a.n_contact, err);
 }
 
 static base_status assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
@@ -214,7 +225,7 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
 
 /* How far the friction impulses of z are from those that the bounds now in place ask for, by the
  * natural map of each row, which takes a row that cannot move to the bound that its velocity asks for; over the largest
- * normal impulse. */
+ * impulse. Friction counts: where nothing presses, bounds of the last answer may have let it push all the same. */
 static double residual(row_form *s, const double *z, double largest) {
   double most = 0;
   lcp_matrix_apply(&s->matrix.M, z, s->q, s->w, s->scratch);
@@ -224,21 +235,24 @@ static double residual(row_form *s, const double *z, double largest) {
       const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : end;
       const double wanted = fmin(fmax(z[row] - step, s->lo[row]), s->hi[row]);
       most = fmax(most, fabs(z[row] - wanted));
+      largest = fmax(largest, fabs(z[row]));
     }
   }
   return (largest > 0) ? most / largest : 0;
 }
 
-enum { PLAIN = 3 }; /* solves whose bounds follow the last answer: most steps need no more */
-
-/* Bounds for the next solve. Where friction feeds back on the normal impulses, bounds that only follow them turn in
- * circles: their moves are mixed. */
-static base_status go_on(row_form *s, base_error *err) {
+/* Bounds for the next solve: where friction feeds back on the normal impulses, bounds that only follow them turn in circles
+ * (boxed/boxed_bounds.h). */
+static base_status go_on(row_form *s, const double *z, bool solved, base_error *err) {
   for (int i = 0; i < s->a.n_contact; i++) {
     s->normal[i] -= s->move[i];
   }
-  BASE_TRY(anderson_next(&s->mixing, s->move, PLAIN, s->normal, err));
+  set_bounds(s); /* those of the answer, which say what stands where */
+  BASE_TRY(boxed_bounds_next(&s->bounds, s, z, solved, err));
   set_bounds(s);
+  if (s->start == FORM_PREVIOUS && solved) {
+    memcpy(s->z0, z, (size_t)s->a.n_row * sizeof *z);
+  }
   return BASE_OK;
 }
 
@@ -253,16 +267,13 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
   }
   set_bounds(s);
   s->answer.residual = residual(s, z, largest);
-  const bool settled = s->answer.residual <= s->opt.outer_tol;
-  if (settled || claimed != LCP_SOLVED || s->answer.work.solves >= s->opt.outer) {
-    finish(s, z, claimed == LCP_SOLVED && (settled || s->opt.outer == 1));
+  const bool solved = claimed == LCP_SOLVED, last = s->answer.work.solves >= s->opt.outer;
+  const bool settled = solved && s->answer.residual <= s->opt.outer_tol;
+  if (settled || last || (!solved && !s->bounds.trial)) {
+    finish(s, z, solved && (settled || s->opt.outer == 1));
     return BASE_OK;
   }
-  BASE_TRY(go_on(s, err));
-  if (s->start == FORM_PREVIOUS) {
-    memcpy(s->z0, z, (size_t)s->a.n_row * sizeof *z);
-  }
-  return BASE_OK;
+  return go_on(s, z, solved, err);
 }
 
 const formulation form_boxed = {

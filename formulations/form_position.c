@@ -4,7 +4,8 @@
  * closes the gap; the second comes to rest, or with restitution=two_steps rebounds with e times the
  * speed of the approach (Newton's law, one step late; MATHEMATICS 2.2). Energy then falls in the first and is
  * given back in the second, which an observer of single steps sees as a gain. An overlap is pushed
- * out in one step, which adds energy; `push` and `push_speed` bound that. */
+ * out in one step, by the velocity, or where that would give energy or has no solution beside the motion
+ * (polyhedral/polyhedral_push.c); `push` and `push_speed` bound it. */
 #include "formulations/polyhedral.h"
 
 typedef poly_options options;

@@ -42,8 +42,10 @@ static const base_field fields[] = {
     FORM_DISTRIBUTION_FIELD(options),
     BASE_FIELD(options, tol, BASE_REAL, "1", 1e-9, 1e-15, 1, "law residual to reach"),
     BASE_FIELD(options, mode_iter, BASE_INT, "1", 1000, 1, 1e6, "most solves in a step"),
-    BASE_FIELD(options, prox, BASE_REAL, "1", 1e-4, 0, 1, "proximal term from the third solve on"),
-    BASE_FIELD(options, newton_iter, BASE_INT, "1", 10, 0, 1e6, "solves before the first secants"),
+    BASE_FIELD(options, prox, BASE_REAL, "1", REG_PROX, 0, 1,
+               "proximal term from the third solve on"),
+    BASE_FIELD(options, newton_iter, BASE_INT, "1", REG_NEWTON_ITER, 0, 1e6,
+               "solves before the first secants"),
     FORM_PUSH_FIELDS(options, 0),
     FORM_JOINT_PUSH_FIELD(options),
 };
@@ -59,6 +61,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->base_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->part_start = BASE_ARRAY(m, int, p + 1);
+  s->copies = BASE_ARRAY(m, int, p);
   s->row_of = BASE_ARRAY(m, int, s->cap_group + 1);
   s->rows = BASE_ARRAY(m, reg_row, s->cap_row);
   s->b = BASE_ARRAY(m, double, p);
@@ -169,7 +172,7 @@ static void start_point(regularized *s) {
                               .set = LCP_ORTHANT,
                               .soft = form_soft(s->a.set, s->a.group[i], s->opt.distribution)};
     const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-    s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[1] : 0;
+    s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[PAST_IMPULSE] : 0;
   }
 }
 
@@ -177,11 +180,16 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
   const form_rule rule = {.level = s->opt.bias,
                           .activation = s->opt.activation,
                           .newton = s->opt.restitution == 0,
+                          .gives = s->opt.restitution == 0,
                           .repair = s->opt.repair};
   BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
     s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);
+    if (s->opt.storage == ROW_AUTO && form_factors_alone(c, s->by_factors)) {
+      s->cone.storage = ROW_FACTORED;
+    }
+    s->cone.storage = form_storage_without_joints(s->cone.storage, ROW_FACTORED, c);
     return row_assembly_begin(&s->a, c, (row_storage)s->cone.storage, true, &rule, &s->memory, err);
   }
   choose_form(s, c);
@@ -302,6 +310,15 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
   return BASE_OK;
 }
 
+static void rows(const void *state, formulation_rows *out) {
+  const regularized *s = state;
+  *out = (formulation_rows){s->a.set, s->a.n_contact, NULL, s->a.group};
+  if (s->opt.pose == REG_CONE) {
+    out->n_group = s->a.n_group;
+    out->first = s->a.row;
+  }
+}
+
 static void keep_best(regularized *s, double residual) {
   if (residual < s->best_residual) {
     s->best_residual = residual;
@@ -337,7 +354,8 @@ static void recover_cone(regularized *s, const double *z, lcp_outcome claimed) {
 static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
   (void)err;
   regularized *s = state;
-  const bool broken = claimed == LCP_RAY || claimed == LCP_INFEASIBLE || claimed == LCP_NUMERICAL;
+  /* frozen modes may have no solution, which iterative solvers cannot tell from one that they do not reach */
+  const bool broken = claimed != LCP_SOLVED && claimed != LCP_TIME_LIMIT;
   s->iteration++;
   s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
   if (s->opt.pose == REG_CONE) {
@@ -382,6 +400,7 @@ static void answer(const void *state, formulation_answer *out) {
   *out = s->answer;
   out->impulse = s->a.impulse;
   out->v_next = s->a.v_next;
+  out->shift = form_shift_of(&s->a);
   out->bias = s->a.bias;
   out->mode = s->a.mode;
 }
@@ -413,11 +432,13 @@ const formulation form_regularized = {
     .options_size = sizeof(options),
     .state_size = sizeof(regularized),
     .memory = offsetof(regularized, memory),
+    .by_factors = offsetof(regularized, by_factors),
     .dimension = dimension,
     .open = open,
     .close = close,
     .begin = begin,
     .assemble = assemble,
+    .rows = rows,
     .recover = recover,
     .answer = answer,
 };

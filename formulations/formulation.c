@@ -70,6 +70,12 @@ base_status formulation_open(formulation_run **out, const formulation *f, const 
   return BASE_OK;
 }
 
+void formulation_by_factors(formulation_run *r, bool reads) {
+  if (r->form->by_factors != 0) {
+    *(bool *)((char *)r->state + r->form->by_factors) = reads;
+  }
+}
+
 void formulation_close(formulation_run *r) {
   if (r != NULL) {
     if (r->form->close != NULL) {
@@ -120,6 +126,14 @@ base_status formulation_recall(formulation_run *r, const contact_past *past, bas
   return contact_memory_recall(m, past, err);
 }
 
+base_status formulation_take_over(formulation_run *r, const formulation *f, contact_past *past,
+                                  base_error *err) {
+  if (f != r->form && r->form->memory != 0) {
+    contact_memory_strip(past);
+  }
+  return (r->form->memory != 0 && f != NULL) ? formulation_recall(r, past, err) : BASE_OK;
+}
+
 /* What the rows of a set show of its scene's effects. */
 static unsigned effects_of_rows(const contact_set *c) {
   unsigned seen = (c->n_group > c->n_contact) ? EFFECT_JOINTS : 0u;
@@ -143,6 +157,16 @@ base_status formulation_assemble(formulation_run *r, lcp_problem *out, const dou
                                  bool *pending, base_error *err) {
   BASE_TRY(r->form->assemble(r->state, out, z0, pending, err));
   assert(!*pending || lcp_problem_is_shaped(out));
+  return BASE_OK;
+}
+
+base_status formulation_rows_of(const formulation_run *r, formulation_rows *out, base_error *err) {
+  if (r->form->rows == NULL) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "%s: steps by itself, the rows of its problems have no contacts",
+                     r->form->name);
+  }
+  r->form->rows(r->state, out);
   return BASE_OK;
 }
 

@@ -52,8 +52,11 @@ typedef struct formulation_work {
 
 /* Result of one step; arrays are views into the formulation's state, valid until begin. */
 typedef struct formulation_answer {
-  const double *impulse;     /* n_row of the set: contact-frame impulses and joint impulses [N s] */
-  const double *v_next;      /* n_dof */
+  const double *impulse; /* n_row of the set: contact-frame impulses and joint impulses [N s] */
+  const double *v_next;  /* n_dof */
+  const double *
+      shift; /* n_dof: by these velocities besides v_next the bodies move in this step and then no more: what
+                                takes back the errors of joints, which neither contacts nor the next step feel; NULL: none */
   const double *bias;        /* n_contact: normal bias used [m/s]; HUGE_VAL: contact not active */
   bool solved;               /* the formulation's own residual met its tolerance in this step */
   double residual;           /* its own model's residual (mode loop, bound loop) [1] */
@@ -68,6 +71,15 @@ typedef struct formulation_answer {
                              refer to; NULL: the set given to begin */
   formulation_work work;
 } formulation_answer;
+
+/* Whose the rows of a problem are, group by group: group k has the rows first[k] .. first[k + 1] - 1 (first NULL: row k alone),
+ * and is group[k] of the set, a contact or a joint. Views, valid as long as the problem. */
+typedef struct formulation_rows {
+  const contact_set *set;
+  int n_group;
+  const int *first; /* n_group+1, or NULL */
+  const int *group; /* n_group, ascending */
+} formulation_rows;
 
 /* How a formulation that advances the world itself has a problem solved: the caller's solver, its
  * judge and its counters stay behind this call. z[p->M.n]: start point in, answer out. */
@@ -100,6 +112,8 @@ struct formulation {
   size_t
       memory; /* where in the state its contact_memory lies: all that survives a step. 0: it has none, or keeps more
                     than that, and no run of it can come back to an earlier step */
+  size_t
+      by_factors; /* where in the state a bool lies that formulation_by_factors sets; 0: it has none */
 
   /* LCP dimension in closed form: p active contacts, of which all have friction. */
   long (*dimension)(int dim, int p, const void *opt);
@@ -116,6 +130,8 @@ struct formulation {
    * the first solve of a step). */
   base_status (*assemble)(void *state, lcp_problem *out, const double **z0, bool *pending,
                           base_error *err);
+  /* Of the problem last assembled. NULL for FORM_NO_LCP. */
+  void (*rows)(const void *state, formulation_rows *out);
   /* Takes any z, exact or not, with what the solver claimed. */
   base_status (*recover)(void *state, const double *z, lcp_outcome claimed, base_error *err);
   void (*answer)(const void *state, formulation_answer *out);
@@ -131,6 +147,9 @@ const formulation *formulation_find(const char *name);
 
 base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
                              base_error *err);
+/* The solver reads factors wherever a matrix has them (lcp_solver.by_factors): with storage=auto no matrix is stored beside
+ * them. Before the first step. */
+void formulation_by_factors(formulation_run *r, bool reads);
 void formulation_close(formulation_run *r);
 /* Refuses a world in which something occurs that f lacks, so that no motion without it is reported as the scene's:
  * BASE_EUNSUPPORTED names what. To be asked before the first step; begin and step refuse what they see of it in
@@ -139,10 +158,16 @@ base_status formulation_admits(const formulation *f, const world *w, base_error 
 /* What the run remembers from step to step, to come back to (contact_memory.h). BASE_EUNSUPPORTED where f->memory is 0. */
 base_status formulation_keep(const formulation_run *r, contact_past *past, base_error *err);
 base_status formulation_recall(formulation_run *r, const contact_past *past, base_error *err);
+/* Before its first step the run goes on where one of formulation f was (NULL: there was none with a memory). *past is of formulation_keep
+ * and loses what r does not understand; r has no use for it where it has no memory. */
+base_status formulation_take_over(formulation_run *r, const formulation *f, contact_past *past,
+                                  base_error *err);
 base_status formulation_begin(formulation_run *r, const contact_set *c, formulation_start start,
                               base_error *err);
 base_status formulation_assemble(formulation_run *r, lcp_problem *out, const double **z0,
                                  bool *pending, base_error *err);
+/* Of the problem last assembled. BASE_EUNSUPPORTED: a formulation that steps by itself does not tell. */
+base_status formulation_rows_of(const formulation_run *r, formulation_rows *out, base_error *err);
 base_status formulation_recover(formulation_run *r, const double *z, lcp_outcome claimed,
                                 base_error *err);
 void formulation_answer_of(const formulation_run *r, formulation_answer *out);

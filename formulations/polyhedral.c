@@ -5,10 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A memory entry: closed, slipping, the approach that two_steps owes [m/s], then how many unknowns the block had, and
- * these. */
-enum { PAST_CLOSED, PAST_SLIP, PAST_APPROACH, PAST_WIDTH, PAST_Z };
-
 long poly_dimension(int dim, int p, const void *opt) {
   const poly_options *o = opt;
   const int planar = (o->planar == POLY_THREE) ? 3 : 4;
@@ -26,6 +22,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->block = BASE_ARRAY(m, lcp_block, g);
   s->base = BASE_ARRAY(m, double, s->cap_row);
   s->u = BASE_ARRAY(m, double, s->cap_row);
+  s->push = BASE_ARRAY(m, double, g);
 }
 
 static void layout_values(void *state, base_arena *m) {
@@ -70,7 +67,7 @@ static double friction_of(const polyhedral *s, int i) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i];
   const double *past = contact_memory_old(&s->memory, g);
-  const bool slips = past != NULL && past[PAST_SLIP] > 0;
+  const bool slips = past != NULL && past[PAST_SLIDES] > 0;
   double mu = slips ? c->mu_kinetic[g] : c->mu_static[g];
   if (s->opt.cone == 1 && c->dim == 3) {
     mu /= cos(3.14159265358979323846 / s->opt.facets); /* the circle touches the facets */
@@ -110,12 +107,13 @@ static void describe_facets(const polyhedral *s, int i, lcp_block *block) {
   }
 }
 
-static void number_unknowns(polyhedral *s) {
+/* rubs: false for normal impulses alone. */
+static void number_unknowns(polyhedral *s, bool rubs) {
   const form_assembly *a = &s->a;
   s->first[0] = 0;
   for (int i = 0; i < a->n_group; i++) {
     const bool contact = i < a->n_contact;
-    s->shape_of[i] = contact ? shape_for(s, a->rows[i]) : &s->joint;
+    s->shape_of[i] = contact ? shape_for(s, rubs ? a->rows[i] : (contact_rows){0}) : &s->joint;
     if (contact) {
       set_parts(s, i);
     }
@@ -171,8 +169,8 @@ static base_status fill_factors(polyhedral *s, base_error *err) {
 }
 
 /* The planar form of three unknowns has no facets to make factors of. */
-static bool is_faceted(const polyhedral *s) {
-  return s->opt.planar != POLY_THREE || s->a.set->dim != 2 || s->rows == FORM_ROWS_NORMAL;
+static bool is_faceted(const polyhedral *s, const contact_set *c) {
+  return s->opt.planar != POLY_THREE || c->dim != 2 || s->rows == FORM_ROWS_NORMAL;
 }
 
 static base_status fill_matrix(polyhedral *s, base_error *err) {
@@ -192,25 +190,8 @@ static base_status fill_matrix(polyhedral *s, base_error *err) {
     poly_fill_csc(s);
     s->M.csc = (lcp_csc){s->n, s->n, s->m.colptr, s->m.rowind, s->m.val};
   }
-  return (form_keeps_factors(&s->a, s->n) && is_faceted(s)) ? fill_factors(s, err) : BASE_OK;
-}
-
-/* Speed at which active contact i was met in the step before and that it has not given back, <= 0. */
-static double owed(const polyhedral *s, int i) {
-  const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-  const bool waits = s->opt.restitution == POLY_TWO_STEPS && s->a.set->restitution != NULL;
-  return (waits && past != NULL) ? past[PAST_APPROACH] : 0;
-}
-
-/* Rebound of the contacts that the step before brought to rest: u_n+ >= -e u_n-. */
-static void rebound(polyhedral *s) {
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i];
-    const double speed = owed(s, i);
-    if (speed < 0) {
-      s->a.bias[g] = fmin(s->a.bias[g], s->a.set->restitution[g] * speed);
-    }
-  }
+  return (form_keeps_factors(&s->a, s->n) && is_faceted(s, s->a.set)) ? fill_factors(s, err)
+                                                                      : BASE_OK;
 }
 
 /* Contacts and C; a factored problem needs no more of C than the own blocks. */
@@ -219,15 +200,12 @@ static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows
   const poly_options *o = &s->opt;
   if (o->storage != POLY_FACTORED) {
     BASE_TRY(form_assembly_begin(&s->a, c, rows, rule, &s->memory, err));
-    rebound(s);
     return (o->joints == 0) ? form_assembly_eliminate(&s->a, err) : BASE_OK;
   }
   if (o->planar == POLY_THREE && c->dim == 2 && rows != FORM_ROWS_NORMAL) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with planar=three");
   }
-  BASE_TRY(form_assembly_begin_own(&s->a, c, rows, rule, &s->memory, err));
-  rebound(s);
-  return BASE_OK;
+  return form_assembly_begin_own(&s->a, c, rows, rule, &s->memory, err);
 }
 
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
@@ -235,12 +213,19 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   const form_rule rule = {.level = opt->level,
                           .activation = opt->activation,
                           .newton = opt->restitution == POLY_NEWTON,
+                          .gives = opt->restitution != POLY_INELASTIC,
                           .repair = opt->repair};
   s->opt = *opt;
   s->rows = rows;
+  if (opt->storage == POLY_AUTO && is_faceted(s, c) && form_factors_alone(c, s->by_factors)) {
+    s->opt.storage = POLY_FACTORED;
+  }
+  if (opt->joints == 0) {
+    s->opt.storage = form_storage_without_joints(s->opt.storage, POLY_FACTORED, c);
+  }
   s->start = start;
   const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
-  BASE_TRY(contact_memory_begin(&s->memory, PAST_Z + widest, c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, POLY_PAST_Z + widest, c, err));
   BASE_TRY(begin_assembly(s, c, rows, &rule, err));
   if (s->joint.n_column == 0) {
     poly_shape_identity(&s->joint, 6);
@@ -250,32 +235,18 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
     s->cap_row = c->n_row + c->n_row / 2;
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
   }
-  number_unknowns(s);
+  number_unknowns(s, true);
   BASE_TRY(fill_matrix(s, err));
   memset(s->base, 0, (size_t)s->a.n_row * sizeof *s->base);
-  s->phase = 0;
+  poly_pushes_begin(s);
+  s->phase = POLY_MOTION;
   s->answer = (formulation_answer){
       .solved = true, .lcp_dim = s->n, .n_active = s->a.n_contact, .stiffness_ratio = HUGE_VAL};
   form_assembly_answer(&s->a, s->base);
   if (s->n == 0) {
-    s->phase = 2;
+    s->phase = POLY_DONE;
   }
   return BASE_OK;
-}
-
-static void start_point(polyhedral *s) {
-  memset(s->z0, 0, (size_t)s->n * sizeof *s->z0);
-  if (s->start != FORM_PREVIOUS || s->phase != 0 || !(s->memory.h_old > 0)) {
-    return;
-  }
-  const double ratio = s->a.set->h / s->memory.h_old;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-    const bool same = past != NULL && past[PAST_WIDTH] == poly_width(s, i);
-    for (int k = 0; same && k < poly_width(s, i); k++) {
-      s->z0[s->first[i] + k] = ratio * past[PAST_Z + k];
-    }
-  }
 }
 
 /* What is known of the matrix: frictionless contacts give a Delassus matrix, facets a copositive
@@ -292,36 +263,33 @@ static unsigned traits(const polyhedral *s) {
   return LCP_ZERO_DIAGONAL | (three ? 0u : (unsigned)LCP_COPOSITIVE);
 }
 
-/* u of the impulses that are already there: none before the first solve. */
-static void velocities(polyhedral *s) {
-  if (s->phase == 0) {
-    memcpy(s->u, s->a.r, (size_t)s->a.n_row * sizeof *s->u);
-  } else if (s->a.own_only) {
-    form_assembly_velocity_of(&s->a, s->base, s->u);
-  } else {
-    form_assembly_velocity(&s->a, s->base, s->u);
-  }
-}
-
 base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
                           base_error *err) {
   (void)err;
   polyhedral *s = state;
-  *pending = s->phase < 2;
+  *pending = s->phase != POLY_DONE;
   if (!*pending) {
     return BASE_OK;
   }
-  velocities(s);
+  poly_velocities(s);
   for (int i = 0; i < s->a.n_group; i++) {
-    const double bias = (i < s->a.n_contact) ? s->a.bias[s->a.group[i]] : 0;
+    double bias = (i < s->a.n_contact) ? s->a.bias[s->a.group[i]] : 0;
+    if (s->phase == POLY_PUSH && i < s->a.n_contact) {
+      bias = fmin(bias, s->push[i]);
+    }
     poly_fill_q(s, i, bias, s->q + s->first[i]);
   }
-  start_point(s);
+  poly_start_point(s);
   *out = (lcp_problem){
       .M = s->M, .q = s->q, .block = s->block, .n_block = s->a.n_group, .traits = traits(s)};
   *z0 = s->z0;
   s->answer.work.solves++;
   return BASE_OK;
+}
+
+void poly_rows(const void *state, formulation_rows *out) {
+  const polyhedral *s = state;
+  *out = (formulation_rows){s->a.set, s->a.n_group, s->first, s->a.group};
 }
 
 /* Speed won in this step by the applied forces, of contact g of the set. */
@@ -359,7 +327,7 @@ static double approach_met(const polyhedral *s, int i) {
   const int g = s->a.group[i];
   const double u = s->a.set->u_before[s->a.set->row_start[g]];
   const bool met = s->base[s->a.row[i]] > 0 && -u > s->opt.repair.rest * gained(s, g);
-  return (met && !(owed(s, i) < 0)) ? fmin(u, 0) : 0;
+  return (met && !(poly_owed(s, i) < 0)) ? fmin(u, 0) : 0;
 }
 
 /* 0 open, 1 stick, 2 slip; and the memory of the next step. */
@@ -372,31 +340,49 @@ static void note_modes(polyhedral *s, const double *z) {
     const bool friction = shape->n_part > 0 && shape->part_kind[0] == 0;
     const bool slips = friction && zi[shape->n_column] > 0;
     s->a.mode[g] = (unsigned char)((s->base[s->a.row[i]] > 0) ? (slips || !friction) + 1 : 0);
-    now[PAST_SLIP] = slips;
+    now[PAST_SLIDES] = slips;
+    memset(now + PAST_IMPULSE, 0, 6 * sizeof *now);
+    form_to_set(&s->a, i, s->base + s->a.row[i], now + PAST_IMPULSE);
     if (s->opt.restitution == POLY_TWO_STEPS) {
       now[PAST_APPROACH] = approach_met(s, i);
     }
-    now[PAST_WIDTH] = poly_width(s, i);
-    memcpy(now + PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
+    now[POLY_PAST_WIDTH] = poly_width(s, i);
+    memcpy(now + POLY_PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
   }
 }
 
+static base_status begin_push(polyhedral *s, base_error *err) {
+  number_unknowns(s, false);
+  return fill_matrix(s, err);
+}
+
 base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
-  (void)err;
   polyhedral *s = state;
-  s->answer.solved = s->answer.solved && claimed == LCP_SOLVED;
   s->answer.work.rays += claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
+  if (s->phase == POLY_PUSH) {
+    poly_push_out(s, z, claimed == LCP_SOLVED);
+    return BASE_OK;
+  }
   for (int i = 0; i < s->a.n_group; i++) {
     poly_expand(s, i, z + s->first[i], s->base + s->a.row[i]);
   }
-  const bool poisson =
-      s->phase == 0 && s->opt.restitution == POLY_POISSON && s->a.set->restitution != NULL;
+  if (s->phase == POLY_MOTION && s->pushes && (claimed != LCP_SOLVED || poly_makes_energy(s))) {
+    s->phase = POLY_STILL;
+    s->answer.work.fallbacks++;
+    memset(s->base, 0, (size_t)s->a.n_row * sizeof *s->base);
+    poly_pushes_drop(s);
+    return BASE_OK;
+  }
+  s->answer.solved = s->answer.solved && claimed == LCP_SOLVED;
+  const bool poisson = s->phase == POLY_MOTION && s->opt.restitution == POLY_POISSON &&
+                       s->a.set->restitution != NULL;
   note_modes(s, z);
-  s->phase = (poisson && s->answer.solved && decompress(s)) ? 1 : 2;
-  if (s->phase == 2) {
+  s->phase = (s->phase == POLY_STILL && s->answer.solved) ? POLY_PUSH : POLY_DONE;
+  s->phase = (poisson && s->answer.solved && decompress(s)) ? POLY_DECOMPRESSION : s->phase;
+  if (s->phase != POLY_DECOMPRESSION) {
     form_assembly_answer(&s->a, s->base);
   }
-  return BASE_OK;
+  return (s->phase == POLY_PUSH) ? begin_push(s, err) : BASE_OK;
 }
 
 void poly_answer(const void *state, formulation_answer *out) {
@@ -404,6 +390,7 @@ void poly_answer(const void *state, formulation_answer *out) {
   *out = s->answer;
   out->impulse = s->a.impulse;
   out->v_next = s->a.v_next;
+  out->shift = form_shift_of(&s->a);
   out->bias = s->a.bias;
   out->mode = s->a.mode;
 }

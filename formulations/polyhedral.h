@@ -9,8 +9,8 @@
  * (Anitescu & Potra 1997; Stewart & Trinkle 1996). sigma and its row are scaled by a_i = C_nn of
  * the contact, so that every unknown is an impulse and every row a velocity. Torsion and rolling
  * resistance are further facets with a sigma of their own, scaled by their coefficient [m].
- * storage=factored hands out M = J W J' + S with J the rows F' J, sigma alone in S; joints then stay in as
- * free rows, and what is not symmetric in F (the planar three-unknown form) is refused.
+ * storage=factored hands out M = J W J' + S with J the rows F' J, sigma alone in S; joints need
+ * joints=mixed for it, and what is not symmetric in F (the planar three-unknown form) is refused.
  * A contact without friction has the unknown lambda_n alone. The matrix is copositive: with b_n >=
  * 0 Lemke's method always finds a solution; with b_n < 0 it may end on a ray. */
 #pragma once
@@ -19,6 +19,9 @@
 
 enum { POLY_FACETS_MAX = 64, POLY_PARTS = 3 };
 enum { POLY_COLUMNS = 1 + 2 * POLY_FACETS_MAX + 2 };
+
+/* A memory entry: what all formulations remember, then how many unknowns the block had, and these. */
+enum { POLY_PAST_WIDTH = PAST_COMMON, POLY_PAST_Z };
 
 typedef enum poly_restitution {
   POLY_NEWTON,
@@ -59,6 +62,15 @@ typedef struct poly_arrays {
   int *colptr, *rowind;
 } poly_arrays;
 
+/* Solves of a step: all of them may be the first alone. */
+typedef enum poly_phase {
+  POLY_MOTION,
+  POLY_DECOMPRESSION, /* Poisson's */
+  POLY_STILL, /* position level: without the push of overlaps, where it has no solution or gives energy */
+  POLY_PUSH, /* position level: overlaps, beside the motion and without friction */
+  POLY_DONE
+} poly_phase;
+
 typedef struct polyhedral {
   form_assembly a;
   contact_memory memory;
@@ -68,8 +80,9 @@ typedef struct polyhedral {
   poly_options opt;
   form_rows rows;
   formulation_start start;
-  int n;                       /* unknowns */
-  int phase;                   /* 0: first solve, 1: Poisson's decompression, 2: done */
+  bool by_factors; /* formulation_by_factors */
+  int n;           /* unknowns */
+  poly_phase phase;
   const poly_shape **shape_of; /* n_group */
   int *first;                  /* n_group+1: first unknown of each group */
   double *scale;               /* 3 n_group: unit of each part, 1 or the coefficient [m] */
@@ -77,11 +90,13 @@ typedef struct polyhedral {
   double *base;                /* n_row: impulse before this solve [N s] */
   double *cone;                /* n_contact: lambda_n in the bound beyond the unknown [N s] */
   double *u;                   /* n_row: r + C base */
-  lcp_block *block;            /* n_group */
-  double *q, *z0;              /* n */
-  double *val;                 /* dense n*n */
-  poly_arrays m;               /* compressed columns: of M */
-  poly_arrays s;               /* of the S of its factors */
+  double *push;     /* n_contact: bias that takes an overlap back beside the motion [m/s] */
+  bool pushes;      /* some of them do */
+  lcp_block *block; /* n_group */
+  double *q, *z0;   /* n */
+  double *val;      /* dense n*n */
+  poly_arrays m;    /* compressed columns: of M */
+  poly_arrays s;    /* of the S of its factors */
   int *at;
   double *jac;           /* factored: F_i' J_i of every group, as lcp_factored wants it */
   int *jac_start, *body; /* n_group+1; 2 n_group */
@@ -101,6 +116,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
                        formulation_start start, base_error *err);
 base_status poly_assemble(void *state, lcp_problem *out, const double **z0, bool *pending,
                           base_error *err);
+void poly_rows(const void *state, formulation_rows *out);
 base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base_error *err);
 void poly_answer(const void *state, formulation_answer *out);
 void poly_close(void *state);
@@ -108,5 +124,6 @@ void poly_close(void *state);
 /* What the descriptors of polyhedral formulations share; `fields`, `options` and `begin` are their own. */
 #define POLY_FORM_PARTS                                                                            \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
-  .state_size = sizeof(polyhedral), .memory = offsetof(polyhedral, memory), .close = poly_close,   \
-  .begin = begin, .assemble = poly_assemble, .recover = poly_recover, .answer = poly_answer
+  .state_size = sizeof(polyhedral), .memory = offsetof(polyhedral, memory),                        \
+  .by_factors = offsetof(polyhedral, by_factors), .close = poly_close, .begin = begin,             \
+  .assemble = poly_assemble, .rows = poly_rows, .recover = poly_recover, .answer = poly_answer

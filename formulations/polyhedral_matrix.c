@@ -277,3 +277,78 @@ void poly_expand(const polyhedral *s, int i, const double *z, double *lambda) {
     }
   }
 }
+
+/* ---- where a solve begins ---------------------------------------------------------------------- */
+
+/* Unknowns >= 0 of a part that give the impulse l over its rows: on the two facets beside it. */
+static void put_part(const poly_shape *shape, int part, double unit, const double *l, double *z) {
+  const int first = shape->part_start[part];
+  const int n = shape->part_start[part + 1] - first;
+  if (shape->column[first].n == 1) {
+    z[first + (l[0] < 0)] = fabs(l[0]) / unit;
+    return;
+  }
+  const double width = 2 * 3.14159265358979323846 / n;
+  const double size = hypot(l[0], l[1]) / unit;
+  const double turn = atan2(l[1], l[0]);
+  const double angle = (turn < 0) ? turn + n * width : turn;
+  const int k = (int)(angle / width) % n;
+  const double over = fmax(angle - k * width, 0);
+  z[first + k] = size * sin(fmax(width - over, 0)) / sin(width);
+  z[first + (k + 1) % n] = size * sin(over) / sin(width);
+}
+
+/* sigma of a part: the speed at which it slides against its steepest facet. */
+static double sliding(const poly_shape *shape, int part, const double *along) {
+  double most = 0;
+  for (int b = shape->part_start[part]; b < shape->part_start[part + 1]; b++) {
+    most = fmax(most, -along[b]);
+  }
+  return most;
+}
+
+static void from_impulses(polyhedral *s, int i, const double *past, double ratio, double *z) {
+  const contact_set *c = s->a.set;
+  const int g = s->a.group[i];
+  const poly_shape *shape = s->shape_of[i];
+  double l[POLY_ROWS_MAX] = {0}, before[POLY_ROWS_MAX] = {0}, along[POLY_COLUMNS];
+  form_to_rows(&s->a, i, past + PAST_IMPULSE, l);
+  form_to_rows(&s->a, i, c->u_before + c->row_start[g], before);
+  project(s, i, before, along);
+  for (int r = 0; r < form_rows_of(&s->a, i); r++) {
+    l[r] *= ratio;
+  }
+  z[0] = fmax(l[0], 0);
+  if (shape->n_part > 0 && is_three(s)) { /* lambda_t = lambda_R - mu lambda_n */
+    z[1] = fmax(l[1] + s->bound[POLY_PARTS * i] * z[0], 0);
+    return;
+  }
+  for (int p = 0; p < shape->n_part; p++) {
+    const double unit = s->scale[POLY_PARTS * i + p];
+    put_part(shape, p, unit, l + shape->column[shape->part_start[p]].row, z);
+    if (past[PAST_SLIDES] > 0 && shape->part_kind[p] == 0) {
+      z[shape->n_column + p] = sliding(shape, p, along) / normal_mass(s, i);
+    }
+  }
+}
+
+void poly_start_point(polyhedral *s) {
+  memset(s->z0, 0, (size_t)s->n * sizeof *s->z0);
+  if (s->start != FORM_PREVIOUS || s->phase != POLY_MOTION || !(s->memory.h_old > 0)) {
+    return;
+  }
+  const double ratio = s->a.set->h / s->memory.h_old;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
+    double *z = s->z0 + s->first[i];
+    if (past == NULL || !(past[PAST_CLOSED] > 0)) {
+      continue;
+    }
+    if (past[POLY_PAST_WIDTH] == 0) {
+      from_impulses(s, i, past, ratio, z);
+    }
+    for (int k = 0; past[POLY_PAST_WIDTH] == poly_width(s, i) && k < poly_width(s, i); k++) {
+      z[k] = ratio * past[POLY_PAST_Z + k];
+    }
+  }
+}

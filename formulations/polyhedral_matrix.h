@@ -38,3 +38,20 @@ void poly_fill_q(const polyhedral *s, int i, double bias, double *q);
 
 /* lambda += F z of group i. */
 void poly_expand(const polyhedral *s, int i, const double *z, double *lambda);
+
+/* s->z0: zero, or with start=previous the unknowns of the last step; where another formulation took that step, unknowns that stand for
+ * its impulses. */
+void poly_start_point(polyhedral *s);
+
+/* polyhedral_push.c. Speed at which active contact i was met in the step before and that it has not given back, <= 0. */
+double poly_owed(const polyhedral *s, int i);
+/* Sorts the biases of the step into those of the law and those that push an overlap out; drop: leaves the latter away. */
+void poly_pushes_begin(polyhedral *s);
+void poly_pushes_drop(polyhedral *s);
+/* u of the impulses that are already there: none before the first solve. */
+void poly_velocities(polyhedral *s);
+/* Does the motion with the impulses s->base have more energy than without them? */
+bool poly_makes_energy(polyhedral *s);
+/* Ends the step with what z of POLY_PUSH moves beside the motion; where joints and other contacts leave no such way (not
+ * solved), overlaps stay, and it counts. */
+void poly_push_out(polyhedral *s, const double *z, bool solved);

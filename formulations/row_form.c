@@ -1,18 +1,7 @@
 #include "formulations/row_form.h"
 
-#include "formulations/bristle.h"
-
 #include <stdlib.h>
 #include <string.h>
-
-/* A memory entry: closed, slipping, then the impulses of the contact's rows, then the deflections of its bristles. */
-enum {
-  PAST_CLOSED,
-  PAST_SLIP,
-  PAST_LAMBDA,
-  PAST_BRISTLE = PAST_LAMBDA + 6,
-  PAST_STRIDE = PAST_BRISTLE + LCP_PARTS_MAX * BRISTLE_NUMBERS
-};
 
 static void layout(void *state, base_arena *m) {
   row_form *s = state;
@@ -29,13 +18,15 @@ static void layout(void *state, base_arena *m) {
     s->scratch = BASE_ARRAY(m, double, s->cap_scratch);
     s->deflection = BASE_ARRAY(m, double, s->cap_row);
     s->soft = BASE_ARRAY(m, double, s->cap_row);
+    s->mu = BASE_ARRAY(m, double, s->cap_row);
+    s->copies = BASE_ARRAY(m, int, s->cap_group);
   }
   s->block = BASE_ARRAY(m, lcp_block, 4 * (size_t)s->cap_group);
 }
 
 void row_form_close(void *state) {
   row_form *s = state;
-  anderson_close(&s->mixing);
+  boxed_bounds_close(&s->bounds);
   form_assembly_close(&s->a);
   contact_memory_close(&s->memory);
   row_matrix_close(&s->matrix);
@@ -46,7 +37,7 @@ void row_form_close(void *state) {
 static double friction_of(const row_form *s, int i) {
   const int g = s->a.group[i];
   const double *past = contact_memory_old(&s->memory, g);
-  const bool slips = past != NULL && past[PAST_SLIP] > 0;
+  const bool slips = past != NULL && past[PAST_SLIDES] > 0;
   return slips ? s->a.set->mu_kinetic[g] : s->a.set->mu_static[g];
 }
 
@@ -82,10 +73,10 @@ static void fill_vectors(row_form *s) {
     const bool behind = s->start == FORM_PREVIOUS || s->opt.outer == 1; /* lagged by the model */
     const double own = form_own_block(&s->a, i)[0];
     const double alone = (own > 0) ? fmax(-s->q[s->a.row[i]], 0) / own : 0; /* stops the approach */
-    s->normal[i] = behind ? ((past != NULL) ? ratio * past[PAST_LAMBDA] : 0) : alone;
+    s->normal[i] = behind ? ((past != NULL) ? ratio * past[PAST_IMPULSE] : 0) : alone;
     if (s->start == FORM_PREVIOUS && past != NULL) {
       double *z0 = s->z0 + s->a.row[i];
-      form_to_rows(&s->a, i, past + PAST_LAMBDA, z0);
+      form_to_rows(&s->a, i, past + PAST_IMPULSE, z0);
       for (int k = 0; k < form_rows_of(&s->a, i); k++) {
         z0[k] *= ratio;
       }
@@ -98,13 +89,20 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   const form_rule rule = {.level = opt->level,
                           .activation = opt->activation,
                           .newton = opt->restitution == 0,
+                          .gives = opt->restitution == 0,
                           .repair = opt->repair};
   s->opt = *opt;
+  if (opt->storage == ROW_AUTO && form_factors_alone(c, s->by_factors)) {
+    s->opt.storage = ROW_FACTORED;
+  }
+  if (opt->joints == 0) {
+    s->opt.storage = form_storage_without_joints(s->opt.storage, ROW_FACTORED, c);
+  }
   s->start = start;
-  BASE_TRY(contact_memory_begin(&s->memory, PAST_STRIDE, c, err));
-  BASE_TRY(row_assembly_begin(&s->a, c, (row_storage)opt->storage, opt->joints == 0, &rule,
+  BASE_TRY(contact_memory_begin(&s->memory, PAST_COMMON, c, err));
+  BASE_TRY(row_assembly_begin(&s->a, c, (row_storage)s->opt.storage, opt->joints == 0, &rule,
                               &s->memory, err));
-  BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)opt->storage, err));
+  BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)s->opt.storage, err));
   const size_t scratch = lcp_matrix_scratch(&s->matrix.M);
   if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group ||
       scratch > s->cap_scratch) {
@@ -126,15 +124,6 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   return BASE_OK;
 }
 
-const double *row_form_past(const row_form *s, int g) {
-  const double *past = contact_memory_old(&s->memory, g);
-  return (past != NULL) ? past + PAST_BRISTLE : NULL;
-}
-
-double *row_form_now(row_form *s, int g) {
-  return contact_memory_now(&s->memory, g) + PAST_BRISTLE;
-}
-
 static double norm(const double *x, int n) {
   return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
@@ -149,11 +138,16 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
     double *now = contact_memory_now(&s->memory, g);
     const double limit = (1 - 1e-6) * friction_of(s, i) * l[0]; /* on the cone, to rounding */
     const bool slips = tangent == 0 || norm(l + 1, tangent) >= limit;
-    now[PAST_SLIP] = tangent > 0 && l[0] > 0 && slips;
-    form_to_set(&s->a, i, l, now + PAST_LAMBDA);
+    now[PAST_SLIDES] = tangent > 0 && l[0] > 0 && slips;
+    form_to_set(&s->a, i, l, now + PAST_IMPULSE);
     s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + slips : 0);
   }
   form_assembly_answer(&s->a, lambda);
+}
+
+void row_form_rows(const void *state, formulation_rows *out) {
+  const row_form *s = state;
+  *out = (formulation_rows){s->a.set, s->a.n_group, s->a.row, s->a.group};
 }
 
 void row_form_answer(const void *state, formulation_answer *out) {
@@ -161,6 +155,7 @@ void row_form_answer(const void *state, formulation_answer *out) {
   *out = s->answer;
   out->impulse = s->a.impulse;
   out->v_next = s->a.v_next;
+  out->shift = form_shift_of(&s->a);
   out->bias = s->a.bias;
   out->mode = s->a.mode;
 }

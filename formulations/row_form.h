@@ -2,7 +2,7 @@
  * active rows themselves, z = lambda, M = C, q = r + b_n. They differ in the sets. */
 #pragma once
 
-#include "formulations/anderson.h"
+#include "formulations/boxed/boxed_bounds.h"
 #include "formulations/row_matrix.h"
 
 typedef struct row_options {
@@ -16,18 +16,21 @@ typedef struct row_options {
   double bristle, damper; /* boxed: of friction rows [N/m], [N s/m]; both 0: rigid */
 } row_options;
 
-typedef struct row_form {
+struct row_form {
   form_assembly a;
   contact_memory memory;
   row_matrix matrix;
   row_options opt;
   formulation_start start;
+  bool by_factors;                   /* formulation_by_factors */
   double *q, *z0, *lambda, *lo, *hi; /* n_row */
   double *normal;                    /* n_contact: lambda_n behind the bounds [N s] */
-  double *move;                   /* boxed: how far the answer's lambda_n is from them; n_contact */
-  anderson mixing;                /* boxed: of those */
+  double *move; /* boxed: how far the answer's lambda_n is from them; n_contact */
+  boxed_bounds bounds;
   double *w, *diagonal, *scratch; /* boxed: M z + q, diag M; n_row each, and a product's own */
   double *deflection, *soft; /* boxed: of bristles [m], their compliance 1/G [1/kg]; n_row each */
+  double *mu;                /* boxed: of friction rows; n_row */
+  int *copies;               /* boxed: of each contact (form_bristle_copies); n_contact */
   lcp_block *block;          /* at most 4 a contact, 1 a joint */
   int n_block;
   bool done;
@@ -35,16 +38,13 @@ typedef struct row_form {
   int cap_row, cap_group;
   size_t cap_scratch;
   void *mem; /* owned */
-} row_form;
+};
 
 base_status row_form_begin(row_form *s, const contact_set *c, const row_options *opt,
                            formulation_start start, base_error *err);
 /* Cone row dimensions and coefficients of contact i: friction, torsion, rolling. */
 int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]);
-/* What is remembered of the bristles of contact i of the set, three numbers for each kind of part: of the last step (NULL:
- * none), and where that of this step is written. */
-const double *row_form_past(const row_form *s, int g);
-double *row_form_now(row_form *s, int g);
+void row_form_rows(const void *state, formulation_rows *out);
 /* Impulses of the step into the answer; modes and memory. */
 void row_form_finish(row_form *s, const double *lambda, bool solved);
 void row_form_answer(const void *state, formulation_answer *out);
@@ -53,8 +53,9 @@ void row_form_close(void *state);
 /* What the descriptors of formulations by rows share; what is not named row_form_ is their own. */
 #define ROW_FORM_PARTS                                                                             \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
-  .state_size = sizeof(row_form), .memory = offsetof(row_form, memory), .dimension = dimension,    \
-  .close = row_form_close, .begin = begin, .assemble = assemble, .recover = recover,               \
+  .state_size = sizeof(row_form), .memory = offsetof(row_form, memory),                            \
+  .by_factors = offsetof(row_form, by_factors), .dimension = dimension, .close = row_form_close,   \
+  .begin = begin, .assemble = assemble, .rows = row_form_rows, .recover = recover,                 \
   .answer = row_form_answer
 
 #define ROW_FORM_FIELDS(T)                                                                         \

@@ -20,7 +20,7 @@ typedef struct row_matrix {
 /* What `storage` is for this set: ROW_AUTO becomes ROW_FACTORED where factors pay, and stays for row_matrix_build otherwise. */
 row_storage row_storage_of(row_storage storage, const contact_set *c);
 
-/* The assembly that the storage needs; `eliminate`: without joints, unless it is ROW_FACTORED. */
+/* The assembly that the storage needs; `eliminate`: without joints (not for ROW_FACTORED, form_storage_without_joints). */
 base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_storage storage,
                                bool eliminate, const form_rule *rule, contact_memory *memory,
                                base_error *err);

@@ -69,7 +69,7 @@ static base_status solve_turning(event_run *s, const double *u0, double *lambda,
   BASE_TRY(turns_begin(&s->turns, s->space.a.n_contact, err));
   BASE_TRY(solve(s, u0, lambda, err));
   double off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;
-  while (s->solved && off > circle_tol && s->turns.mixing.taken < max_turns) {
+  while (s->solved && off > circle_tol && s->turns.mixing.mixing.taken < max_turns) {
     BASE_TRY(turns_next(&s->turns, &s->p, &s->space.a, u0, lambda, err));
     BASE_TRY(solve(s, u0, lambda, err));
     off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;

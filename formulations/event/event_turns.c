@@ -83,7 +83,7 @@ static double step_of(const slip_problem *p, const form_assembly *a, int i, cons
 base_status turns_next(facet_turns *t, slip_problem *p, const form_assembly *a, const double *u0,
                        const double *lambda, base_error *err) {
   const double largest = largest_friction(p, a, lambda);
-  for (int i = 0; i < t->mixing.n; i++) {
+  for (int i = 0; i < t->mixing.mixing.n; i++) {
     t->step[i] = step_of(p, a, i, u0, lambda, largest);
   }
   /* the first turn is from anywhere to the first aim: it tells nothing */

@@ -33,17 +33,18 @@ enum { REG_BOUND_CURRENT, REG_BOUND_PREVIOUS };
 enum { REG_IMPLICIT, REG_EXPLICIT };
 enum { REG_SATURATED, REG_RESET };
 
-/* A memory entry: closed, lambda_n, then for each kind of part the numbers below: of these S (deflections) and SLIDING are state
- * of the model, the others only where a step starts from the previous one. */
+/* A memory entry: what all formulations remember, whether there is more of an active contact, then for each kind of part the
+ * numbers below, which count only where a step starts from the previous one. */
+enum { REG_PAST_MODE, REG_PAST_R, REG_PAST_D, REG_PAST_PART = REG_PAST_D + 3 };
 enum {
-  REG_PAST_MODE,
-  REG_PAST_SLIDING,
-  REG_PAST_R,
-  REG_PAST_S,
-  REG_PAST_D = REG_PAST_S + 3,
-  REG_PAST_PART = REG_PAST_D + 3
+  REG_PAST_OWN = PAST_COMMON,
+  REG_PAST_PARTS,
+  REG_STRIDE = REG_PAST_PARTS + REG_KINDS * REG_PAST_PART
 };
-enum { REG_PAST_PARTS = 2, REG_STRIDE = REG_PAST_PARTS + REG_KINDS * REG_PAST_PART };
+
+/* Of the mode loop, unless they are given. */
+#define REG_PROX        1e-4
+#define REG_NEWTON_ITER 10
 
 typedef struct reg_options {
   int variant;   /* names a choice of the others */
@@ -79,6 +80,7 @@ typedef struct reg_part {
   int row, dim; /* rows row .. row+dim-1 of the assembly, dim 1 or 2 */
   double mu_static, mu_kinetic;
   double k, c, G, m; /* m: effective mass m_t [kg] */
+  double share;      /* of the stiffness of this contact, which its copies have as well */
   double pull;       /* h k: impulse per deflection [N s/m]; LuGre: kappa */
   double axis2;      /* ellipse: t2 is measured in units of it, where the law is a circle [1] */
   double eta, next_eta, v[2]; /* LuGre */
@@ -165,10 +167,12 @@ typedef struct regularized {
   contact_memory memory;
   reg_options opt;
   formulation_start start;
+  bool by_factors; /* formulation_by_factors */
 
   reg_part *part, *best_part, *base_part; /* n_part; base: where a trial of Newton's began */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
+  int *copies;     /* n_contact: active contacts that are the same as it, itself included */
   int *row_of;     /* n_group+1: compliant rows of each group */
   reg_row *rows;   /* n_rows */
   int n_rows;

@@ -35,6 +35,8 @@ base_status reg_cone_admits(const reg_options *o, base_error *err) {
     why = "modes=plain, secant or once: the solver finds the modes";
   } else if (o->form != 0 || o->factor != 0) {
     why = "form and factor: no springs are eliminated";
+  } else if (o->prox != REG_PROX || o->newton_iter != REG_NEWTON_ITER) {
+    why = "prox and newton_iter: there is no loop of modes";
   }
   return (why == NULL) ? BASE_OK
                        : BASE_FAIL(err, BASE_EINVAL, "regularized: pose=cone is not for %s", why);

@@ -2,25 +2,28 @@
 #include "formulations/bristle.h"
 #include "formulations/regularized/regularized.h"
 
+#include <float.h>
 #include <string.h>
 
 /* k, c and G = h^2 k + h c. With a fixed ratio, G = ratio m_t and c = 2 zeta sqrt(k m_t). Torsion
- * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. */
+ * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. Copies of a contact have its
+ * stiffness together. */
 static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *p) {
   const double arm = (p->kind == 0) ? 1 : p->mu_static;
   const bool viscous = o->model == REG_VISCOUS;
+  const double m = p->share * p->m, fixed = p->share * arm * arm;
   if (o->stiffness == 0) {
     const double root = viscous ? 0 : sqrt(o->zeta * o->zeta + o->ratio) - o->zeta;
-    p->k = root * root * p->m / (h * h);
-    p->c = (viscous ? o->ratio : 2 * o->zeta * root) * p->m / h;
+    p->k = root * root * m / (h * h);
+    p->c = (viscous ? o->ratio : 2 * o->zeta * root) * m / h;
   } else {
-    p->k = viscous ? 0 : o->k * arm * arm;
-    p->c = o->c * arm * arm;
+    p->k = viscous ? 0 : o->k * fixed;
+    p->c = o->c * fixed;
   }
   p->G = h * h * p->k + h * p->c;
   p->pull = h * p->k;
-  if (boost && p->G > 0 && p->G < o->ratio * p->m) {
-    const double up = o->ratio * p->m / p->G;
+  if (boost && p->G > 0 && p->G < o->ratio * m) {
+    const double up = o->ratio * m / p->G;
     p->k *= up;
     p->c *= up;
     p->G *= up;
@@ -99,53 +102,56 @@ static void guess(const regularized *s, reg_part *p) {
   }
 }
 
-/* The state of the model: deflections, and which of two coefficients holds. From the last step (start=previous) the modes
- * besides, their directions and factors. A planar tangent or a torsion is one number; a planar t1 turns with the normal
- * by itself. */
-static void restore(const regularized *s, int g, reg_part *p) {
-  const double *past = contact_memory_old(&s->memory, g);
-  const bool warm = s->start == FORM_PREVIOUS && past != NULL;
-  p->mode = REG_STICK;
-  p->r = 1;
-  if (past == NULL) {
-    return;
-  }
+/* An impulse along axis m is this many units of the circular law. */
+static double axis_unit(const reg_part *p, int m) {
+  return (m == 1) ? p->axis2 : 1;
+}
+
+static double stiffness_of(const regularized *s, const reg_part *p) {
+  return reg_is_lugre(s, p) ? p->share * s->opt.sigma0 : p->k;
+}
+
+/* Modes of the last step, with their directions and factors. */
+static void restore_mode(const regularized *s, int g, const double *past, reg_part *p) {
   const double *m = past + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
-  p->sliding = (unsigned char)m[REG_PAST_SLIDING];
-  if (warm) {
-    p->mode = (unsigned char)m[REG_PAST_MODE];
-    p->r = m[REG_PAST_R];
-  }
   int first;
+  p->mode = (unsigned char)m[REG_PAST_MODE];
+  p->r = m[REG_PAST_R];
   if (form_bristle_rows(s->a.set->rows[g], p->kind, &first) == 1) {
-    p->s[0] = m[REG_PAST_S];
-    p->d[0] = warm ? m[REG_PAST_D] : 0;
-  } else {
-    const form_bristle_turn by = form_bristle_turn_of(s->a.set, g);
+    p->d[0] = m[REG_PAST_D];
+  } else if (p->mode != REG_STICK) {
     double vector[2];
-    form_bristle_to_frame(s->a.set, g, by, m + REG_PAST_S, vector);
-    to_part(s, p, vector, p->s);
-    if (p->mode != REG_STICK) {
-      form_bristle_to_frame(s->a.set, g, by, m + REG_PAST_D, vector);
-      to_part(s, p, vector, p->d);
-    }
+    form_bristle_to_frame(s->a.set, g, form_bristle_turn_of(s->a.set, g), m + REG_PAST_D, vector);
+    to_part(s, p, vector, p->d);
   }
   if (p->mode == REG_SECANT) {
     p->mode = REG_SLIP;
   }
 }
 
-static bool has_impact(const regularized *s) {
-  const contact_set *c = s->a.set;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i];
-    const double u = c->u_before[c->row_start[g]];
-    const double gain = fmax(0.0, u - s->a.r_normal[g]);
-    if (-u > s->opt.repair.rest * gain && -u * c->h > c->tol) {
-      return true;
+/* The state of the model: deflections from the forces of the springs, which a planar tangent or a torsion has as one number, and
+ * which of two coefficients holds. Then the modes: from the last step with start=previous, if that step was this
+ * formulation's, or guessed. */
+static void restore(const regularized *s, int g, reg_part *p) {
+  const double *past = contact_memory_old(&s->memory, g);
+  const double k = stiffness_of(s, p);
+  const bool warm = s->start == FORM_PREVIOUS;
+  p->mode = REG_STICK;
+  p->r = 1;
+  if (past != NULL && k > 0 && past[PAST_CLOSED] > 0) {
+    double force[2], along[2];
+    form_bristle_pull(s->a.set, g, p->kind, past, s->memory.h_old, force);
+    to_part(s, p, force, along);
+    for (int m = 0; m < p->dim; m++) {
+      p->s[m] = along[m] / (k * axis_unit(p, m));
     }
   }
-  return false;
+  p->sliding = past != NULL && p->kind == 0 && past[PAST_SLIDES] > 0;
+  if (!warm || (past != NULL && past[PAST_CLOSED] > 0 && !(past[REG_PAST_OWN] > 0))) {
+    guess(s, p);
+  } else if (past != NULL) {
+    restore_mode(s, g, past, p);
+  }
 }
 
 static double norm_of(const double *x, int n) {
@@ -172,6 +178,7 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
     return; /* nothing can move, or nothing holds */
   }
   p->m = 1 / inverse;
+  p->share = 1.0 / s->copies[i];
   p->axis2 = (kind == 0 && dim == 2) ? s->opt.ellipse : 1;
   if (kind == 0 && dim == 1 &&
       c->rows[g].tangent == 2) { /* the ellipse along the line that is left */
@@ -183,9 +190,6 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
   }
   set_stiffness(&s->opt, c->h, boost, p);
   restore(s, g, p);
-  if (s->start == FORM_COLD) {
-    guess(s, p);
-  }
   if (reg_is_lugre(s, p)) {
     p->eta = p->r;
     p->r = 1;
@@ -196,9 +200,11 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
 }
 
 void reg_parts_build(regularized *s) {
-  const bool boost = s->opt.impact == 1 && has_impact(s);
+  const bool boost = s->opt.impact == 1 && form_has_impact(&s->a, s->opt.repair.rest);
   s->n_part = 0;
   s->fastest = 0;
+  form_bristle_copies(s->a.set, s->a.n_contact, s->a.group, s->opt.distribution == FORM_EXTREME,
+                      s->copies);
   for (int r = 0; r < s->a.row[s->a.n_contact]; r++) {
     s->fastest = fmax(s->fastest, fabs(s->a.r[r]));
   }
@@ -217,11 +223,6 @@ void reg_parts_build(regularized *s) {
     }
   }
   s->part_start[s->a.n_contact] = s->n_part;
-}
-
-/* An impulse along axis m is this many units of the circular law. */
-static double axis_unit(const reg_part *p, int m) {
-  return (m == 1) ? p->axis2 : 1;
 }
 
 /* h tau from the end velocity, or where lambda follows it with full accuracy (a stiff spring times
@@ -274,9 +275,14 @@ static inline double most(double a, double b) {
   return (b > a) ? b : a;
 }
 
+/* With the default tolerance, an error in LuGre's law may change velocities by 1e-6 of the fastest one: what is nothing beside the
+ * largest impulse throws a light body under a heavy one. */
+static const double lugre_speed = 1e-3;
+
 double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   double largest = 0;
   double worst = 0;
+  double fastest = 0; /* change of velocity that an error of LuGre's law would bring [m/s] */
   for (int i = 0; i < s->a.n_contact; i++) {
     const double ln = lambda[s->a.row[i]];
     largest = most(largest, fabs(ln));
@@ -291,6 +297,9 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
       for (int m = 0; m < p->dim; m++) {
         const double l = lambda[p->row + m] / axis_unit(p, m);
         worst = most(worst, fabs(l + scale * p->tau[m]) * inverse);
+        if (reg_is_lugre(s, p)) {
+          fastest = most(fastest, fabs(l + scale * p->tau[m]) / p->m);
+        }
         largest = most(largest, fabs(l) * inverse);
       }
       p->next_r = scale;
@@ -298,7 +307,8 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
     }
   }
   s->largest = largest;
-  return (largest > 0) ? worst / largest : 0;
+  const double error = (largest > 0) ? worst / largest : 0;
+  return (fastest > 0) ? most(error, lugre_speed * fastest / (s->fastest + DBL_MIN)) : error;
 }
 
 /* Carries and asks for nothing that the tolerance can see: its direction is noise (MATHEMATICS 2.5). */
@@ -319,12 +329,16 @@ static void remember(const regularized *s, const reg_part *p, const double *in, 
 
 static void store(regularized *s, const reg_part *p, const double *next) {
   const int g = s->a.group[p->contact];
-  double *m =
-      contact_memory_now(&s->memory, g) + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  double *now = contact_memory_now(&s->memory, g);
+  double *m = now + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  double force[2] = {0, 0};
   m[REG_PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
-  m[REG_PAST_SLIDING] = p->sliding;
   m[REG_PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
-  remember(s, p, next, m + REG_PAST_S);
+  for (int k = 0; k < p->dim; k++) {
+    force[k] = stiffness_of(s, p) * next[k] * axis_unit(p, k);
+  }
+  now[PAST_SLIDES] = (p->kind == 0) ? p->sliding : now[PAST_SLIDES];
+  remember(s, p, force, now + PAST_PULL + (ptrdiff_t)BRISTLE_NUMBERS * p->kind);
   if (m[REG_PAST_MODE] == REG_SLIP && p->size > 0) {
     const double d[2] = {p->tau[0] / p->size, p->tau[1] / p->size};
     remember(s, p, d, m + REG_PAST_D);
@@ -359,7 +373,7 @@ static void report(regularized *s, const reg_part *p, double ln) {
   formulation_answer *out = &s->answer;
   const double bound = bound_of(p, ln);
   const double h = s->a.set->h;
-  out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / p->m);
+  out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / (p->share * p->m));
   const bool slips = ((s->opt.modes == REG_ONCE) ? p->r : p->next_r) < 1;
   s->a.mode[s->a.group[p->contact]] = (unsigned char)((ln > 0) ? 1 + slips : 0);
   if (p->k > 0) {
@@ -372,7 +386,10 @@ static void report(regularized *s, const reg_part *p, double ln) {
 void reg_commit(regularized *s, double *lambda) {
   const contact_set *c = s->a.set;
   for (int i = 0; i < s->a.n_contact; i++) {
-    contact_memory_now(&s->memory, s->a.group[i])[1] = lambda[s->a.row[i]];
+    double *now = contact_memory_now(&s->memory, s->a.group[i]);
+    now[REG_PAST_OWN] = 1;
+    now[PAST_SPRUNG] = s->opt.model != REG_VISCOUS;
+    memset(now + PAST_PULL, 0, (PAST_COMMON - PAST_PULL) * sizeof *now);
     s->a.mode[s->a.group[i]] = (lambda[s->a.row[i]] > 0) ? 2 : 0; /* no friction: slides */
   }
   for (int k = 0; k < s->n_part; k++) {
@@ -387,6 +404,10 @@ void reg_commit(regularized *s, double *lambda) {
     if (p->kind == 0) {
       report(s, p, ln);
     }
+  }
+  for (int i = 0; i < s->a.n_contact; i++) {
+    double *now = contact_memory_now(&s->memory, s->a.group[i]);
+    form_to_set(&s->a, i, lambda + s->a.row[i], now + PAST_IMPULSE);
   }
 }
 

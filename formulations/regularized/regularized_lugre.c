@@ -14,8 +14,8 @@
 #include "formulations/regularized/regularized.h"
 
 static void set_coefficients(const reg_options *o, double h, reg_part *p) {
-  p->pull = h * p->eta * o->sigma0 - o->sigma1 * (1 - p->eta);
-  p->G = h * (p->eta * (h * o->sigma0 + o->sigma1) + o->sigma2);
+  p->pull = p->share * (h * p->eta * o->sigma0 - o->sigma1 * (1 - p->eta));
+  p->G = p->share * h * (p->eta * (h * o->sigma0 + o->sigma1) + o->sigma2);
 }
 
 double reg_lugre_steady(const reg_options *o, double h, const reg_part *p, double lambda_n) {
@@ -23,12 +23,12 @@ double reg_lugre_steady(const reg_options *o, double h, const reg_part *p, doubl
   const double x = speed / o->v_stribeck;
   const double mu = p->mu_kinetic + (p->mu_static - p->mu_kinetic) * exp(-x * x);
   const double g = mu * fmax(lambda_n, 0.0) / h; /* [N] */
-  return (g > 0) ? 1 / (1 + h * o->sigma0 * speed / g) : 0;
+  return (g > 0) ? 1 / (1 + h * p->share * o->sigma0 * speed / g) : 0;
 }
 
 void reg_lugre_begin(const reg_options *o, double h, reg_part *p) {
-  p->k = o->sigma0;
-  p->c = o->sigma1;
+  p->k = p->share * o->sigma0;
+  p->c = p->share * o->sigma1;
   set_coefficients(o, h, p);
 }
 

@@ -16,7 +16,7 @@ static double normal_before(const regularized *s, int i) {
   const int g = a->group[i];
   const double *past = contact_memory_old(&s->memory, g);
   if (past != NULL && s->memory.h_old > 0) {
-    return fmax(past[1], 0.0) * a->set->h / s->memory.h_old;
+    return fmax(past[PAST_IMPULSE], 0.0) * a->set->h / s->memory.h_old;
   }
   const double own = form_own_block(a, i)[0];
   return (own > 0) ? fmax(0.0, -(a->r[a->row[i]] + a->bias[g])) / own : 0;
