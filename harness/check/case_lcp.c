@@ -11,6 +11,7 @@ case_status case_lcp_word(const solve_record *r) {
     return CASE_INFEASIBLE;
   case LCP_RAY:
     return CASE_UNSOLVED_RAY;
+  case LCP_BUDGET:
   case LCP_MAX_ITER:
   case LCP_TIME_LIMIT:
   case LCP_STALLED:

@@ -75,11 +75,12 @@ base_status plugins_take_environment(base_error *err) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for LCPBENCH_PLUGINS");
   }
   char *rest = NULL;
+  base_error why = {0};
   base_status done = BASE_OK;
   for (char *f = strtok_r(copy, ":", &rest); f != NULL && done == BASE_OK;
        f = strtok_r(NULL, ":", &rest)) {
-    done = plugins_take(f, err);
+    done = plugins_take(f, &why);
   }
   free(copy);
-  return done;
+  return (done == BASE_OK) ? BASE_OK : BASE_FAIL(err, done, "LCPBENCH_PLUGINS: %s", why.text);
 }

@@ -1,261 +1,51 @@
 #include "harness/control/error_run.h"
 
-#include "harness/measure/check_eval.h"
-#include "harness/measure/predictions.h"
-#include "lcp/base/fields.h"
+#include "harness/control/error_ladder.h"
 
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Ratio of the tolerances of one run and the next. */
-static const double least_ratio = 2.0, most_ratio = 64.0;
-static const double first_step = 1.0 / 8.0; /* longest of the first run, over its duration */
-/* Tolerances of the first two runs, which show the way, over E; later ones are chosen so that the estimate is `aim` E. */
-static const double first_tolerance = 256.0, second_tolerance = 64.0, aim = 0.7;
-/* Two refinements in a row after which more than this of the difference is left: the runs do not converge. */
-static const double no_nearer = 0.8;
-
-/* ---- what was asked -------------------------------------------------------------------------- */
-
-base_status error_parse(const char *text, error_asked *out, base_error *err) {
-  static const char *const units[] = {"", "%", "m", "m/s", "rad", "rad/s", "J", "N s", "N m s"};
-  char number[64];
-  size_t n = strlen(text);
-  /* the unit is what stands behind the last digit or point */
-  while (n > 0 && !isdigit((unsigned char)text[n - 1]) && text[n - 1] != '.') {
-    n--;
-  }
-  const char *unit = text + n + strspn(text + n, " ");
-  bool known = false;
-  for (int i = 0; i < BASE_COUNT(units); i++) {
-    known = known || strcmp(unit, units[i]) == 0;
-  }
-  *out = (error_asked){.limit = ERROR_LIMIT};
-  (void)snprintf(number, sizeof number, "%.*s", (int)n, text);
-  if (n >= sizeof number || !known || !base_parse_real(number, &out->E) || !(out->E > 0.0)) {
-    return BASE_FAIL(err, BASE_EINVAL,
-                     "--error %.60s: need a number above 0, alone, with %% or with a unit (m m/s "
-                     "rad rad/s J)",
-                     text);
-  }
-  if (strcmp(unit, "%") == 0) {
-    out->E *= 0.01;
-  } else {
-    (void)snprintf(out->unit, sizeof out->unit, "%s", unit);
-  }
-  return BASE_OK;
-}
-
-static const char all_places[] = "places of all bodies at the end";
-
-/* ---- quantities of a run --------------------------------------------------------------------- */
-
-/* A run and what was read from it. */
-typedef struct made {
-  series record;
-  sim_result out;
-  step_list kept;
-  run_places places;
-  int n_quantity;
-  error_quantity quantity[ERROR_QUANTITIES];
-} made;
-
-static void made_close(made *m) {
-  series_close(&m->record);
-  step_list_close(&m->kept);
-  run_places_close(&m->places);
-  *m = (made){0};
-}
-
-static bool holds_for(const error_asked *a, const char *unit) {
-  return a->unit[0] == '\0' || strcmp(a->unit, unit) == 0;
-}
-
-/* Does this check look at a state that any step can come near to? */
-static bool of_state(const spec_check *c, double duration) {
-  const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
-  return (c->kind == CHECK_STATE || c->kind == CHECK_WINDOW_MAX || c->kind == CHECK_WINDOW_MIN ||
-          c->kind == CHECK_MAX_DRIFT) &&
-         last <= duration * (1.0 + 1e-9);
-}
-
-static double column_range(const series *s, int column) {
-  double most = 0.0;
-  for (int k = 0; k < s->n_row; k++) {
-    most = fmax(most, fabs(s->column[column][k] - s->column[column][0]));
-  }
-  return most;
-}
-
-static double column_most(const series *s, int column) {
-  double most = 0.0;
-  for (int k = 0; k < s->n_row; k++) {
-    most = fmax(most, fabs(s->column[column][k]));
-  }
-  return most;
-}
-
-/* Scale of a unit, from the record of a run. */
-static double scale_of(const made *m, const char *unit) {
-  const series *s = &m->record;
-  const run_places *p = &m->places;
-  const double end = s->column[SERIES_TIME][s->n_row - 1];
-  double most = 0.0;
-  const bool way = strcmp(unit, "m") == 0;
-  if (strcmp(unit, "rad") == 0) {
-    return 1.0;
-  }
-  for (int i = 0; i < s->n_var; i++) {
-    if (strcmp(world_observe_unit(s->var[i].var), unit) == 0) {
-      const int c = s->var[i].column;
-      most = fmax(most, way ? column_range(s, c) : column_most(s, c));
-    }
-  }
-  if (way) {
-    most = fmax(most, fmax(p->travel, p->size));
-  } else if (strcmp(unit, "m/s") == 0) {
-    most = fmax(fmax(most, column_most(s, SERIES_SPEED)), fmax(p->travel, p->size) / end);
-  } else if (strcmp(unit, "rad/s") == 0) {
-    most = fmax(most, 1.0 / end);
-  }
-  return (most > 0.0) ? most : 1.0;
-}
-
-static void add(made *m, const error_asked *asked, const char *name, const char *unit,
-                double value) {
-  if (m->n_quantity == ERROR_QUANTITIES || !holds_for(asked, unit)) {
-    return;
-  }
-  error_quantity *e = &m->quantity[m->n_quantity++];
-  (void)snprintf(e->name, sizeof e->name, "%s", name);
-  e->unit = unit;
-  e->value = value;
-  e->scale = scale_of(m, unit);
-  e->estimate = HUGE_VAL;
-}
-
-/* The checks of one state at one time ask once, however many formulations they are made for. */
-static bool named(const made *m, const char *name) {
-  for (int i = 0; i < m->n_quantity; i++) {
-    if (strcmp(m->quantity[i].name, name) == 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
-static void read_checks(const sim_request *q, const error_asked *asked, made *m) {
-  const check_context ctx = prediction_context(q, &m->record, &m->out);
-  for (int i = 0; i < q->spec->n_check; i++) {
-    const spec_check *c = &q->spec->check[i];
-    check_result got;
-    char label[80];
-    char name[112];
-    if (!of_state(c, q->duration)) {
-      continue;
-    }
-    check_evaluate(c, &ctx, &got);
-    check_label(c, label, sizeof label);
-    if (c->kind == CHECK_STATE) {
-      (void)snprintf(name, sizeof name, "%s at %.4g s", label, c->t);
-    } else {
-      (void)snprintf(name, sizeof name, "%s from %.4g s", label, c->t0);
-    }
-    if (got.known && !named(m, name)) {
-      add(m, asked, name, world_observe_unit(c->var), got.got);
-    }
-  }
-}
-
-static void read_quantities(const sim_request *q, const error_asked *asked, made *m) {
-  read_checks(q, asked, m);
-  for (int i = 0; i < q->spec->n_observe; i++) {
-    spec_check c = {0};
-    double value;
-    char name[112];
-    memcpy(c.var, q->spec->observe[i], sizeof c.var);
-    const series_var *v = series_find_var(&m->record, &c);
-    (void)snprintf(name, sizeof name, "%s at the end", c.var);
-    if (v != NULL && series_at(&m->record, v->column, q->duration, &value) && !named(m, name)) {
-      add(m, asked, name, world_observe_unit(c.var), value);
-    }
-  }
-  if (m->n_quantity == 0) {
-    add(m, asked, all_places, "m", m->places.travel);
-  }
-}
-
-/* Of quantity i between two runs. */
-static double difference(const made *a, const made *b, int i) {
-  if (strcmp(a->quantity[i].name, all_places) != 0) {
-    return fabs(a->quantity[i].value - b->quantity[i].value);
-  }
-  double most = 0.0;
-  for (int k = 0; k < 3 * a->places.n; k++) {
-    most = fmax(most, fabs(a->places.end[k] - b->places.end[k]));
-  }
-  return most;
-}
+/* Of the step at which an explicit spring runs away: a sixth of its period. */
+static const double spring_step = 0.5;
+/* Of the fall of the difference that two orders of convergence stand for, this share shows them; of no fall, that runs converge. */
+static const double shown = 0.75;
 
 /* ---- runs ------------------------------------------------------------------------------------ */
-
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a;
-  const double y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-/* Times that checks look at: a value between two rows would be a chord's. Returns how many, the last is the end. */
-static int stops_of(const sim_request *q, double *stop) {
-  const double end = q->duration;
-  int n = 0;
-  for (int i = 0; i < q->spec->n_check; i++) {
-    const spec_check *c = &q->spec->check[i];
-    const double at[] = {c->t, c->t0, c->t1};
-    for (int k = 0; k < BASE_COUNT(at); k++) {
-      if (at[k] > 1e-9 * end && at[k] < end * (1.0 - 1e-9)) {
-        stop[n++] = at[k];
-      }
-    }
-  }
-  qsort(stop, (size_t)n, sizeof *stop, ascending);
-  int kept = 0;
-  for (int i = 0; i < n; i++) {
-    if (kept == 0 || stop[i] > stop[kept - 1] + 1e-9 * end) {
-      stop[kept++] = stop[i];
-    }
-  }
-  stop[kept++] = end;
-  return kept;
-}
 
 static void refuse(error_result *r, const char *why) {
   r->promised = false;
   (void)snprintf(r->reason, sizeof r->reason, "%s", why);
 }
 
-/* Compares two runs whose tolerances have this ratio: estimates, and the largest difference over E. */
-static double compare(error_result *r, made *now, const made *before, double ratio) {
-  const bool relative = r->asked.unit[0] == '\0';
+/* What E counts in for a quantity. */
+static double unit_of(const error_result *r, const error_quantity *e) {
+  return (r->asked.unit[0] == '\0') ? e->scale : 1.0;
+}
+
+/* Largest difference of two runs, over E [1]. */
+static double largest_change(const error_result *r, const error_made *now,
+                             const error_made *before) {
   double most = 0.0;
-  r->estimate = 0.0;
   for (int i = 0; i < now->n_quantity; i++) {
-    error_quantity *e = &now->quantity[i];
-    const double unit = relative ? e->scale : 1.0;
-    const double change = (i < before->n_quantity) ? difference(now, before, i) : HUGE_VAL;
-    e->estimate = ERROR_SAFETY * change / (ratio - 1.0);
-    r->estimate = fmax(r->estimate, (e->estimate == e->estimate) ? e->estimate / unit : HUGE_VAL);
-    most = fmax(most, (change == change) ? change / (unit * r->asked.E) : HUGE_VAL);
+    const double change =
+        (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
+    const double over = change / (unit_of(r, &now->quantity[i]) * r->asked.E);
+    most = fmax(most, (over == over) ? over : HUGE_VAL);
   }
   return most;
 }
 
-/* Did the last two refinements leave the difference as it was? */
-static bool diverges(const error_result *r) {
-  const int k = r->n_level - 1;
-  return k >= 3 && r->level[k].change > no_nearer * r->level[k - 1].change &&
-         r->level[k - 1].change > no_nearer * r->level[k - 2].change;
+/* Estimates from two runs of which the later one is `finer` times as good. */
+static void estimate(error_result *r, error_made *now, const error_made *before, double finer) {
+  r->estimate = 0.0;
+  for (int i = 0; i < now->n_quantity; i++) {
+    error_quantity *e = &now->quantity[i];
+    const double change =
+        (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
+    e->estimate = ERROR_SAFETY * change / (finer - 1.0);
+    const double over = e->estimate / unit_of(r, e);
+    r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
+  }
 }
 
 /* E as a length: what a step may be off [m]. */
@@ -267,6 +57,13 @@ static double length_of(const sim_request *q, const error_asked *a, double scale
     return a->E * q->duration;
   }
   return a->E * scale;
+}
+
+/* Did the last two refinements leave the difference as it was? */
+static bool diverges(const error_result *r) {
+  const int k = r->n_level - 1;
+  return k >= r->first_level + 3 && r->level[k].change > shown * r->level[k - 1].change &&
+         r->level[k - 1].change > shown * r->level[k - 2].change;
 }
 
 /* What a run has to say for itself before it is compared with others; false: it is the last. */
@@ -285,31 +82,41 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
   return true;
 }
 
-typedef struct ladder {
+typedef struct climber {
   const sim_request *q;
   error_result *result;
-  step_rule rule;
-  made now, before;
-  sim_times spent; /* by all runs */
-} ladder;
+  error_ladder ladder;
+  error_made now, before;
+  double ratio_before; /* of tolerances, of the two runs before the last */
+  double *stop;        /* of the last run; owned */
+  sim_times spent;     /* by all runs */
+} climber;
 
-static base_status one_run(ladder *l, base_error *err) {
+/* What E is as a length in the last run [m]. */
+static double length_now(const climber *l) {
+  return length_of(l->q, &l->result->asked, fmax(l->now.places.travel, l->now.places.size));
+}
+
+static base_status one_run(climber *l, base_error *err) {
   error_result *r = l->result;
   error_level *level = &r->level[r->n_level];
-  made_close(&l->before);
+  error_made_close(&l->before);
   l->before = l->now;
-  l->now = (made){0};
-  made *m = &l->now;
-  l->rule.limit = r->asked.limit - r->solved;
-  BASE_TRY(simulate_controlled(l->q, &l->rule, &m->record, &m->out, &m->kept, &m->places,
+  l->now = (error_made){0};
+  error_made *m = &l->now;
+  BASE_TRY(
+      error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
+  l->ladder.rule.stop = l->stop;
+  l->ladder.rule.limit = r->asked.limit - r->solved;
+  BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
                                &level->account, err));
   r->n_level++;
   r->solved += level->account.solved;
-  level->tolerance = l->rule.tolerance;
+  level->tolerance = l->ladder.rule.tolerance;
   level->seconds = sim_total_seconds(&m->out);
   level->change = HUGE_VAL;
   sim_times_add(&l->spent, &m->out.time);
-  read_quantities(l->q, &r->asked, m);
+  error_made_read(l->q, &r->asked, m);
   return (m->n_quantity > 0)
              ? BASE_OK
              : BASE_FAIL(err, BASE_EINVAL, "--error: the scene is asked for nothing in %s",
@@ -317,23 +124,50 @@ static base_status one_run(ladder *l, base_error *err) {
 }
 
 /* What an impact is off by in the last run, and two runs may have in common: over E [1]. */
-static double located(const ladder *l) {
+static double located(const climber *l) {
+  return l->result->level[l->result->n_level - 1].account.located / length_now(l);
+}
+
+/* Was the run exact, as far as its steps tell? A window or a drift looks at states between them, which are off a chord. */
+static bool as_if_exact(climber *l) {
+  error_result *r = l->result;
+  const step_account *a = &r->level[r->n_level - 1].account;
+  const double off = a->off / length_now(l);
+  if (!l->ladder.rule.extrapolate || !l->now.at_stops || a->forced > 0 || !(off <= ERROR_EXACT)) {
+    return false;
+  }
+  const double bow = l->now.between ? ERROR_SAFETY * a->bow : 0.0;
+  r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / length_now(l));
+  for (int i = 0; i < l->now.n_quantity; i++) {
+    error_quantity *e = &l->now.quantity[i];
+    e->estimate = r->estimate * unit_of(r, e);
+  }
+  return r->estimate <= r->asked.E;
+}
+
+/* How much better the last run is than the one before. Extrapolated steps: first order in the step is counted on, second
+ * where three runs show it. */
+static double finer_by(const climber *l) {
   const error_result *r = l->result;
-  const double scale = fmax(l->now.places.travel, l->now.places.size);
-  return r->level[r->n_level - 1].account.located / length_of(l->q, &r->asked, scale);
+  const error_level *level = &r->level[r->n_level - 1];
+  const bool second = r->n_level > r->first_level + 2 &&
+                      level[-1].change >= shown * l->ratio_before * level->change;
+  return error_ladder_gain(&l->ladder, second);
 }
 
 /* Judges the run just made; false: it is the last. */
-static bool go_on(ladder *l, double ratio) {
+static bool go_on(climber *l) {
   error_result *r = l->result;
   error_level *level = &r->level[r->n_level - 1];
   if (!complete(r, level, &l->now.out)) {
     return false;
   }
-  if (r->n_level == 1) {
-    return true;
+  if (r->n_level == r->first_level + 1) {
+    r->promised = as_if_exact(l);
+    return !r->promised;
   }
-  level->change = compare(r, &l->now, &l->before, ratio);
+  level->change = largest_change(r, &l->now, &l->before);
+  estimate(r, &l->now, &l->before, finer_by(l));
   r->estimate = fmax(r->estimate, r->asked.E * located(l));
   r->promised = r->estimate <= r->asked.E;
   if (r->promised) {
@@ -341,55 +175,79 @@ static bool go_on(ladder *l, double ratio) {
   }
   if (diverges(r)) {
     refuse(r, "runs with finer steps do not come nearer to each other");
-  } else if (r->n_level == ERROR_LEVELS) {
+  } else if (r->n_level == r->first_level + ERROR_LEVELS) {
     refuse(r, "the limit of refinements came first");
   }
   return r->reason[0] == '\0';
 }
 
-/* How much finer the next run is. After the first the scale of the scene is known; later the estimate tells. */
-static double next_ratio(const ladder *l) {
+/* What the last run is off by, over E, as far as is known. */
+static double known_off(const climber *l) {
   const error_result *r = l->result;
-  if (l->q->form->form->memory == 0) {
-    return least_ratio; /* their error is not of first order in the step: what two runs differ by counts whole */
-  }
-  if (r->n_level > 1) {
-    return fmin(fmax(r->estimate / (aim * r->asked.E), least_ratio), most_ratio);
-  }
-  const double scale = fmax(l->now.places.travel, l->now.places.size);
-  const double next = second_tolerance * length_of(l->q, &r->asked, scale);
-  return fmin(fmax(l->rule.tolerance / next, least_ratio), most_ratio);
+  return (r->n_level > r->first_level + 1) ? r->estimate / r->asked.E
+                                           : r->level[r->n_level - 1].account.off / length_now(l);
 }
 
-static base_status climb(ladder *l, base_error *err) {
-  double ratio = 1.0;
+static base_status climb(climber *l, error_steps steps, double length, double bears,
+                         base_error *err) {
+  error_ladder_begin(&l->ladder, l->q, steps, length, bears);
+  l->result->first_level = l->result->n_level;
   BASE_TRY(one_run(l, err));
-  while (go_on(l, ratio)) {
-    ratio = next_ratio(l);
-    l->rule.tolerance /= ratio;
-    l->rule.most /= ratio; /* or two runs that take the longest steps would be one */
-    l->rule.first = fmin(l->rule.first, l->rule.most);
+  while (go_on(l)) {
+    l->ratio_before = l->ladder.ratio;
+    error_ladder_finer(&l->ladder, known_off(l), length_now(l), (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }
   return BASE_OK;
 }
 
-base_status error_first_scale(const sim_request *q, double *scale, base_error *err) {
+/* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. A law that plain steps keep to rounding,
+ * as a midpoint rule keeps the energy, is kept to the order of the extrapolation only. Where half of the work is spent there
+ * is no beginning anew. */
+static bool extrapolated_stands(climber *l) {
+  error_result *r = l->result;
+  char missed[sizeof l->now.out.note] = "";
+  if (r->promised && !error_made_misses(l->q, &l->now, missed, sizeof missed)) {
+    return true;
+  }
+  if (r->solved >= r->asked.limit / 2) {
+    return true;
+  }
+  if (r->promised) {
+    (void)snprintf(r->why_plain, sizeof r->why_plain, "extrapolated steps miss %.160s", missed);
+  } else {
+    memcpy(r->why_plain, r->reason, sizeof r->why_plain);
+  }
+  r->promised = false;
+  r->reason[0] = '\0';
+  return false;
+}
+
+/* A length and a time to begin with, from the scene as it stands [m], [s]. */
+static base_status first_sizes(const sim_request *q, double *scale, double *longest,
+                               base_error *err) {
   world *w;
   BASE_TRY(world_open(&w, q->spec, q->effects, err));
   *scale = fmax(world_size(w), world_max_speed(w) * q->duration);
+  *longest = spring_step * world_longest_step(w);
   world_close(w);
   return BASE_OK;
 }
 
+base_status error_first_scale(const sim_request *q, double *scale, base_error *err) {
+  double longest;
+  return first_sizes(q, scale, &longest, err);
+}
+
 /* The finest run that came to its end, or the one that failed. */
-static void hand_over(ladder *l, series *record, sim_result *out, step_list *kept) {
+static void hand_over(climber *l, series *record, sim_result *out, step_list *kept) {
   const int last = l->result->n_level - 1;
   const bool cut = l->now.out.status == RUN_OK && !l->result->level[last].account.ended;
-  made *m = (cut && last > 0) ? &l->before : &l->now;
+  error_made *m = (cut && last > 0) ? &l->before : &l->now;
   *record = m->record;
   *out = m->out;
   *kept = m->kept;
+  l->result->extrapolated = kept->n_extrapolated > 0;
   m->record = (series){0};
   m->kept = (step_list){0};
   out->time = l->spent;
@@ -403,25 +261,20 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   *record = (series){0};
   *kept = (step_list){0};
   double scale;
-  BASE_TRY(error_first_scale(q, &scale, err));
-  double *stop = calloc(3 * (size_t)q->spec->n_check + 1, sizeof *stop);
-  if (stop == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
+  double longest;
+  BASE_TRY(first_sizes(q, &scale, &longest, err));
+  const double length = length_of(q, asked, scale);
+  climber l = {.q = q, .result = result};
+  const error_steps steps = (q->form->form->memory != 0) ? ERROR_EXTRAPOLATED : ERROR_OWN;
+  base_status done = climb(&l, steps, length, longest, err);
+  if (done == BASE_OK && steps == ERROR_EXTRAPOLATED && !extrapolated_stands(&l)) {
+    done = climb(&l, ERROR_PLAIN, length, longest, err);
   }
-  ladder l = {.q = q, .result = result};
-  const double longest = first_step * q->duration;
-  l.rule = (step_rule){.tolerance = first_tolerance * length_of(q, asked, scale),
-                       .first = (q->form->form->memory == 0) ? longest : fmin(q->h, longest),
-                       .most = longest,
-                       .least = 1e-9 * q->duration,
-                       .stop = stop,
-                       .n_stop = stops_of(q, stop)};
-  const base_status done = climb(&l, err);
   if (done == BASE_OK) {
     hand_over(&l, record, out, kept);
   }
-  made_close(&l.now);
-  made_close(&l.before);
-  free(stop);
+  error_made_close(&l.now);
+  error_made_close(&l.before);
+  free(l.stop);
   return done;
 }

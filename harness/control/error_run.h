@@ -1,45 +1,29 @@
 /* harness/control/error_run.h - `--error E`: a run whose error is at most E, as far as can be told.
  *
- * Runs with smaller and smaller tolerances (step_control.h), until the quantities that the scene is asked for differ
- * by little enough between the last two. Where the error of a run is proportional to its tolerance (first order in
- * the step), that of the last one is |Q_k - Q_k-1| / (r - 1) with r the ratio of the two tolerances (Richardson
- * 1911); ERROR_SAFETY times that is `estimate`. It covers what local errors grow to, which their sum does not. It is no
- * less than what the worst located impact is off by, which two runs may have in common.
+ * Runs with smaller and smaller tolerances (step_control.h), until the quantities that the scene is asked for
+ * (error_quantity.h) differ by little enough between the last two. Where the error of a run is proportional to its
+ * tolerance, that of the last one is |Q_k - Q_k-1| / (r - 1) with r the ratio of the two tolerances (Richardson 1911);
+ * ERROR_SAFETY times that is `estimate`. It covers what local errors grow to, which their sum does not. It is no less than
+ * what the worst located impact is off by, which two runs may have in common.
+ *
+ * First with extrapolated steps (extrapolation.h). A quarter of the tolerance, and of the error, takes twice the steps then;
+ * that is counted on only where three runs show it (the last difference is that much less than the one before), otherwise half
+ * of the step counts as half of the error: the root of r in the place of r. One run is enough where all of its steps
+ * together are off by ERROR_EXACT E at most, and where only states are looked at that steps end at, or what lengths and speeds do between
+ * these, where a constant acceleration stays within E / ERROR_SAFETY of the chord: it is as if exact.
+ * Where these runs do not come nearer to each other, or a step fails, plain steps begin anew, and `why_plain` says why.
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
- *
- * The quantities: whatever the scene's checks of state look at, as they look at it, and what it observes at the end; where
- * that is nothing, or nothing of the unit asked for, the places of all bodies at the end. E is absolute, with the
- * unit of the quantities it holds for ("1e-3m", "0.01rad"), or relative to the scale of each quantity's unit:
- *
- *   m      the longest way that a body's centre, or one of the quantities, is from where it began; at least the size
- *          of the smallest body
- *   m/s    the largest speed of a body; at least that of the length above in the time of the run
- *   rad    1
- *   rad/s  the largest value of the quantities of this unit; at least 1 rad in the time of the run
- *   else   the largest value of the quantities of this unit, in the run
  *
  * It says that the error cannot be promised where the runs do not come nearer to each other, where a step has no
  * solution, and where the limit of work comes first. */
 #pragma once
 
-#include "harness/control/step_control.h"
+#include "harness/control/error_quantity.h"
 
-enum { ERROR_LEVELS = 12, ERROR_QUANTITIES = 64, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
+enum { ERROR_LEVELS = 12 }; /* of each kind of steps */
 
 #define ERROR_SAFETY 2.0 /* [1] */
-
-typedef struct error_asked {
-  double E;              /* in `unit`, or [1] */
-  char unit[ERROR_UNIT]; /* "": relative */
-  long limit;            /* of steps solved by all runs, trials included */
-} error_asked;
-
-typedef struct error_quantity {
-  char name[112];
-  const char *unit;
-  double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
-} error_quantity;
 
 typedef struct error_level {
   double tolerance; /* [m] */
@@ -52,18 +36,18 @@ typedef struct error_level {
 typedef struct error_result {
   error_asked asked;
   bool promised;
-  char reason[200]; /* why not; "" where it is */
+  char reason[200];    /* why not; "" where it is */
+  bool extrapolated;   /* some steps of the run that is handed over are */
+  char why_plain[200]; /* why they are not, where they could be */
+  int first_level;     /* of the runs with steps of the last kind */
   double
       estimate; /* largest of the quantities that E holds for: in `unit`, or over its scale [1] */
   int n_quantity;
   error_quantity quantity[ERROR_QUANTITIES];
   int n_level;
-  error_level level[ERROR_LEVELS];
+  error_level level[2 * ERROR_LEVELS];
   long solved; /* steps of all runs */
 } error_result;
-
-/* "1e-3m", "2 %", "1%", "0.01". BASE_EINVAL: no number above 0, or no unit that the program knows. */
-base_status error_parse(const char *text, error_asked *out, base_error *err);
 
 /* The finest run that was made, its record and steps; out->time is that of all runs. q as for simulate_controlled. */
 base_status error_run(const sim_request *q, const error_asked *asked, series *record,

@@ -16,6 +16,15 @@ const char *features_name(int i) {
   return (i >= 0 && i < FEATURES) ? names[i] : NULL;
 }
 
+double features_of_name(const features *f, const char *name) {
+  for (int i = 0; i < FEATURES; i++) {
+    if (strcmp(names[i], name) == 0) {
+      return f->x[i];
+    }
+  }
+  return 0.0;
+}
+
 static double share(int n, int of) {
   return (of > 0) ? (double)n / of : 0.0;
 }

@@ -14,6 +14,7 @@ typedef struct features {
  * "closing"; 0 or 1: "spatial", "friction", "restitution", "resisting" (rolling or torsion), "joints", "moving" (a
  * body has a velocity at the start). */
 const char *features_name(int i);
+double features_of_name(const features *f, const char *name); /* 0: there is none of this name */
 
 /* Contacts are looked for as a step of h does. */
 base_status features_of(const scene_spec *spec, unsigned effects, double h, features *out,

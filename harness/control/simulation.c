@@ -2,6 +2,7 @@
 
 #include "harness/measure/contact_order.h"
 #include "lcp/base/fields.h"
+#include "lcp/lcp_islands.h"
 #include "problems/read/scene_file.h"
 
 #include <string.h>
@@ -25,6 +26,32 @@ static base_status start_of(const char *text, formulation_start *out, base_error
     *out = FORM_PREVIOUS;
   } else if (given(text) && strcmp(text, "cold") != 0) {
     return BASE_FAIL(err, BASE_EINVAL, "--start %s: need cold or previous", text);
+  }
+  return BASE_OK;
+}
+
+/* Islands, and threads over them. */
+static base_status parts_of(const simulation_texts *t, const lcp_solver *solver, sim_request *q,
+                            base_error *err) {
+  int threads = 1;
+  if (given(t->islands) && strcmp(t->islands, "on") != 0 && strcmp(t->islands, "off") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--islands %s: need on or off", t->islands);
+  }
+  if (given(t->threads) &&
+      (!base_parse_int(t->threads, &threads) || threads < 1 || threads > LCP_THREADS_MAX)) {
+    return BASE_FAIL(err, BASE_EINVAL, "--threads %s: need 1 to %d", t->threads,
+                     (int)LCP_THREADS_MAX);
+  }
+  q->islands = given(t->islands) && strcmp(t->islands, "on") == 0;
+  q->threads = threads;
+  if (threads > 1 && !q->islands) {
+    return BASE_FAIL(err, BASE_EINVAL, "--threads %d: threads share islands, need --islands on",
+                     threads);
+  }
+  if (threads > 1 && solver != NULL && (solver->peer || solver->context != NULL)) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "--threads %d: %s is other people's code, need --threads 1", threads,
+                     solver->name);
   }
   return BASE_OK;
 }
@@ -70,6 +97,26 @@ static base_status take(simulation *s, const char *form, const char *solver, bas
   return (s->tol[0] != '\0') ? solver_choice_set(&s->solver, "tol", s->tol, err) : BASE_OK;
 }
 
+/* As the texts say: one formulation and solver, or several in turn. */
+static base_status take_given(simulation *s, const simulation_texts *t, base_error *err) {
+  if (strchr(t->formulation, '/') == NULL && strchr(t->solver, '/') == NULL) {
+    return take(s, t->formulation, t->solver, err);
+  }
+  if (given(t->error)) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--formulation %.100s, --solver %.100s: change at steps, which --error is yet "
+                     "to find",
+                     t->formulation, t->solver);
+  }
+  combination_plan *p = &s->combinations;
+  BASE_TRY(
+      combination_plan_parse(t->formulation, t->solver, s->tol[0] != '\0' ? s->tol : NULL, p, err));
+  s->request.combinations = p;
+  s->request.form = &p->span[0].form;
+  s->request.solver = &p->span[0].solver;
+  return BASE_OK;
+}
+
 /* The candidates in turn until one has no step that failed. */
 static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
                               base_error *err) {
@@ -87,6 +134,35 @@ static base_status run_chosen(simulation *s, const sim_request *q, series *recor
   return BASE_OK;
 }
 
+/* Is its cone of friction made of facets or boxes, so that it is off in space by an angle that no step shows? */
+static bool flat_cone(const choice_candidate *c) {
+  const unsigned round = FORM_CONE_EXACT | FORM_REGULARISED | FORM_NO_LCP;
+  formulation_choice f = {0};
+  base_error ignored;
+  const bool flat = formulation_choose(c->formulation, &f, &ignored) == BASE_OK &&
+                    (f.form->model & FORM_FRICTION) != 0 && (f.form->model & round) == 0;
+  formulation_choice_free(&f);
+  return flat;
+}
+
+/* In space with friction the others come first, each in its order. */
+static void flat_cones_last(const features *f, choice *c) {
+  choice_candidate flat[CHOICE_MOST];
+  int n_flat = 0;
+  int n = 0;
+  if (!(features_of_name(f, "spatial") > 0.0 && features_of_name(f, "friction") > 0.0)) {
+    return;
+  }
+  for (int i = 0; i < c->n; i++) {
+    if (flat_cone(&c->candidate[i])) {
+      flat[n_flat++] = c->candidate[i];
+    } else {
+      c->candidate[n++] = c->candidate[i];
+    }
+  }
+  memcpy(c->candidate + n, flat, (size_t)n_flat * sizeof *flat);
+}
+
 /* Ranks the combinations for the scene. E with a unit counts against the size of the smallest body. */
 static base_status choose_combination(simulation *s, const char *rows, base_error *err) {
   const sim_request *q = &s->request;
@@ -97,31 +173,96 @@ static base_status choose_combination(simulation *s, const char *rows, base_erro
     E /= length;
   }
   BASE_TRY(choice_make(&s->features, E, rows, &s->choice, err));
+  flat_cones_last(&s->features, &s->choice);
   s->chooses = true;
   return take(s, s->choice.candidate[0].formulation, s->choice.candidate[0].solver, err);
+}
+
+static bool wants_files(const sim_request *q) {
+  return q->trajectory != NULL || q->trace != NULL || q->dump != NULL || q->store != NULL ||
+         q->replay != NULL;
+}
+
+/* The request without what a run that comes back to earlier steps would spoil. */
+static sim_request without_files(const sim_request *q) {
+  sim_request silent = *q;
+  silent.trajectory = NULL;
+  silent.trace = NULL;
+  silent.dump = NULL;
+  silent.store = silent.replay = NULL;
+  return silent;
+}
+
+/* Finds the effects; the request has them afterwards. */
+static base_status run_watched(simulation *s, series *record, sim_result *out, base_error *err) {
+  sim_request *q = &s->request;
+  sim_request silent = without_files(q);
+  silent.effects = s->spec.effects;
+  BASE_TRY(watch_run(&silent, s->watch, record, out, &s->watched, err));
+  s->plan = s->watched.plan;
+  q->effects = effects_plan_union(&s->plan);
+  q->plan = &s->plan;
+  return BASE_OK;
+}
+
+/* Finds the steps for given effects; with --effects auto those that a run of even steps needs at some time. */
+static base_status run_to_error(simulation *s, series *record, sim_result *out, base_error *err) {
+  sim_times spent = {0};
+  if (s->watch > 0.0) {
+    BASE_TRY(run_watched(s, record, out, err));
+    spent = out->time;
+    series_close(record);
+    s->watched.plan = (effects_plan){.n = 1, .span = {{0, s->request.effects}}};
+  }
+  sim_request silent = without_files(&s->request);
+  silent.plan = s->request.plan = NULL;
+  BASE_TRY(s->chooses ? run_chosen(s, &silent, record, out, err)
+                      : error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
+  sim_times_add(&out->time, &spent);
+  repeat_steps(s);
+  return BASE_OK;
 }
 
 base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
   sim_request *q = &s->request;
   *record = (series){0};
-  if (!(s->error.E > 0.0)) {
-    return simulate(q, record, out, err);
+  const bool to_error = s->error.E > 0.0;
+  if (!to_error && !(s->watch > 0.0)) {
+    return step_list_run(q, &s->steps, record, out, err);
   }
-  sim_request silent = *q;
-  silent.trajectory = NULL;
-  silent.trace = NULL;
-  silent.dump = NULL;
-  BASE_TRY(s->chooses ? run_chosen(s, &silent, record, out, err)
-                      : error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
-  repeat_steps(s);
-  if (q->trajectory == NULL && q->trace == NULL && q->dump == NULL) {
+  BASE_TRY(to_error ? run_to_error(s, record, out, err) : run_watched(s, record, out, err));
+  if (!wants_files(q)) {
     return BASE_OK;
   }
   const sim_times spent = out->time;
   series_close(record);
-  BASE_TRY(simulate(q, record, out, err));
+  BASE_TRY(step_list_run(q, &s->steps, record, out, err));
   sim_times_add(&out->time, &spent);
   return BASE_OK;
+}
+
+/* "auto:E", or a plan of effects. */
+static base_status open_effects(simulation *s, const char *text, base_error *err) {
+  sim_request *q = &s->request;
+  bool automatic;
+  BASE_TRY(watch_parse(text, &automatic, &s->watch, err));
+  BASE_TRY(effects_plan_parse(s->spec.effects, automatic ? "declared" : text, &s->plan, err));
+  q->effects = effects_plan_union(&s->plan);
+  q->plan = (s->plan.n > 1) ? &s->plan : NULL;
+  q->judged = automatic;
+  if (automatic && s->combinations.n > 0) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--effects %.120s: watches one formulation and solver, which change", text);
+  }
+  if (automatic && s->steps.n_extrapolated > 0) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--effects %.120s: watches plain steps, and some of --steps are extrapolated",
+                     text);
+  }
+  return (q->plan == NULL || s->error.E == 0.0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_EINVAL,
+                         "--effects %.120s: changes at steps, which --error is yet to find", text);
 }
 
 base_status simulation_open(const simulation_texts *t, simulation *out, base_error *err) {
@@ -136,13 +277,13 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
     return BASE_FAIL(err, BASE_EINVAL, "--rows %.200s: formulation and solver are given", t->rows);
   }
   (void)snprintf(out->tol, sizeof out->tol, "%s", given(t->tol) ? t->tol : "");
-  if (both) {
-    BASE_TRY(take(out, t->formulation, t->solver, err));
-  }
-  BASE_TRY(scene_load(t->scene, &out->spec, err));
   const scene_spec *spec = &out->spec;
   sim_request *q = &out->request;
   *q = (sim_request){.spec = spec, .form = &out->form, .solver = &out->solver};
+  if (both) {
+    BASE_TRY(take_given(out, t, err));
+  }
+  BASE_TRY(scene_load(t->scene, &out->spec, err));
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
   BASE_TRY(sim_check_times(q->h, q->duration, err));
@@ -151,17 +292,17 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   if (given(t->contact_order)) {
     BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));
   }
-  const char *effects = given(t->effects) ? t->effects : "declared";
-  /* the choice wants to know the effects, and a pilot a formulation */
-  const bool pilot = strncmp(effects, "auto", 4) == 0;
-  BASE_TRY(effects_override(spec->effects, pilot ? "declared" : effects, &q->effects, err));
+  BASE_TRY(open_effects(out, given(t->effects) ? t->effects : "declared", err));
   if (given(t->error)) {
     BASE_TRY(features_of(spec, q->effects, q->h, &out->features, err));
   }
   if (!both) {
     BASE_TRY(choose_combination(out, given(t->rows) ? t->rows : NULL, err));
   }
-  return effects_choose(q, effects, &out->effects, err);
+  for (int k = 1; k < out->combinations.n; k++) {
+    BASE_TRY(parts_of(t, out->combinations.span[k].solver.solver, q, err));
+  }
+  return parts_of(t, q->solver->solver, q, err);
 }
 
 void simulation_close(simulation *s) {
@@ -169,4 +310,5 @@ void simulation_close(simulation *s) {
   spec_free(&s->spec);
   formulation_choice_free(&s->form);
   solver_choice_free(&s->solver);
+  combination_plan_free(&s->combinations);
 }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "harness/control/choice.h"
+#include "harness/control/effects_watch.h"
 #include "harness/control/error_run.h"
-#include "harness/measure/effects_auto.h"
 
 enum { CHOICE_TRIES = 4 };
 
@@ -11,6 +11,7 @@ enum { CHOICE_TRIES = 4 };
 typedef struct simulation_texts {
   const char *scene, *formulation, *solver, *tol;
   const char *step, *duration, *effects, *start, *contact_order;
+  const char *islands, *threads;
   const char *error, *work; /* --error E, and its limit of steps */
   const char *steps;        /* a file of step lengths */
   const char
@@ -20,14 +21,17 @@ typedef struct simulation_texts {
 /* What the texts choose; owns everything the request points to. */
 typedef struct simulation {
   scene_spec spec;
-  formulation_choice form;
+  formulation_choice form; /* these two all along, */
   solver_choice solver;
-  sim_request request;
-  effects_choice effects; /* what --effects auto:E decided */
-  error_asked error;      /* E = 0: not asked for */
-  error_result found;     /* what it came to */
-  step_list steps;        /* given or found; n = 0: even ones */
-  bool chooses;           /* formulation and solver, below */
+  combination_plan combinations; /* or in turn; n = 0: these two */
+  sim_request request;           /* its form and solver are the first */
+  effects_plan plan;             /* of the effects: given, or found */
+  double watch;                  /* E of --effects auto:E; 0: the effects are given */
+  watch_result watched;          /* what it came to */
+  error_asked error;             /* E = 0: not asked for */
+  error_result found;            /* what it came to */
+  step_list steps;               /* given or found; n = 0: even ones */
+  bool chooses;                  /* formulation and solver, below */
   features features;
   choice choice;
   int n_tried; /* candidates that were run; the last one stands */

@@ -1,8 +1,6 @@
 #include "harness/control/step_control.h"
 
-#include "harness/control/checkpoint.h"
-#include "lcp/base/fields.h"
-#include "lcp/base/output.h"
+#include "harness/control/extrapolation.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,15 +11,6 @@ static const double event_share = 1.0 / 32.0, least_share = 1.0 / 16384.0;
 /* PI control of a step whose error for a share that grows with it is of first order (Gustafsson 1991). */
 static const double safety = 0.9, integral = 0.7, proportional = 0.4, shrink = 0.2, grow = 4.0;
 
-/* One way over a step. */
-typedef struct step_end {
-  double *state;     /* where it ends: world_save */
-  uint64_t carrying; /* the contacts that carried last */
-  bool event;        /* others than before the step carried on the way */
-  double sunk;       /* how much deeper than at its start bodies are in each other at its end [m] */
-  bool good;         /* nothing failed */
-} step_end;
-
 typedef struct controlled {
   sim run;
   const step_rule *rule;
@@ -29,99 +18,17 @@ typedef struct controlled {
   step_list *kept;
   run_places *places;
   step_account *account;
-  checkpoint start;
-  step_end coarse, fine;
-  bool failed;       /* a step of the shortest length has no solution: the run ends there */
+  step_pair pair;
+  bool smooth; /* the step just tried: both of its ways together are better than the fine one */
+  double off;  /* what it is off by [m] */
+  bool failed; /* a step of the shortest length has no solution: the run ends there */
   uint64_t carrying; /* of the last step kept */
   double fastest;    /* largest speed of a body so far [m/s] */
   double located;    /* of the step just tried [m] */
   double last;       /* error over its share, of the last step kept [1] */
 } controlled;
 
-/* ---- lists of steps -------------------------------------------------------------------------- */
-
-static base_status append(step_list *l, double h, base_error *err) {
-  if (l->n == l->cap) {
-    const long cap = 2 * l->cap + 64;
-    double *grown = realloc(l->h, (size_t)cap * sizeof *grown);
-    if (grown == NULL) {
-      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %ld steps", cap);
-    }
-    l->h = grown;
-    l->cap = cap;
-  }
-  l->h[l->n++] = h;
-  return BASE_OK;
-}
-
-static base_status read_lines(step_list *l, FILE *from, const char *path, base_error *err) {
-  char line[80];
-  for (long at = 1; fgets(line, sizeof line, from) != NULL; at++) {
-    double h;
-    line[strcspn(line, "\n")] = '\0';
-    if (!base_parse_real(line, &h) || !(h > 0.0)) {
-      return BASE_FAIL(err, BASE_EINVAL, "%.200s, line %ld: need a step above 0 [s]", path, at);
-    }
-    BASE_TRY(append(l, h, err));
-  }
-  return BASE_OK;
-}
-
-base_status step_list_read(step_list *l, const char *path, double duration, base_error *err) {
-  *l = (step_list){0};
-  FILE *from = fopen(path, "r");
-  if (from == NULL) {
-    return BASE_FAIL(err, BASE_EIO, "%.200s: cannot be read", path);
-  }
-  const base_status done = read_lines(l, from, path, err);
-  (void)fclose(from);
-  BASE_TRY(done);
-  double sum = 0.0;
-  for (long i = 0; i < l->n; i++) {
-    sum += l->h[i];
-  }
-  if (!(fabs(sum - duration) <= 1e-6 * duration)) {
-    return BASE_FAIL(err, BASE_EINVAL, "%.200s: its steps cover %g s of a run of %g s", path, sum,
-                     duration);
-  }
-  return BASE_OK;
-}
-
-base_status step_list_write(const step_list *l, const char *path, base_error *err) {
-  base_out file;
-  BASE_TRY(base_out_open(&file, path, err));
-  for (long i = 0; i < l->n; i++) {
-    (void)fprintf(file.to, "%.17g\n", l->h[i]);
-  }
-  return base_out_finish(&file, BASE_OK, err);
-}
-
-void step_list_close(step_list *l) {
-  free(l->h);
-  *l = (step_list){0};
-}
-
 /* ---- one step -------------------------------------------------------------------------------- */
-
-/* `n` steps of h from where the run stands. */
-static base_status go(controlled *c, double h, int n, step_end *end, base_error *err) {
-  sim *s = &c->run;
-  const run_status before = s->out->status;
-  double start = 0.0;
-  *end = (step_end){.state = end->state, .good = true};
-  for (int i = 0; i < n && end->good; i++) {
-    bool taken;
-    BASE_TRY(sim_step(s, c->record, h, &taken, err));
-    c->account->solved++;
-    end->good = taken && s->out->status == before;
-    end->carrying = s->carrying;
-    end->event = end->event || s->carrying != c->carrying;
-    start = (i == 0) ? s->depth[0] : start;
-    end->sunk = fmax(0.0, s->depth[1] - start);
-  }
-  world_save(s->w, end->state);
-  return BASE_OK;
-}
 
 /* How long a difference of velocities lasts: what is left of the run, or the time in which the fastest body has come as
  * far as the bodies get [s]. */
@@ -137,65 +44,134 @@ static double error_of(controlled *c, double h) {
   double position;
   double velocity;
   const sim *s = &c->run;
-  const double end = s->q->duration;
-  if (!c->coarse.good || !c->fine.good) {
+  const step_end *coarse = &c->pair.coarse;
+  const step_end *fine = &c->pair.fine;
+  const double part = h / s->q->duration;
+  c->smooth = false;
+  if (!coarse->good || !fine->good) {
     return HUGE_VAL;
   }
-  world_saved_distance(s->w, c->coarse.state, c->fine.state, &position, &velocity);
-  const bool event = c->coarse.event || c->fine.event;
-  const double share = fmax(h / end, event ? event_share : least_share);
-  c->located = event ? fmax(position, c->fine.sunk) : c->fine.sunk;
-  const double e =
-      fmax((position + velocity * reach(c)) / share, c->fine.sunk / fmax(h / end, event_share)) /
-      c->rule->tolerance;
+  world_saved_distance(s->w, coarse->state, fine->state, &position, &velocity);
+  const bool event = coarse->event || fine->event;
+  c->off = position + velocity * reach(c);
+  double e = c->off / fmax(part, event ? event_share : least_share);
+  if (c->rule->extrapolate) {
+    const double bend = world_saved_bend(s->w, h, c->pair.start.state, coarse->state, fine->state);
+    const double both = bend + velocity * h;
+    position = fmax(position, bend); /* what came and went in either half */
+    c->off = fmax(c->off, bend);
+    e = fmax(e, bend / fmax(part, event_share));
+    c->smooth = !event || both / part <= e;
+    if (c->smooth) {
+      c->off = position = both;
+      e = both / fmax(part, least_share);
+    }
+  }
+  c->located = event ? fmax(position, fine->sunk) : fine->sunk;
+  e = fmax(e, fine->sunk / fmax(part, event_share)) / c->rule->tolerance;
   return (e == e) ? e : HUGE_VAL;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
  * middle and the end of a step, and only the finer way sees it, half of the step ends just behind it. */
 static double shorter(const controlled *c, double e) {
-  const bool met = c->coarse.event != c->fine.event || c->fine.sunk > 0.0;
-  return fmin(fmax(safety / e, met ? 0.5 : shrink), 0.5);
+  const bool both = c->pair.coarse.event && c->pair.fine.event;
+  const bool met = c->pair.coarse.event != c->pair.fine.event || c->pair.fine.sunk > 0.0;
+  const double wish = c->smooth ? sqrt(safety / e) : safety / e;
+  if (c->rule->extrapolate && both && !c->smooth) {
+    return fmin(wish, 0.5);
+  }
+  return fmin(fmax(wish, met ? 0.5 : shrink), 0.5);
+}
+
+/* The length of the step after one of h that was kept with error e over its share. */
+static double next_length(controlled *c, double h, double e) {
+  const double now = fmin(fmax(e, 1e-6), 1.0); /* a forced one says nothing of the next */
+  const double order = c->smooth ? 0.5 : 1.0;
+  const double factor = safety * pow(now, -order * integral) * pow(c->last, order * proportional);
+  c->last = now;
+  return fmax(h * ((e > 1.0) ? grow : fmin(fmax(factor, shrink), grow)), c->rule->least);
+}
+
+static void places_note(run_places *p, const world *w) {
+  for (int i = 0; i < p->n; i++) {
+    double quat[4];
+    const double *from = p->start + 3 * (size_t)i;
+    double *to = p->end + 3 * (size_t)i;
+    world_body_pose(w, i, to, quat);
+    p->travel = fmax(p->travel, sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) +
+                                     pow(to[2] - from[2], 2)));
+  }
+}
+
+static base_status count(controlled *c, double h, bool extrapolated, base_error *err) {
+  step_account *a = c->account;
+  places_note(c->places, c->run.w);
+  c->fastest = fmax(c->fastest, world_max_speed(c->run.w));
+  a->least = fmin(a->least, h);
+  a->most = fmax(a->most, h);
+  return step_list_append(c->kept, h, extrapolated, err);
+}
+
+/* What a place between the ends of the step just tried is off the straight way [m]. */
+static double bow_of(const controlled *c, double h) {
+  double position;
+  double velocity;
+  world_saved_distance(c->run.w, c->pair.start.state, c->pair.fine.state, &position, &velocity);
+  return 0.125 * h * velocity;
+}
+
+/* The step just tried is kept. */
+static base_status keep(controlled *c, double h, double e, base_error *err) {
+  step_account *a = c->account;
+  a->forced += e > 1.0;
+  a->located = fmax(a->located, c->located);
+  a->off += c->off;
+  a->bow = fmax(a->bow, bow_of(c, h));
+  c->failed = !c->pair.fine.good;
+  c->carrying = c->pair.fine.carrying;
+  if (c->smooth && e <= 1.0) {
+    BASE_TRY(step_pair_extrapolate(&c->pair, &c->run, c->record, err));
+    return count(c, h, true, err);
+  }
+  BASE_TRY(count(c, 0.5 * h, false, err));
+  return count(c, 0.5 * h, false, err);
 }
 
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
-  sim *s = &c->run;
   const step_rule *rule = c->rule;
-  BASE_TRY(checkpoint_take(&c->start, s, c->record, err));
+  const double wish = *h;
   for (;;) {
     if (c->account->solved + 3 > rule->limit) {
       *limited = true;
       return BASE_OK;
     }
-    BASE_TRY(go(c, *h, 1, &c->coarse, err));
-    BASE_TRY(checkpoint_return(&c->start, s, c->record, err));
-    BASE_TRY(go(c, 0.5 * *h, 2, &c->fine, err));
+    BASE_TRY(step_pair_try(&c->pair, &c->run, c->record, c->carrying, *h, err));
+    c->account->solved = c->pair.solved;
     const double e = error_of(c, *h);
-    const bool least = *h <= rule->least;
-    if (e <= 1.0 || least) {
-      c->account->forced += e > 1.0;
-      c->failed = !c->fine.good;
-      c->account->located = fmax(c->account->located, c->located);
-      const double now = fmin(fmax(e, 1e-6), 1.0); /* a forced one says nothing of the next */
-      const double factor = safety * pow(now, -integral) * pow(c->last, proportional);
-      c->last = now;
-      c->carrying = c->fine.carrying;
+    if (e <= 1.0 || *h <= rule->least) {
+      BASE_TRY(keep(c, *h, e, err));
       *taken = *h;
-      *h = fmax(*h * ((e > 1.0) ? grow : fmin(fmax(factor, shrink), grow)), rule->least);
+      *h = next_length(c, *h, e);
+      if (rule->extrapolate && !c->smooth) {
+        *h = fmax(*h, wish); /* behind an impact the motion is as smooth as before it */
+      }
       return BASE_OK;
     }
     c->account->rejected++;
-    BASE_TRY(checkpoint_return(&c->start, s, c->record, err));
+    BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
     *h = fmax(*h * shorter(c, e), rule->least);
   }
 }
 
 /* ---- the run --------------------------------------------------------------------------------- */
 
-/* The part of the way to the next stop that a step of about h may take: all of it, or half. */
-static double towards(double left, double h, double least) {
-  return (h >= left - least) ? left : fmin(h, 0.5 * left);
+/* The part of the way to the next stop that a step of about h may take: all of it, or about half. Not half where the steps are
+ * extrapolated: halves of halves would be the same steps in two runs, and what happens unseen in one of them as well. */
+static double towards(const controlled *c, double left, double h) {
+  const double half = c->rule->extrapolate ? 0.55 : 0.5;
+  return (h >= left - c->rule->least) ? left : fmin(h, half * left);
 }
 
 void run_places_close(run_places *p) {
@@ -220,26 +196,6 @@ static base_status places_open(run_places *p, const world *w, base_error *err) {
   return BASE_OK;
 }
 
-static void places_note(run_places *p, const world *w) {
-  for (int i = 0; i < p->n; i++) {
-    double quat[4];
-    const double *from = p->start + 3 * (size_t)i;
-    double *to = p->end + 3 * (size_t)i;
-    world_body_pose(w, i, to, quat);
-    p->travel = fmax(p->travel, sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) +
-                                     pow(to[2] - from[2], 2)));
-  }
-}
-
-static base_status count(controlled *c, double h, base_error *err) {
-  step_account *a = c->account;
-  places_note(c->places, c->run.w);
-  c->fastest = fmax(c->fastest, world_max_speed(c->run.w));
-  a->least = fmin(a->least, h);
-  a->most = fmax(a->most, h);
-  return append(c->kept, h, err);
-}
-
 /* At this pace the limit of work is far from enough: a fiftieth of it is spent, and ten times all of it would not do. */
 static bool crawls(const controlled *c) {
   const double limit = (double)c->rule->limit;
@@ -253,15 +209,13 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
   const double slack = 0.5 * c->rule->least;
   while (!*limited && !c->failed && !sim_hopeless(s) && world_time(s->w) < stop - slack) {
     const double wish = fmin(*h, c->rule->most);
-    double next = towards(stop - world_time(s->w), wish, c->rule->least);
+    double next = towards(c, stop - world_time(s->w), wish);
     const double asked = next;
     double taken = 0.0;
     BASE_TRY(step(c, &next, limited, &taken, err));
     if (!*limited) {
       /* a step cut short to end at a stop says nothing against the longer one */
       *h = (taken == asked && asked < wish) ? fmax(wish, next) : next;
-      BASE_TRY(count(c, 0.5 * taken, err));
-      BASE_TRY(count(c, 0.5 * taken, err));
       *limited = crawls(c);
     }
   }
@@ -278,7 +232,7 @@ static base_status even_step(controlled *c, double h, bool *limited, base_error 
   }
   BASE_TRY(sim_step(s, c->record, h, &taken, err));
   c->account->solved++;
-  return count(c, h, err);
+  return count(c, h, false, err);
 }
 
 static base_status run_even(controlled *c, bool *limited, base_error *err) {
@@ -301,13 +255,7 @@ static base_status run(controlled *c, base_error *err) {
   if (s->q->form->form->memory == 0) {
     BASE_TRY(run_even(c, &limited, err));
   } else {
-    BASE_TRY(checkpoint_open(&c->start, s, err));
-    const size_t n = world_saved_size(s->w);
-    c->coarse.state = malloc(2 * n * sizeof *c->coarse.state);
-    if (c->coarse.state == NULL) {
-      return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare steps");
-    }
-    c->fine.state = c->coarse.state + n;
+    BASE_TRY(step_pair_open(&c->pair, s, err));
     s->controlled = true;
     c->carrying = s->carrying;
     c->fastest = world_max_speed(s->w);
@@ -330,14 +278,13 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                   .places = places,
                   .account = account,
                   .last = 1.0};
-  kept->n = 0;
+  kept->n = kept->n_extrapolated = 0;
   *account = (step_account){.least = HUGE_VAL};
   base_status done = sim_open(&c.run, q, record, out, err);
   if (done == BASE_OK) {
     done = run(&c, err);
   }
-  checkpoint_close(&c.start);
-  free(c.coarse.state);
+  step_pair_close(&c.pair);
   sim_close(&c.run);
   return done;
 }

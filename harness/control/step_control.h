@@ -11,15 +11,21 @@
  * the next. A step of the shortest length is taken as it is and counted; where a solve of it fails the run ends. Formulations that integrate by themselves
  * (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
  *
+ * With `extrapolate` a step ends at 2 fine - coarse (extrapolation.h), and e is what a constant acceleration does not explain
+ * (world_saved_bend), and the distance of the velocities over h. Steps in which the contacts change are as above, unless this e
+ * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
+ * length is what it was before.
+ *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once
 
-#include "harness/measure/simulate.h"
+#include "harness/control/step_list.h"
 
 typedef struct step_rule {
   double tolerance;   /* [m] over the whole run */
   double first;       /* step to begin with [s] */
   double least, most; /* [s] */
+  bool extrapolate;   /* smooth steps end where both of their ways together say (extrapolation.h) */
   const double *
       stop; /* n_stop times that a step must end at, ascending [s]; the last is the end of the run */
   int n_stop;
@@ -27,18 +33,15 @@ typedef struct step_rule {
       limit; /* of steps solved, trials included; a run that is far from its end at a fiftieth of it ends there */
 } step_rule;
 
-/* Lengths of the steps of a run, for sim_request.step. */
-typedef struct step_list {
-  double *h; /* [s]; owned */
-  long n, cap;
-} step_list;
-
 typedef struct step_account {
   long solved, rejected,
       forced;         /* forced: taken at the shortest length though not within its share */
   double least, most; /* of the steps kept [s] */
+  double off;         /* sum of what the steps kept are off by [m] */
   double located;     /* largest error of a step in which the contacts changed [m] */
-  bool ended;         /* the run came to its end within the limit */
+  double
+      bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
+  bool ended; /* the run came to its end within the limit */
 } step_account;
 
 /* Where the bodies are at the end, and how far they came. */
@@ -55,9 +58,3 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                                 sim_result *out, step_list *kept, run_places *places,
                                 step_account *account, base_error *err);
 void run_places_close(run_places *p);
-
-/* What steps a run is repeated with. Of a file: one length a line [s]; BASE_EINVAL names the line. The sum must be the
- * duration up to SIM_LAST_STEP. */
-base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
-base_status step_list_write(const step_list *l, const char *path, base_error *err);
-void step_list_close(step_list *l);

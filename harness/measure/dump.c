@@ -40,28 +40,40 @@ base_status dump_open(dump *d, const char *folder, long first, long last, base_e
   return BASE_OK;
 }
 
+base_status dump_files(const char *folder, long step, int solve, const lcp_problem *p,
+                       const double *z, char file[DUMP_NAME], char answer[DUMP_NAME],
+                       base_error *err) {
+  char path[1100];
+  const unsigned sets = lcp_problem_sets(p);
+  const bool plain = sets == 1u << LCP_ORTHANT;
+  const int used = snprintf(file, DUMP_NAME, "step_%06ld_%02d", step, solve);
+  (void)snprintf(answer, DUMP_NAME, "%s.z.mtx", file);
+  (void)snprintf(path, sizeof path, "%.1000s/%s%s", folder, file, plain ? "" : ".dat");
+  (void)snprintf(file + used, DUMP_NAME - (size_t)used, "%s", plain ? ".M.mtx" : ".dat");
+  const base_status done = plain                          ? export_lcp_mtx(p, path, err)
+                           : (sets & 1u << LCP_FREE) != 0 ? export_lcp_text(p, path, err)
+                                                          : export_lcp_friction(p, path, err);
+  if (done == BASE_EUNSUPPORTED && err != NULL) { /* the caller asked for what no file can hold */
+    const base_error why = *err;
+    return BASE_FAIL(err, BASE_EINVAL, "step %ld: %.300s", step, why.text);
+  }
+  BASE_TRY(done);
+  (void)snprintf(path, sizeof path, "%.1000s/%s", folder, answer);
+  return lcp_write_mtx_vector(path, p->M.n, z, err);
+}
+
 base_status dump_problem(dump *d, long step, const lcp_problem *p, const double *z,
                          const char *status, base_error *err) {
   if (step < d->first || step > d->last) {
     return BASE_OK;
   }
-  char path[1100];
-  char name[64];
+  char file[DUMP_NAME];
+  char answer[DUMP_NAME];
   d->solve = (step == d->step) ? d->solve + 1 : 1;
   d->step = step;
-  (void)snprintf(name, sizeof name, "step_%06ld_%02d", step, d->solve);
-  const bool plain = lcp_problem_sets(p) == 1u << LCP_ORTHANT;
-  (void)snprintf(path, sizeof path, "%.1000s/%s%s", d->folder, name, plain ? "" : ".dat");
-  const base_status done = plain ? export_lcp_mtx(p, path, err) : export_lcp_friction(p, path, err);
-  if (done == BASE_EUNSUPPORTED && err != NULL) { /* the caller asked for what no file can hold */
-    const base_error why = *err;
-    return BASE_FAIL(err, BASE_EINVAL, "step %ld: %.400s", step, why.text);
-  }
-  BASE_TRY(done);
-  (void)snprintf(path, sizeof path, "%.1000s/%s.z.mtx", d->folder, name);
-  BASE_TRY(lcp_write_mtx_vector(path, p->M.n, z, err));
-  (void)fprintf(d->index.to, "%ld,%d,%d,%ld,%s,%s%s,%s.z.mtx\n", step, d->solve, p->M.n,
-                lcp_matrix_entries(&p->M), status, name, plain ? ".M.mtx" : ".dat", name);
+  BASE_TRY(dump_files(d->folder, step, d->solve, p, z, file, answer, err));
+  (void)fprintf(d->index.to, "%ld,%d,%d,%ld,%s,%s,%s\n", step, d->solve, p->M.n,
+                lcp_matrix_entries(&p->M), status, file, answer);
   d->n_dumped++;
   return BASE_OK;
 }

@@ -4,12 +4,14 @@
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
+#include <cblas.h>
 #include <linux/mempolicy.h>
 #include <math.h>
 #include <sched.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/utsname.h>
 #include <time.h>
@@ -43,6 +45,32 @@ static void first_line(const char *path, char *buf, size_t cap) {
   }
 }
 
+static const char *vectors(void) {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx512f") ? "avx512"
+         : __builtin_cpu_supports("avx2")  ? "avx2"
+         : __builtin_cpu_supports("avx")   ? "avx"
+                                           : "sse2";
+#else
+  return "generic";
+#endif
+}
+
+void machine_class(const char *cpu_model, char *buf, size_t cap) {
+  enum { LEVELS = 4 };
+  char caches[64] = "";
+  for (int i = 0; i < LEVELS; i++) {
+    char path[80];
+    char size[12];
+    (void)snprintf(path, sizeof path, "/sys/devices/system/cpu/cpu0/cache/index%d/size", i);
+    first_line(path, size, sizeof size);
+    const size_t n = strlen(caches);
+    (void)snprintf(caches + n, sizeof caches - n, "%s%s", size[0] != '\0' ? " " : "", size);
+  }
+  (void)snprintf(buf, cap, "%.80s; OpenBLAS %.20s; %s;%s", cpu_model, openblas_get_corename(),
+                 vectors(), caches[0] != '\0' ? caches : " caches unknown");
+}
+
 void machine_read(machine *m) {
   *m = (machine){0};
   struct utsname u;
@@ -51,6 +79,7 @@ void machine_read(machine *m) {
     (void)snprintf(m->kernel, sizeof m->kernel, "%.40s %.50s", u.sysname, u.release);
   }
   machine_proc_value("/proc/cpuinfo", "model name", m->cpu_model, sizeof m->cpu_model);
+  machine_class(m->cpu_model, m->host_class, sizeof m->host_class);
   m->n_cpu = (int)sysconf(_SC_NPROCESSORS_ONLN);
   first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", m->governor,
              sizeof m->governor);
@@ -60,6 +89,37 @@ double machine_load(void) {
   char line[128];
   first_line("/proc/loadavg", line, sizeof line);
   return (line[0] != '\0') ? strtod(line, NULL) : (double)NAN;
+}
+
+double machine_busy(void) {
+  enum { IDLE = 3, IOWAIT = 4, STEAL = 7 };
+  char line[256];
+  first_line("/proc/stat", line,
+             sizeof line); /* cpu user nice system idle iowait irq softirq steal */
+  char *at = line + strcspn(line, " ");
+  double ticks = 0.0;
+  int n = 0;
+  for (; n <= STEAL && *at != '\0'; n++) {
+    char *end;
+    const double value = strtod(at, &end);
+    ticks += (n == IDLE || n == IOWAIT) ? 0.0 : value;
+    if (end == at) {
+      break;
+    }
+    at = end;
+  }
+  return (n > STEAL) ? ticks / (double)sysconf(_SC_CLK_TCK) : (double)NAN;
+}
+
+static double cpu_time(int who) {
+  struct rusage u;
+  (void)getrusage(who, &u);
+  return (double)(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+         1e-6 * (double)(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+}
+
+double machine_own(void) {
+  return cpu_time(RUSAGE_SELF) + cpu_time(RUSAGE_CHILDREN);
 }
 
 double machine_frequency_in(const char *folder, int cpu) {
@@ -125,23 +185,38 @@ void machine_utc(char *buf, size_t cap) {
   }
 }
 
-double machine_canary(void) {
-  enum { N = 2048, ROUNDS = 2000 };
-  double x[N];
-  for (int i = 0; i < N; i++) {
-    x[i] = 1.0 + 1e-3 * i;
-  }
+enum { CANARY_N = 2048, CANARY_PASSES = 2000, CANARY_ROUNDS = 15 };
+
+/* Seconds that one round of the canary's work takes. */
+static double canary_round(double x[CANARY_N]) {
   const double from = base_seconds();
   double sum = 0.0;
-  for (int k = 0; k < ROUNDS; k++) {
-    for (int i = 0; i < N; i++) {
+  for (int k = 0; k < CANARY_PASSES; k++) {
+    for (int i = 0; i < CANARY_N; i++) {
       sum += x[i] * 1e-6;
     }
-    x[k] += 1e-9 * sum; /* carried on, so that no round can be left out */
+    x[k] += 1e-9 * sum; /* carried on, so that no pass can be left out */
   }
   volatile double kept = sum;
   (void)kept;
   return base_seconds() - from;
+}
+
+double machine_canary(void) {
+  double x[CANARY_N];
+  double seconds[CANARY_ROUNDS]; /* sorted, the first `done` of them */
+  for (int i = 0; i < CANARY_N; i++) {
+    x[i] = 1.0 + 1e-3 * i;
+  }
+  for (int done = 0; done < CANARY_ROUNDS; done++) {
+    const double took = canary_round(x);
+    int at = done;
+    for (; at > 0 && seconds[at - 1] > took; at--) {
+      seconds[at] = seconds[at - 1];
+    }
+    seconds[at] = took;
+  }
+  return seconds[CANARY_ROUNDS / 2];
 }
 
 size_t machine_sweep_length(void) {

@@ -8,16 +8,23 @@
 
 typedef struct machine {
   char host[64];
-  char cpu_model[96]; /* the host class: rows of one class may be compared */
+  char cpu_model[96];
+  char host_class[160]; /* machine_class: times and bits are compared within one class only */
   int n_cpu;
   char kernel[96], governor[32];
 } machine;
 
 void machine_read(machine *m);
 
-double machine_load(void);               /* 1 minute load average; NaN if unknown */
-int machine_last_cpu(void);              /* the highest CPU this process may use */
-void machine_pin(int cpu);               /* this process, if the system permits; cpu < 0: nothing */
+/* Processor model, kernel that the BLAS chose for it, widest vector instructions and cache sizes:
+ * one model in two virtual machines may differ in any of the others, and then in times and bits. */
+void machine_class(const char *cpu_model, char *buf, size_t cap);
+
+double machine_load(void);  /* 1 minute load average; NaN if unknown */
+double machine_busy(void);  /* since boot, over all CPUs, stolen time too; NaN if unknown [s] */
+double machine_own(void);   /* CPU time of this process and of its ended children [s] */
+int machine_last_cpu(void); /* the highest CPU this process may use */
+void machine_pin(int cpu);  /* this process, if the system permits; cpu < 0: nothing */
 void machine_utc(char *buf, size_t cap); /* 2024-01-31T12:00:00Z */
 
 /* Frequency of a logical CPU now, as cpufreq measures it; NaN where the system has no such file
@@ -33,8 +40,9 @@ void machine_pin_back(const cpu_set_t *before);
  * node, or -1 where the system does not permit or know it. */
 int machine_bind_memory(void);
 
-/* Fixed work of about 5 ms (multiply-add over an array in cache): the canary of a campaign. A drift
- * of more than 3 % between two of its times marks what was measured between them. [s] */
+/* Fixed work of about 3 ms (multiply-add over an array in cache), the median of 15 rounds: the canary
+ * of a campaign. One interruption moves a round, not the median. A drift of more than 3 % between two
+ * canaries marks what was measured between them. [s] */
 double machine_canary(void);
 
 /* Doubles to stream so that twice the last-level cache has passed (32 MB where its size is unknown),

@@ -3,9 +3,17 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *stands_for(const sim_request *q) {
-  const char *as = q->form->form->stands_for;
+static const char *stands_for(const formulation_choice *form) {
+  const char *as = form->form->stands_for;
   return (as != NULL) ? as : "";
+}
+
+/* The k-th formulation of a run; NULL past the last. */
+static const formulation_choice *form_of(const sim_request *q, int k) {
+  if (q->combinations == NULL) {
+    return (k == 0) ? q->form : NULL;
+  }
+  return (k < q->combinations->n) ? &q->combinations->span[k].form : NULL;
 }
 
 static bool in_time(const sim_request *q, const spec_check *c) {
@@ -23,15 +31,24 @@ static bool declared(const sim_request *q) {
 
 bool prediction_applies(const sim_request *q, int i) {
   const spec_check *c = &q->spec->check[i];
-  return declared(q) && in_time(q, c) &&
-         spec_check_applies(c, q->form->form->name, stands_for(q),
-                            formulation_choice_facets(q->form));
+  const formulation_choice *form;
+  bool applies = declared(q) && in_time(q, c);
+  for (int k = 0; applies && (form = form_of(q, k)) != NULL; k++) {
+    applies =
+        spec_check_applies(c, form->form->name, stands_for(form), formulation_choice_facets(form));
+  }
+  return applies;
 }
 
 check_context prediction_context(const sim_request *q, const series *record, const sim_result *r) {
+  const formulation_choice *form;
+  bool regularised = false;
+  for (int k = 0; (form = form_of(q, k)) != NULL; k++) {
+    regularised = regularised || strcmp(stands_for(form), "regularized") == 0;
+  }
   return (check_context){.record = record,
                          .h = q->h,
-                         .regularised = strcmp(stands_for(q), "regularized") == 0,
+                         .regularised = regularised,
                          .v_slip = r->v_slip,
                          .deflection = r->deflection,
                          .finite = r->finite};

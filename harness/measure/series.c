@@ -157,35 +157,62 @@ static double total_normal_force(const contact_set *c, const double *impulse) {
   return sum;
 }
 
-base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
-                          double stored, base_error *err) {
-  if (s->n_row == s->cap) {
-    BASE_TRY(reserve(s, 2 * s->cap, err));
-  }
+/* What a row says of the state alone. */
+static base_status record_state(series *s, const world *w, int row, double stored,
+                                base_error *err) {
   double L[3];
   double p[3];
   world_angular_momentum(w, L);
   world_momentum(w, p);
-  const int row = s->n_row;
   s->column[SERIES_TIME][row] = world_time(w);
   s->column[SERIES_ENERGY][row] = world_energy(w) + stored;
-  s->column[SERIES_PENETRATION][row] = 0.0;
-  s->column[SERIES_STEP][row] = 0.0;
   s->column[SERIES_SPEED][row] = world_max_speed(w);
   s->column[SERIES_ANGULAR][row] = norm3(L);
   s->column[SERIES_MOMENTUM_X][row] = p[0];
-  s->column[SERIES_ANY_FORCE][row] = total_normal_force(set, impulse);
-  for (int i = 0; i < s->n_pair; i++) {
-    record_pair(s, w, set, impulse, &s->pair[i]);
-  }
   for (int i = 0; i < s->n_var; i++) {
     const series_var *v = &s->var[i];
     if (!world_observe(w, v->var, v->has_dir ? v->dir : NULL, &s->column[v->column][row])) {
       return BASE_FAIL(err, BASE_EINVAL, "check of '%s': no such quantity in the scene", v->var);
     }
   }
+  return BASE_OK;
+}
+
+base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
+                          double stored, base_error *err) {
+  if (s->n_row == s->cap) {
+    BASE_TRY(reserve(s, 2 * s->cap, err));
+  }
+  const int row = s->n_row;
+  s->column[SERIES_PENETRATION][row] = 0.0;
+  s->column[SERIES_STEP][row] = 0.0;
+  s->column[SERIES_ANY_FORCE][row] = total_normal_force(set, impulse);
+  for (int i = 0; i < s->n_pair; i++) {
+    record_pair(s, w, set, impulse, &s->pair[i]);
+  }
+  BASE_TRY(record_state(s, w, row, stored, err));
   s->n_row++;
   return BASE_OK;
+}
+
+/* The mean of the last two rows in the row before the last. */
+static void average(series *s, int column) {
+  double *x = s->column[column] + s->n_row - 2;
+  x[0] = 0.5 * (x[0] + x[1]);
+}
+
+base_status series_join(series *s, const world *w, double stored, base_error *err) {
+  double *deep = s->column[SERIES_PENETRATION] + s->n_row - 2;
+  double *spent = s->column[SERIES_STEP] + s->n_row - 2;
+  deep[0] = fmax(deep[0], deep[1]);
+  spent[0] += spent[1];
+  average(s, SERIES_ANY_FORCE);
+  for (int i = 0; i < s->n_pair; i++) {
+    average(s, s->pair[i].normal);
+    average(s, s->pair[i].tangential);
+  }
+  s->n_row--;
+  return record_state(s, w, s->n_row - 1, stored, err);
 }
 
 void series_penetration(series *s, const contact_set *set) {

@@ -49,6 +49,9 @@ void series_close(series *s);
 base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
                           double stored, base_error *err);
 
+/* The last two rows, of two halves of a step, become one of the whole: mean forces, and the state that the world has now. */
+base_status series_join(series *s, const world *w, double stored, base_error *err);
+
 /* Deepest penetration of the state about to be left: -min gap over the set, into the last row. */
 void series_penetration(series *s, const contact_set *set);
 

@@ -8,7 +8,8 @@
 #include <string.h>
 
 double sim_times_sum(const sim_times *t) {
-  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->share + t->advance;
+  return t->contacts + t->assemble + t->setup + t->factor + t->solve + t->share + t->advance +
+         t->watch;
 }
 
 void sim_times_add(sim_times *sum, const sim_times *t) {
@@ -19,6 +20,7 @@ void sim_times_add(sim_times *sum, const sim_times *t) {
   sum->solve += t->solve;
   sum->share += t->share;
   sum->advance += t->advance;
+  sum->watch += t->watch;
 }
 
 double sim_total_seconds(const sim_result *r) {
@@ -146,13 +148,21 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   s->carrying = carrying(&set, &a);
   BASE_TRY(note_depth(s, &set, &a, err));
   series_penetration(record, &set);
+  s->out->approach_max = fmax(s->out->approach_max, contact_approach(&set));
   note_answer(s, &set, &a);
   BASE_TRY(merit_of(s, &set, &a, err));
   s->out->effects_seen |= sim_effects_seen(s->q->spec, &set, &a);
   s->out->hash = sim_hash(s->out->hash, a.v_next, set.n_dof);
 
   from = base_seconds();
+  if (s->watched != 0) {
+    world_omitted(s->w, s->watched | s->effects, a.v_next, a.impulse, s->omitted);
+    lap(&t->watch, &from);
+  }
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));
+  if (a.shift != NULL) {
+    world_shift(s->w, a.shift);
+  }
   t->advance += base_seconds() - from;
   BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
   return series_record(record, s->w, &set, a.impulse, a.spring_energy, err);
@@ -200,7 +210,7 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
   const base_status done = s->iterates ? step_lcp(s, record, &why) : step_own(s, record, &why);
   *taken = done == BASE_OK;
   if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
-    sim_trouble(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
+    sim_refuse(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
     return BASE_OK;
   }
   if (done != BASE_OK) {
@@ -215,13 +225,14 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
     r->finite = false;
     sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
   }
-  return trajectory_row(s->q->trajectory, s->w, err);
+  return s->part ? BASE_OK : trajectory_row(s->q->trajectory, s->w, err);
 }
 
 static base_status run_steps(sim *s, series *record, base_error *err) {
   const sim_request *q = s->q;
-  sim_result *r = s->out;
+  const sim_result *r = s->out;
   for (bool taken = true; taken && r->steps < r->steps_planned && !sim_hopeless(s);) {
+    BASE_TRY(sim_follow_plans(s, err));
     BASE_TRY(sim_step(s, record, q->step != NULL ? q->step[r->steps] : q->h, &taken, err));
   }
   return BASE_OK;
@@ -261,9 +272,10 @@ static void summarise(sim *s, const series *record) {
  * that posed no problem has no residual of one. */
 static void forget_unmeasured(sim *s) {
   sim_result *r = s->out;
-  if ((s->q->form->form->model & FORM_NO_LCP) == 0) {
+  if ((s->q->form->form->model & FORM_NO_LCP) == 0 || r->n_judged > 0) {
     return;
   }
+  r->approach_max = (double)NAN;
   r->ncp_max = r->ncp_rel_max = r->cone_rel_max = r->dissipation_max = (double)NAN;
   if (r->n_solves == 0) {
     r->rho_max = r->natural_max = r->natural_rel_max = (double)NAN;
@@ -285,8 +297,10 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
              .order.seed = q->contact_order,
              .iterates = (q->form->form->model & FORM_NO_LCP) == 0};
   BASE_TRY(sim_check_times(q->h, q->duration, err));
-  BASE_TRY(world_open(&s->w, q->spec, q->effects, err));
+  s->effects = (q->plan != NULL) ? effects_plan_at(q->plan, 0) : q->effects;
+  BASE_TRY(world_open(&s->w, q->spec, s->effects, err));
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
+  formulation_by_factors(s->form, q->solver->solver->by_factors);
   out->steps_planned =
       (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
   BASE_TRY(series_open(record, q->spec, (int)out->steps_planned, err));
@@ -295,10 +309,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
   BASE_TRY(trajectory_row(q->trajectory, s->w, err));
   out->n_dof = world_n_dof(s->w);
   out->n_body = world_n_body(s->w);
-  base_error refusal = {0};
-  if (formulation_admits(q->form->form, s->w, &refusal) != BASE_OK) {
-    sim_trouble(s, RUN_UNSUPPORTED, refusal.text);
-  }
+  sim_ask_admission(s);
   return BASE_OK;
 }
 
@@ -311,6 +322,8 @@ void sim_finish(sim *s, series *record) {
 
 void sim_close(sim *s) {
   lcp_instance_close(s->instance);
+  contact_memory_drop(&s->past);
+  lcp_islands_close(s->islands);
   lcp_share_close(s->share);
   formulation_close(s->form);
   contact_order_close(&s->order);

@@ -7,7 +7,9 @@
 #pragma once
 
 #include "harness/measure/answers.h"
+#include "harness/measure/combination_plan.h"
 #include "harness/measure/dump.h"
+#include "harness/measure/effects_plan.h"
 #include "harness/measure/registry.h"
 #include "harness/measure/series.h"
 #include "harness/measure/trace.h"
@@ -17,28 +19,53 @@
 #include <stdint.h>
 #include <stdio.h>
 
+/* A problem that was solved, with its judged answer. */
+typedef struct sim_solved {
+  long step; /* from 1 */
+  const lcp_problem *p;
+  formulation_rows rows;
+  const double *z;
+  run_status status;
+  bool verified; /* rho within the tolerance of the solver's kind */
+  double rho;
+} sim_solved;
+
+/* Told of every one of them, outside of every bracket. */
+typedef struct sim_listener {
+  base_status (*solved)(void *ctx, const sim_solved *k, base_error *err);
+  void *ctx;
+} sim_listener;
+
 typedef struct sim_request {
   const scene_spec *spec;
   unsigned effects; /* what is simulated, EFFECT_ bits */
-  bool judged; /* though effects are left out, the scene's predictions apply (effects_auto.h) */
+  const effects_plan
+      *plan;   /* NULL: these all along; otherwise it tells from which step on which are */
+  bool judged; /* though effects are left out, the scene's predictions apply (--effects auto) */
   const formulation_choice *form;
   const solver_choice *solver;
-  double h; /* [s] */
+  const combination_plan *
+      combinations; /* NULL: these all along; otherwise the two are its first, and it tells from which step on which are */
+  double h;         /* [s] */
   const double
       *step; /* NULL: all steps take h; otherwise one length for each of n_step steps [s] */
   long n_step;
   double duration; /* [s] */
   formulation_start start;
-  uint64_t contact_order; /* seed of the order of contacts; 0: as the scene lists them */
-  FILE *trajectory;       /* NULL: none; otherwise CSV, one row per body and step */
-  trace_file *trace;      /* NULL: none; a traced run is not to be timed */
-  dump *dump;             /* NULL: none; the problems of chosen steps are written as files */
-  answers *store;         /* NULL: none; every answer is written here */
-  answers *replay;        /* NULL: the solver solves; otherwise its answers are taken from here */
+  uint64_t contact_order;       /* seed of the order of contacts; 0: as the scene lists them */
+  FILE *trajectory;             /* NULL: none; otherwise CSV, one row per body and step */
+  trace_file *trace;            /* NULL: none; a traced run is not to be timed */
+  dump *dump;                   /* NULL: none; the problems of chosen steps are written as files */
+  const sim_listener *listener; /* NULL: nobody */
+  answers *store;               /* NULL: none; every answer is written here */
+  bool islands;    /* a problem that falls into parts is solved part by part (lcp_islands.h) */
+  int threads;     /* that solve them; 0 counts as 1 */
+  answers *replay; /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;
 
 typedef struct sim_times {
   double contacts, assemble, setup, factor, solve, share, advance; /* [s], summed over the steps */
+  double watch; /* of effects that are left out, and their coming in [s] */
 } sim_times;
 
 double sim_times_sum(const sim_times *t); /* [s] */
@@ -59,17 +86,19 @@ typedef struct sim_result {
   long n_solves, n_modes, n_fallbacks;
   int deficit_max; /* most touching normal rows beyond their rank in one solve; LCP_SHARE_UNCOUNTED: not counted in all */
   long n_shared,
-      n_share_missed; /* solves of which such an answer was chosen; could not be chosen */
-  long n_evaluations; /* of the right-hand side, by formulations that integrate */
+      n_share_missed;           /* solves of which such an answer was chosen; could not be chosen */
+  int n_island, largest_island; /* most in one solve; unknowns of the largest. 0: not asked for */
+  long n_evaluations;           /* of the right-hand side, by formulations that integrate */
   lcp_work work;
   const char *variant;
   double rho_max;                          /* [1] */
   double natural_max, natural_rel_max;     /* [m/s], [1] */
   double feas_z_max, feas_w_max, comp_max; /* [N s], [m/s], [J] */
   long n_judged; /* steps judged on the exact cone: none where a formulation steps by itself */
-  double ncp_max, ncp_rel_max;            /* [m/s], [1] */
-  double cone_rel_max, dissipation_max;   /* [1], [J] */
-  double penetration_max;                 /* [m] */
+  double ncp_max, ncp_rel_max;          /* [m/s], [1] */
+  double cone_rel_max, dissipation_max; /* [1], [J] */
+  double penetration_max;               /* [m] */
+  double approach_max; /* [m], of a gap that closed inside a step; NaN where not known */
   double energy_defect, energy_drift_rel; /* largest increase in one step [J]; [1] */
   double stiffness_ratio;                 /* least G/m_t [1], HUGE_VAL: nothing regularised */
   double v_slip, deflection;              /* regularisation: [m/s], [m] */

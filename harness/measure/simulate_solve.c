@@ -15,16 +15,10 @@ void sim_trouble(sim *s, run_status word, const char *text) {
   s->out->status = run_status_worse(s->out->status, word);
 }
 
-static void add_work(lcp_work *sum, const lcp_work *w) {
-  sum->iterations += w->iterations;
-  sum->pivots += w->pivots;
-  sum->sweeps += w->sweeps;
-  sum->matvecs += w->matvecs;
-  sum->factorizations += w->factorizations;
-  sum->backsolves += w->backsolves;
-  sum->refinements += w->refinements;
-  sum->linesearches += w->linesearches;
-  sum->fallbacks += w->fallbacks;
+/* No answer of this step exists: whoever was to give it said so. */
+void sim_refuse(sim *s, run_status word, const char *text) {
+  sim_trouble(s, word, text);
+  s->out->claimed = run_status_worse(s->out->claimed, word);
 }
 
 static void add_verdict(sim_result *r, const lcp_verdict *v) {
@@ -43,7 +37,7 @@ base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base
   if (n > s->z_cap || s->z == NULL) { /* a problem without unknowns has a start point too */
     free(s->z);
     s->z_cap = 2 * n + 1;
-    s->z = malloc(2 * (size_t)s->z_cap * sizeof *s->z);
+    s->z = malloc(3 * (size_t)s->z_cap * sizeof *s->z);
     if (s->z == NULL) {
       s->z_cap = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d unknowns", n);
@@ -52,6 +46,7 @@ base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base
   for (int i = 0; i < n; i++) {
     s->z[i] = (z0 != NULL) ? z0[i] : 0.0;
   }
+  memcpy(s->z + 2 * (ptrdiff_t)s->z_cap, s->z, (size_t)n * sizeof *s->z);
   return BASE_OK;
 }
 
@@ -66,6 +61,13 @@ static base_status open_instance(sim *s, const lcp_problem *p, base_error *err) 
 
 bool sim_without_solution(run_status s) {
   return s == RUN_NUMERICAL || s == RUN_RAY || s == RUN_INFEASIBLE;
+}
+
+/* Ends of a solve after which a formulation may try another problem. An iterative method does not see that there is no
+ * solution: it does not get there. One that claims what is not so is none of them. */
+static bool may_go_on(run_status s) {
+  return sim_without_solution(s) || s == RUN_BUDGET || s == RUN_MAX_ITER || s == RUN_STALLED ||
+         s == RUN_NEAR;
 }
 
 /* Enters a solve into the record. */
@@ -98,7 +100,7 @@ static void add_costs(sim *s, const lcp_problem *p, const lcp_result *claim) {
   r->storage = p->M.storage;
   r->variant = claim->variant;
   r->hash = sim_hash(r->hash, s->z, p->M.n);
-  add_work(&r->work, &claim->work);
+  lcp_work_add(&r->work, &claim->work);
 }
 
 /* Verdict of the answer in s->z; nothing here is timed. */
@@ -114,6 +116,21 @@ static base_status judge(sim *s, const lcp_problem *p, const lcp_result *claim, 
   return BASE_OK;
 }
 
+static base_status tell(sim *s, const lcp_problem *p, const solved *k, base_error *err) {
+  const sim_listener *l = s->q->listener;
+  sim_solved one = {.step = s->out->steps + 1,
+                    .p = p,
+                    .z = s->z,
+                    .status = k->word,
+                    .verified = k->verified,
+                    .rho = k->v.rho};
+  if (l == NULL) {
+    return BASE_OK;
+  }
+  BASE_TRY(formulation_rows_of(s->form, &one.rows, err));
+  return l->solved(l->ctx, &one, err);
+}
+
 static base_status record(sim *s, const lcp_problem *p, const lcp_result *claim, solved *judged,
                           base_error *err) {
   solved k = *judged;
@@ -123,26 +140,51 @@ static base_status record(sim *s, const lcp_problem *p, const lcp_result *claim,
                    s->out->n_solves, p->M.n, run_status_name(k.word),
                    lcp_outcome_name(claim->outcome), k.v.rho);
   }
-  if (s->iterates && sim_without_solution(k.word)) {
+  if (s->iterates && claim->outcome != LCP_SOLVED && may_go_on(k.word)) {
     s->held = k;
   } else {
     s->held.word = (k.word == RUN_OK) ? RUN_OK : s->held.word;
     count_solve(s, &k);
   }
+  BASE_TRY(tell(s, p, &k, err));
   return (s->q->dump == NULL)
              ? BASE_OK
              : dump_problem(s->q->dump, s->out->steps + 1, p, s->z, run_status_name(k.word), err);
 }
 
+static void add_times(sim *s, const lcp_times *spent, size_t bytes) {
+  s->out->time.setup += spent->setup;
+  s->out->time.factor += spent->factor;
+  s->out->time.solve += spent->solve;
+  s->out->workspace = bytes;
+}
+
+/* Part by part; which solver and when is the same, and so is everything behind it. */
+static base_status solve_islands(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
+  const sim_request *q = s->q;
+  sim_result *r = s->out;
+  if (s->islands == NULL) {
+    BASE_TRY(lcp_islands_open(&s->islands, q->solver->solver, q->solver->opt,
+                              (q->threads > 1) ? q->threads : 1, err));
+  }
+  BASE_TRY(lcp_islands_solve(s->islands, p, s->z, claim, err));
+  const lcp_times spent = lcp_islands_times(s->islands);
+  const int count = lcp_islands_count(s->islands), largest = lcp_islands_largest(s->islands);
+  r->n_island = (count > r->n_island) ? count : r->n_island;
+  r->largest_island = (largest > r->largest_island) ? largest : r->largest_island;
+  add_times(s, &spent, lcp_islands_bytes(s->islands));
+  return BASE_OK;
+}
+
 static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
   trace_file *t = s->q->trace;
+  if (s->q->islands) {
+    return solve_islands(s, p, claim, err);
+  }
   BASE_TRY(open_instance(s, p, err));
   BASE_TRY(lcp_instance_solve(s->instance, t != NULL ? trace_begin(t) : NULL, s->z, claim, err));
   const lcp_times spent = lcp_instance_times(s->instance);
-  s->out->time.setup += spent.setup;
-  s->out->time.factor += spent.factor;
-  s->out->time.solve += spent.solve;
-  s->out->workspace = lcp_instance_bytes(s->instance);
+  add_times(s, &spent, lcp_instance_bytes(s->instance));
   return (t != NULL) ? trace_end(t, err) : BASE_OK;
 }
 
@@ -170,7 +212,8 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   if (s->share == NULL) {
     BASE_TRY(lcp_share_open(&s->share, err));
   }
-  BASE_TRY(lcp_share_apply(s->share, p, s->z, &made, err));
+  const double *start = (s->q->start == FORM_PREVIOUS) ? s->z + 2 * (ptrdiff_t)s->z_cap : NULL;
+  BASE_TRY(lcp_share_apply(s->share, p, start, s->z, &made, err));
   s->out->time.share += base_seconds() - from;
   sim_result *r = s->out;
   if (made.deficit == LCP_SHARE_UNCOUNTED || r->deficit_max == LCP_SHARE_UNCOUNTED) {

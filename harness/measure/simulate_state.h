@@ -3,7 +3,8 @@
 
 #include "harness/measure/contact_order.h"
 #include "harness/measure/simulate.h"
-#include "lcp/lcp_share.h"
+#include "lcp/lcp_islands.h"
+#include "lcp/share/lcp_share.h"
 
 /* What a solve came to. */
 typedef struct solved {
@@ -16,20 +17,28 @@ typedef struct solved {
 /* Everything one run owns. */
 typedef struct sim {
   const sim_request *q;
+  sim_request changed; /* q, once formulation and solver are others than asked for first */
   sim_result *out;
   world *w;
   formulation_run *form;
   lcp_instance *instance;
+  lcp_islands *islands; /* in its place, where asked for */
+  contact_past past;    /* of the last formulation with a memory, at a change */
+  const formulation *past_of;
   lcp_share *share; /* opened with the first problem */
   contact_order order;
-  double h;          /* of this step [s] */
-  uint64_t carrying; /* hash of the ids of the contacts that carried in the last step */
-  double *z;         /* z_cap of the answer, and as many for the solver's own */
+  unsigned effects;             /* simulated now */
+  unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
+  double omitted[EFFECT_COUNT]; /* its answer for the last step [m/s] */
+  double h;                     /* of this step [s] */
+  uint64_t carrying;            /* hash of the ids of the contacts that carried in the last step */
+  double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
   int z_cap;
   double called;   /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
   bool iterates;   /* the formulation may try again where a problem has no solution */
   solved held;     /* such a try, until the step is over; word RUN_OK: none */
   bool controlled; /* depth is asked for */
+  bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   double depth
       [2]; /* how deep bodies are in each other at the start and at the end of the last step [m] */
   double *u; /* u_cap rows' velocities at its end */
@@ -41,11 +50,25 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
                      base_error *err);
 /* One step of h [s] into the record; *taken = false: it could not be taken, and the status says why. */
 base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err);
+/* Between two steps: the bodies go on from where they are with these effects. BASE_EUNSUPPORTED where the formulation has no
+ * memory to hand over (formulation.memory). */
+base_status sim_change_effects(sim *s, unsigned effects, base_error *err);
+/* Between two steps: another formulation and solver, which outlive the run, go on with what the last one remembers of its contacts. A
+ * formulation without memory begins as in a first step, and leaves nothing behind. */
+base_status sim_change_combination(sim *s, const formulation_choice *form,
+                                   const solver_choice *solver, base_error *err);
+/* Either of them where the plans of the request ask for it before the next step. */
+base_status sim_follow_plans(sim *s, base_error *err);
+/* Does the formulation take the world as it is now? Otherwise the run's status says so. */
+void sim_ask_admission(sim *s);
 void sim_finish(sim *s, series *record);
 void sim_close(sim *s);
 
 /* Has the run come to a state after which nothing further is physics? */
 bool sim_hopeless(const sim *s);
+
+/* No answer of this step exists. */
+void sim_refuse(sim *s, run_status word, const char *text);
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text);

@@ -35,6 +35,8 @@ static run_status word_of_claim(lcp_outcome o) {
     return RUN_OK;
   case LCP_MAX_ITER:
     return RUN_MAX_ITER;
+  case LCP_BUDGET:
+    return RUN_BUDGET;
   case LCP_TIME_LIMIT:
     return RUN_TIME_LIMIT;
   case LCP_STALLED:

@@ -12,6 +12,7 @@
   X(RUN_OK, "ok")                   /* claimed and verified */                                     \
   X(RUN_NEAR, "near")               /* missed the verification tolerance by less than ten times */ \
   X(RUN_STALLED, "stalled")         /* gave up without progress */                                 \
+  X(RUN_BUDGET, "budget")           /* not solved: the sweeps asked for are done */                \
   X(RUN_MAX_ITER, "max_iter")       /* iteration limit */                                          \
   X(RUN_TIME_LIMIT, "time_limit")   /* the solver's own time limit */                              \
   X(RUN_RAY, "ray")                 /* ended on a ray that proves nothing */                       \

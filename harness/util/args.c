@@ -42,6 +42,22 @@ bool args_bytes(const char *text, double *bytes) {
   return scaled(text, "BKMG", factor, bytes);
 }
 
+/* With every verb; harness/cli/cli.c takes them away before it begins. */
+static const arg_option shared[] = {
+    {.name = "--plugin",
+     .kind = ARG_LIST,
+     .value = "FILE.so",
+     .help = "loads a solver of one's own, as LCPBENCH_PLUGINS does (files parted by colons)"},
+};
+
+int args_count(const arg_table *t) {
+  return t->n_option + BASE_COUNT(shared);
+}
+
+const arg_option *args_at(const arg_table *t, int i) {
+  return (i < t->n_option) ? &t->option[i] : &shared[i - t->n_option];
+}
+
 static void *member(const arg_option *o, void *options) {
   return (char *)options + o->offset;
 }
@@ -173,8 +189,8 @@ static base_status unknown_option(const arg_table *t, const char *text, size_t l
                                   base_error *err) {
   char hint[BASE_NEAREST_HINT];
   base_nearest near = base_nearest_to(text, len);
-  for (int i = 0; i < t->n_option; i++) {
-    base_nearest_offer(&near, t->option[i].name);
+  for (int i = 0; i < args_count(t); i++) {
+    base_nearest_offer(&near, args_at(t, i)->name);
   }
   return BASE_FAIL(err, BASE_EINVAL, "%.*s: unknown option%s", (int)len, text,
                    base_nearest_hint(&near, hint));

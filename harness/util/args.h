@@ -55,6 +55,11 @@ typedef struct arg_table {
   const char *positional_help; /* one sentence */
 } arg_table;
 
+/* The options of a verb: those of its table, then those that every verb has and that are taken before it begins
+ * (--plugin). Help, manual page, completion and hints go over these. */
+int args_count(const arg_table *t);
+const arg_option *args_at(const arg_table *t, int i); /* 0 <= i < args_count(t) */
+
 /* Fills the options (a struct of the type the table was made for, with the defaults in it) and up to
  * max_positional positional arguments (views into argv). Behind a -- all are positional. BASE_EINVAL names the
  * culprit, and the option that it was probably meant for; also where a number is out of its range, where a needed

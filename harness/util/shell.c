@@ -101,3 +101,28 @@ int shell_split(char *text, char **word, int cap) {
   word[n] = NULL;
   return n;
 }
+
+static size_t left(const shell_line *l) {
+  return (l->used < l->cap) ? l->cap - l->used : 0;
+}
+
+static char *end_of(const shell_line *l) {
+  return (left(l) > 0) ? l->buf + l->used : NULL;
+}
+
+void shell_put(shell_line *l, const char *text) {
+  l->used += (size_t)snprintf(end_of(l), left(l), "%s", text);
+}
+
+void shell_put_word(shell_line *l, const char *word) {
+  l->used += shell_quote(word, end_of(l), left(l));
+}
+
+void shell_put_option(shell_line *l, const char *name, const char *value) {
+  if (value != NULL && value[0] != '\0') {
+    shell_put(l, " --");
+    shell_put(l, name);
+    shell_put(l, " ");
+    shell_put_word(l, value);
+  }
+}

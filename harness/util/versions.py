@@ -33,6 +33,7 @@ SHARED = (
     "problems",
     "harness/choice",
     "harness/measure",
+    "harness/sequence",
     "harness/control",
     "harness/cell",
 )

@@ -1,0 +1,51 @@
+/* harness/control/effects_watch.h - `--effects auto:E`: simulates only the effects that the run calls for.
+ *
+ * The run begins without friction, restitution, rolling, torsion, rotation and the third dimension, as far as the scene
+ * declares them and no velocity at the start needs them; in the plane with rotation, which has no row there, while two feet of a body that cannot turn
+ * are one too many. Every step without an effect tells how much that effect could have changed in it
+ * (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From these follows how far the motion may be off:
+ *
+ *   s <- (s + ds) exp(r h)              velocity [m/s]
+ *   x <- (x + h s) exp(r h)             place [m]
+ *   at the end:  s exp(r (T - t)),  (x + s (T - t)) exp(r (T - t))
+ *
+ * of changes that are more than what a verified answer may be off by, and more than would add up to a tenth of E over the run,
+ * with r = sqrt(g / size), the rate at which a body of the smallest size falls over. They count against the largest speed so far
+ * (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. An effect comes in where
+ *
+ *   - what was left out would have the end off by more than E, or
+ *   - contacts begin or cease to carry while something left out has acted: what an impact makes of a deviation is unknown.
+ *
+ * Then the run goes back to the last step up to which nothing left out had acted, and goes on from there with the effects that
+ * had most. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. Nothing is guessed from
+ * a part of the run, and nothing is watched once everything is in. An effect that came in stays.
+ *
+ * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
+ * step by themselves, and generalised coordinates, have everything in. */
+#pragma once
+
+#include "harness/measure/effects_plan.h"
+#include "harness/measure/simulate.h"
+
+typedef struct watch_result {
+  double level;       /* E [1] */
+  unsigned watched;   /* EFFECT_ bits that the run began without */
+  effects_plan plan;  /* what was simulated when */
+  double bound;       /* of what was left out to the end, over its scale [1] */
+  double size, speed; /* the scales [m], [m/s] */
+  long repeated;      /* steps that were taken again */
+} watch_result;
+
+/* "auto:E": true, and the level. BASE_EINVAL: auto without a number E above 0. */
+base_status watch_parse(const char *text, bool *is, double *level, base_error *err);
+
+/* Is the text one that --effects takes: auto:E, or a plan? */
+base_status watch_check(const char *text, base_error *err);
+
+/* As simulate() with q->effects, less what proves to be unneeded. The request must not ask for files: what was taken back
+ * would be in them. q->plan is not read. */
+base_status watch_run(const sim_request *q, double level, series *record, sim_result *out,
+                      watch_result *result, base_error *err);
+
+/* "-friction at 12 (0.12 s), rotation left out": one line of what was done. */
+void watch_print(const watch_result *r, unsigned declared, char text[EFFECTS_TEXT]);

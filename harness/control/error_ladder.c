@@ -1,0 +1,45 @@
+#include "harness/control/error_ladder.h"
+
+#include <math.h>
+
+/* Of each kind of steps: the longest of the first run over its duration, its tolerance over E, and the least ratio of two tolerances,
+ * which is the only one of own steps: their error is of no known order. The number of extrapolated steps grows with the root of what is
+ * asked, so they begin coarse; their least ratio is no power of 4, for steps halved on the way to the same time would be the same in
+ * two runs, and what happens unseen inside one of them as well. */
+static const struct {
+  double longest, tolerance, least;
+} first[] = {{1.0 / 8.0, 256.0, 2.0}, {1.0 / 8.0, 256.0, 2.0}, {1.0 / 2.0, 16.0, 5.0}};
+static const double most_ratio = 64.0;
+/* Parts of the first extrapolated run. */
+static const double first_parts = 4.0;
+
+void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
+                        double bears) {
+  const double longest = first[steps].longest * q->duration;
+  const bool own = steps == ERROR_OWN;
+  const bool extrapolate = steps == ERROR_EXTRAPOLATED;
+  *l = (error_ladder){.steps = steps, .parts = extrapolate ? first_parts : 1.0, .ratio = 1.0};
+  l->rule = (step_rule){.least = 1e-9 * q->duration,
+                        .most = own ? longest : fmin(longest, bears),
+                        .tolerance = first[steps].tolerance * length,
+                        .extrapolate = extrapolate};
+  l->rule.first = (steps == ERROR_PLAIN) ? fmin(q->h, l->rule.most) : l->rule.most;
+}
+
+void error_ladder_finer(error_ladder *l, double over, double length, double parts) {
+  const double least = first[l->steps].least;
+  step_rule *rule = &l->rule;
+  l->ratio = (l->steps == ERROR_OWN) ? least : fmin(fmax(over, least), most_ratio);
+  rule->tolerance /= l->ratio;
+  if (rule->extrapolate) {
+    rule->tolerance = fmax(rule->tolerance, ERROR_EXACT * length);
+    l->parts = fmin(l->parts * sqrt(l->ratio), parts);
+  }
+  /* or two runs that take the longest steps would be one */
+  rule->most /= error_ladder_gain(l, !rule->extrapolate);
+  rule->first = fmin(rule->first, rule->most);
+}
+
+double error_ladder_gain(const error_ladder *l, bool second) {
+  return (l->steps != ERROR_EXTRAPOLATED || second) ? l->ratio : sqrt(l->ratio);
+}

@@ -1,0 +1,261 @@
+#include "harness/control/error_quantity.h"
+
+#include "harness/measure/check_eval.h"
+#include "harness/measure/predictions.h"
+#include "lcp/base/fields.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- what was asked -------------------------------------------------------------------------- */
+
+base_status error_parse(const char *text, error_asked *out, base_error *err) {
+  static const char *const units[] = {"", "%", "m", "m/s", "rad", "rad/s", "J", "N s", "N m s"};
+  char number[64];
+  size_t n = strlen(text);
+  /* the unit is what stands behind the last digit or point */
+  while (n > 0 && !isdigit((unsigned char)text[n - 1]) && text[n - 1] != '.') {
+    n--;
+  }
+  const char *unit = text + n + strspn(text + n, " ");
+  bool known = false;
+  for (int i = 0; i < BASE_COUNT(units); i++) {
+    known = known || strcmp(unit, units[i]) == 0;
+  }
+  *out = (error_asked){.limit = ERROR_LIMIT};
+  (void)snprintf(number, sizeof number, "%.*s", (int)n, text);
+  if (n >= sizeof number || !known || !base_parse_real(number, &out->E) || !(out->E > 0.0)) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--error %.60s: need a number above 0, alone, with %% or with a unit (m m/s "
+                     "rad rad/s J)",
+                     text);
+  }
+  if (strcmp(unit, "%") == 0) {
+    out->E *= 0.01;
+  } else {
+    (void)snprintf(out->unit, sizeof out->unit, "%s", unit);
+  }
+  return BASE_OK;
+}
+
+static const char all_places[] = "places of all bodies at the end";
+
+/* ---- quantities of a run --------------------------------------------------------------------- */
+
+void error_made_close(error_made *m) {
+  series_close(&m->record);
+  step_list_close(&m->kept);
+  run_places_close(&m->places);
+  *m = (error_made){0};
+}
+
+static bool holds_for(const error_asked *a, const char *unit) {
+  return a->unit[0] == '\0' || strcmp(a->unit, unit) == 0;
+}
+
+/* Does this check look at a state that any step can come near to? */
+static bool of_state(const spec_check *c, double duration) {
+  const double last = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? fmax(c->t, c->t1) : c->t;
+  return (c->kind == CHECK_STATE || c->kind == CHECK_WINDOW_MAX || c->kind == CHECK_WINDOW_MIN ||
+          c->kind == CHECK_MAX_DRIFT) &&
+         last <= duration * (1.0 + 1e-9);
+}
+
+static double column_range(const series *s, int column) {
+  double most = 0.0;
+  for (int k = 0; k < s->n_row; k++) {
+    most = fmax(most, fabs(s->column[column][k] - s->column[column][0]));
+  }
+  return most;
+}
+
+static double column_most(const series *s, int column) {
+  double most = 0.0;
+  for (int k = 0; k < s->n_row; k++) {
+    most = fmax(most, fabs(s->column[column][k]));
+  }
+  return most;
+}
+
+/* Scale of a unit, from the record of a run. */
+static double scale_of(const error_made *m, const char *unit) {
+  const series *s = &m->record;
+  const run_places *p = &m->places;
+  const double end = s->column[SERIES_TIME][s->n_row - 1];
+  double most = 0.0;
+  const bool way = strcmp(unit, "m") == 0;
+  if (strcmp(unit, "rad") == 0) {
+    return 1.0;
+  }
+  for (int i = 0; i < s->n_var; i++) {
+    if (strcmp(world_observe_unit(s->var[i].var), unit) == 0) {
+      const int c = s->var[i].column;
+      most = fmax(most, way ? column_range(s, c) : column_most(s, c));
+    }
+  }
+  if (way) {
+    most = fmax(most, fmax(p->travel, p->size));
+  } else if (strcmp(unit, "m/s") == 0) {
+    most = fmax(fmax(most, column_most(s, SERIES_SPEED)), fmax(p->travel, p->size) / end);
+  } else if (strcmp(unit, "rad/s") == 0) {
+    most = fmax(most, 1.0 / end);
+  }
+  return (most > 0.0) ? most : 1.0;
+}
+
+static void add(error_made *m, const error_asked *asked, const char *name, const char *unit,
+                double value) {
+  if (m->n_quantity == ERROR_QUANTITIES || !holds_for(asked, unit)) {
+    return;
+  }
+  error_quantity *e = &m->quantity[m->n_quantity++];
+  (void)snprintf(e->name, sizeof e->name, "%s", name);
+  e->unit = unit;
+  e->value = value;
+  e->scale = scale_of(m, unit);
+  e->estimate = HUGE_VAL;
+}
+
+/* The checks of one state at one time ask once, however many formulations they are made for. */
+static bool named(const error_made *m, const char *name) {
+  for (int i = 0; i < m->n_quantity; i++) {
+    if (strcmp(m->quantity[i].name, name) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Is it known between two states from how far accelerated motion goes from its chord? Speeds keep to it. */
+static bool of_bodies(const char *unit) {
+  return strcmp(unit, "m") == 0 || strcmp(unit, "m/s") == 0;
+}
+
+static void read_checks(const sim_request *q, const error_asked *asked, error_made *m) {
+  const check_context ctx = prediction_context(q, &m->record, &m->out);
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    check_result got;
+    char label[80];
+    char name[112];
+    if (!of_state(c, q->duration)) {
+      continue;
+    }
+    check_evaluate(c, &ctx, &got);
+    check_label(c, label, sizeof label);
+    if (c->kind == CHECK_STATE) {
+      (void)snprintf(name, sizeof name, "%s at %.4g s", label, c->t);
+    } else {
+      (void)snprintf(name, sizeof name, "%s from %.4g s", label, c->t0);
+    }
+    if (got.known && !named(m, name)) {
+      add(m, asked, name, world_observe_unit(c->var), got.got);
+      const bool state = c->kind == CHECK_STATE;
+      m->at_stops = m->at_stops && (state || of_bodies(world_observe_unit(c->var)));
+      m->between = m->between || !state;
+    }
+  }
+}
+
+void error_made_read(const sim_request *q, const error_asked *asked, error_made *m) {
+  m->at_stops = true;
+  read_checks(q, asked, m);
+  for (int i = 0; i < q->spec->n_observe; i++) {
+    spec_check c = {0};
+    double value;
+    char name[112];
+    memcpy(c.var, q->spec->observe[i], sizeof c.var);
+    const series_var *v = series_find_var(&m->record, &c);
+    (void)snprintf(name, sizeof name, "%s at the end", c.var);
+    if (v != NULL && series_at(&m->record, v->column, q->duration, &value) && !named(m, name)) {
+      add(m, asked, name, world_observe_unit(c.var), value);
+    }
+  }
+  if (m->n_quantity == 0) {
+    add(m, asked, all_places, "m", m->places.travel);
+  }
+}
+
+/* A law of the whole motion, that some formulations keep to rounding? */
+static bool of_law(spec_check_kind k) {
+  return k == CHECK_ENERGY_GROWTH_REL || k == CHECK_ENERGY_DRIFT_REL ||
+         k == CHECK_ANGULAR_MOMENTUM_DRIFT_REL;
+}
+
+bool error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap) {
+  const check_context ctx = prediction_context(q, &m->record, &m->out);
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    check_result got;
+    if (!of_law(c->kind) || !prediction_applies(q, i)) {
+      continue;
+    }
+    check_evaluate(c, &ctx, &got);
+    if (!got.ok) {
+      check_label(c, name, cap);
+      return true;
+    }
+  }
+  return false;
+}
+
+double error_made_difference(const error_made *a, const error_made *b, int i) {
+  if (strcmp(a->quantity[i].name, all_places) != 0) {
+    return fabs(a->quantity[i].value - b->quantity[i].value);
+  }
+  double most = 0.0;
+  for (int k = 0; k < 3 * a->places.n; k++) {
+    most = fmax(most, fabs(a->places.end[k] - b->places.end[k]));
+  }
+  return most;
+}
+
+/* ---- times that checks look at --------------------------------------------------------------- */
+
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a;
+  const double y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Appends those of (0, end). */
+static int put_stop(double *stop, int n, double at, double end) {
+  if (at > 1e-9 * end && at < end * (1.0 - 1e-9)) {
+    stop[n++] = at;
+  }
+  return n;
+}
+
+base_status error_stops(const sim_request *q, int parts, double **stop, int *n_stop,
+                        base_error *err) {
+  const double end = q->duration;
+  const size_t most = (size_t)q->spec->n_check * ((size_t)parts + 3) + 1;
+  double *at = realloc(*stop, most * sizeof *at);
+  if (at == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
+  }
+  *stop = at;
+  int n = 0;
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    n = put_stop(at, n, c->t, end);
+    n = put_stop(at, n, c->t0, end);
+    n = put_stop(at, n, c->t1, end);
+    const double span =
+        (of_state(c, end) && c->kind != CHECK_STATE) ? fmin(c->t1, end) - c->t0 : 0.0;
+    for (int k = 1; span > 0.0 && k < parts; k++) {
+      n = put_stop(at, n, c->t0 + span * k / parts, end);
+    }
+  }
+  qsort(at, (size_t)n, sizeof *at, ascending);
+  int kept = 0;
+  for (int i = 0; i < n; i++) {
+    if (kept == 0 || at[i] > at[kept - 1] + 1e-9 * end) {
+      at[kept++] = at[i];
+    }
+  }
+  at[kept++] = end;
+  *n_stop = kept;
+  return BASE_OK;
+}

@@ -1,0 +1,57 @@
+/* harness/control/error_quantity.h - what `--error E` asks for, and what it looks at in a run.
+ *
+ * The quantities: whatever the scene's checks of state look at, as they look at it, and what it observes at the end; where
+ * that is nothing, or nothing of the unit asked for, the places of all bodies at the end. E is absolute, with the
+ * unit of the quantities it holds for ("1e-3m", "0.01rad"), or relative to the scale of each quantity's unit:
+ *
+ *   m      the longest way that a body's centre, or one of the quantities, is from where it began; at least the size
+ *          of the smallest body
+ *   m/s    the largest speed of a body; at least that of the length above in the time of the run
+ *   rad    1
+ *   rad/s  the largest value of the quantities of this unit; at least 1 rad in the time of the run
+ *   else   the largest value of the quantities of this unit, in the run */
+#pragma once
+
+#include "harness/control/step_control.h"
+
+enum { ERROR_QUANTITIES = 64, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
+
+typedef struct error_asked {
+  double E;              /* in `unit`, or [1] */
+  char unit[ERROR_UNIT]; /* "": relative */
+  long limit;            /* of steps solved by all runs, trials included */
+} error_asked;
+
+typedef struct error_quantity {
+  char name[112];
+  const char *unit;
+  double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
+} error_quantity;
+
+/* A run and what was read from it. */
+typedef struct error_made {
+  series record;
+  sim_result out;
+  step_list kept;
+  run_places places;
+  bool at_stops; /* all quantities are of states that steps end at, or of lengths and speeds */
+  bool between;  /* some are of what these do between states */
+  int n_quantity;
+  error_quantity quantity[ERROR_QUANTITIES];
+} error_made;
+
+/* "1e-3m", "2 %", "1%", "0.01". BASE_EINVAL: no number above 0, or no unit that the program knows. */
+base_status error_parse(const char *text, error_asked *out, base_error *err);
+
+/* Reads the quantities that E holds for from the run that was made. */
+void error_made_read(const sim_request *q, const error_asked *asked, error_made *m);
+/* Does the run miss a prediction of the scene that its energy or angular momentum is kept? `name` is the first one then. */
+bool error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap);
+/* Of quantity i between two runs, in its unit. */
+double error_made_difference(const error_made *a, const error_made *b, int i);
+void error_made_close(error_made *m);
+
+/* Times that checks look at, ascending, the last is the end [s]: a value between two rows would be a chord's. A check that looks
+ * at all states of a time is given `parts` of it. *stop is grown; free it. */
+base_status error_stops(const sim_request *q, int parts, double **stop, int *n_stop,
+                        base_error *err);

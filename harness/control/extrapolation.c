@@ -1,0 +1,80 @@
+#include "harness/control/extrapolation.h"
+
+#include "harness/measure/trajectory.h"
+
+#include <stdlib.h>
+
+base_status step_pair_open(step_pair *p, const sim *s, base_error *err) {
+  const size_t n = world_saved_size(s->w);
+  *p = (step_pair){0};
+  BASE_TRY(checkpoint_open(&p->start, s, err));
+  p->coarse.state = malloc(2 * n * sizeof *p->coarse.state);
+  if (p->coarse.state == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare steps");
+  }
+  p->fine.state = p->coarse.state + n;
+  return BASE_OK;
+}
+
+void step_pair_close(step_pair *p) {
+  checkpoint_close(&p->start);
+  free(p->coarse.state);
+  *p = (step_pair){0};
+}
+
+/* `n` steps of h from where the run stands, the last one for the files of `last`. */
+static base_status go(step_pair *p, sim *s, series *record, const sim_request *last, double h,
+                      int n, step_end *end, base_error *err) {
+  const run_status before = s->out->status;
+  double start = 0.0;
+  *end = (step_end){.state = end->state, .good = true};
+  for (int i = 0; i < n && end->good; i++) {
+    bool taken;
+    s->q = (i == n - 1) ? last : &p->quiet;
+    BASE_TRY(sim_step(s, record, h, &taken, err));
+    p->solved++;
+    end->good = taken && s->out->status == before;
+    end->carrying = s->carrying;
+    end->event = end->event || s->carrying != p->carrying;
+    start = (i == 0) ? s->depth[0] : start;
+    end->sunk = fmax(0.0, s->depth[1] - start);
+  }
+  world_save(s->w, end->state);
+  return BASE_OK;
+}
+
+static base_status try_both(step_pair *p, sim *s, series *record, const sim_request *q, double h,
+                            base_error *err) {
+  BASE_TRY(checkpoint_take(&p->start, s, record, err));
+  BASE_TRY(go(p, s, record, &p->quiet, h, 1, &p->coarse, err));
+  BASE_TRY(checkpoint_return(&p->start, s, record, err));
+  p->quiet.dump = q->dump;
+  return go(p, s, record, q, 0.5 * h, 2, &p->fine, err);
+}
+
+base_status step_pair_try(step_pair *p, sim *s, series *record, uint64_t carrying, double h,
+                          base_error *err) {
+  const sim_request *q = s->q;
+  p->quiet = *q;
+  p->quiet.trajectory = NULL;
+  p->quiet.dump = NULL;
+  p->carrying = carrying;
+  s->part = true;
+  const base_status done = try_both(p, s, record, q, h, err);
+  s->q = q;
+  s->part = false;
+  return done;
+}
+
+base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err) {
+  return checkpoint_return(&p->start, s, record, err);
+}
+
+base_status step_pair_extrapolate(const step_pair *p, sim *s, series *record, base_error *err) {
+  const double stored =
+      record->column[SERIES_ENERGY][record->n_row - 1] - world_energy(s->w); /* in springs [J] */
+  world_extrapolate(s->w, p->coarse.state, p->fine.state);
+  s->out->steps--;
+  BASE_TRY(series_join(record, s->w, stored, err));
+  return trajectory_row(s->q->trajectory, s->w, err);
+}

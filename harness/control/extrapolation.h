@@ -1,0 +1,36 @@
+/* harness/control/extrapolation.h - one step of h and two of h/2 from the same state, and where both together say that the
+ * motion goes: 2 fine - coarse in places, turns and velocities (Richardson 1911), of second order where the
+ * motion is smooth, exact for a constant acceleration. Contact memory is that of the two. */
+#pragma once
+
+#include "harness/control/checkpoint.h"
+
+/* One way over a step. */
+typedef struct step_end {
+  double *state;     /* where it ends: world_save */
+  uint64_t carrying; /* the contacts that carried last */
+  bool event;        /* others than before the step carried on the way */
+  double sunk;       /* how much deeper than at its start bodies are in each other at its end [m] */
+  bool good;         /* nothing failed */
+} step_end;
+
+typedef struct step_pair {
+  checkpoint start;
+  step_end coarse, fine;
+  uint64_t carrying; /* of the step before the try */
+  long solved;       /* steps taken in all tries */
+  sim_request quiet; /* the run's without the files of its steps */
+} step_pair;
+
+/* BASE_ENOMEM. Whatever is returned, step_pair_close gives back what was opened. */
+base_status step_pair_open(step_pair *p, const sim *s, base_error *err);
+void step_pair_close(step_pair *p);
+
+/* Both ways over h [s]; the run stands at the end of the fine one, `start` is where it stood. `carrying`: of the step
+ * before. Dumps are of the fine way, rows of the trajectory of the contacts in its second half. */
+base_status step_pair_try(step_pair *p, sim *s, series *record, uint64_t carrying, double h,
+                          base_error *err);
+/* Back to where the run stood before the last try. */
+base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err);
+/* From the end of the fine way to the extrapolated state: the two rows become one, the two steps count as one. */
+base_status step_pair_extrapolate(const step_pair *p, sim *s, series *record, base_error *err);

@@ -1,0 +1,126 @@
+#include "harness/control/step_list.h"
+
+#include "harness/control/extrapolation.h"
+#include "lcp/base/fields.h"
+#include "lcp/base/output.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const char word[] = " extrapolated"; /* behind the length in a file */
+
+base_status step_list_append(step_list *l, double h, bool extrapolated, base_error *err) {
+  if (l->n == l->cap) {
+    const long cap = 2 * l->cap + 64;
+    double *grown = realloc(l->h, (size_t)cap * sizeof *grown);
+    l->h = (grown != NULL) ? grown : l->h;
+    bool *marks = realloc(l->extrapolated, (size_t)cap * sizeof *marks);
+    l->extrapolated = (marks != NULL) ? marks : l->extrapolated;
+    if (grown == NULL || marks == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for %ld steps", cap);
+    }
+    l->cap = cap;
+  }
+  l->h[l->n] = h;
+  l->extrapolated[l->n++] = extrapolated;
+  l->n_extrapolated += extrapolated;
+  return BASE_OK;
+}
+
+static base_status read_lines(step_list *l, FILE *from, const char *path, base_error *err) {
+  char line[80];
+  for (long at = 1; fgets(line, sizeof line, from) != NULL; at++) {
+    double h;
+    line[strcspn(line, "\n")] = '\0';
+    const size_t n = strlen(line);
+    const bool marked = n > strlen(word) && strcmp(line + n - strlen(word), word) == 0;
+    line[marked ? n - strlen(word) : n] = '\0';
+    if (!base_parse_real(line, &h) || !(h > 0.0)) {
+      return BASE_FAIL(err, BASE_EINVAL, "%.200s, line %ld: need a step above 0 [s]", path, at);
+    }
+    BASE_TRY(step_list_append(l, h, marked, err));
+  }
+  return BASE_OK;
+}
+
+base_status step_list_read(step_list *l, const char *path, double duration, base_error *err) {
+  *l = (step_list){0};
+  FILE *from = fopen(path, "r");
+  if (from == NULL) {
+    return BASE_FAIL(err, BASE_EIO, "%.200s: cannot be read", path);
+  }
+  const base_status done = read_lines(l, from, path, err);
+  (void)fclose(from);
+  BASE_TRY(done);
+  double sum = 0.0;
+  for (long i = 0; i < l->n; i++) {
+    sum += l->h[i];
+  }
+  if (!(fabs(sum - duration) <= 1e-6 * duration)) {
+    return BASE_FAIL(err, BASE_EINVAL, "%.200s: its steps cover %g s of a run of %g s", path, sum,
+                     duration);
+  }
+  return BASE_OK;
+}
+
+base_status step_list_write(const step_list *l, const char *path, base_error *err) {
+  base_out file;
+  BASE_TRY(base_out_open(&file, path, err));
+  for (long i = 0; i < l->n; i++) {
+    (void)fprintf(file.to, "%.17g%s\n", l->h[i], l->extrapolated[i] ? word : "");
+  }
+  return base_out_finish(&file, BASE_OK, err);
+}
+
+void step_list_close(step_list *l) {
+  free(l->h);
+  free(l->extrapolated);
+  *l = (step_list){0};
+}
+
+/* ---- repeating ------------------------------------------------------------------------------- */
+
+static base_status repeat(sim *s, const step_list *l, series *record, base_error *err) {
+  step_pair pair;
+  base_status done = step_pair_open(&pair, s, err);
+  bool taken = true;
+  for (long i = 0; done == BASE_OK && taken && i < l->n && !sim_hopeless(s); i++) {
+    if (!l->extrapolated[i]) {
+      done = sim_step(s, record, l->h[i], &taken, err);
+      continue;
+    }
+    done = step_pair_try(&pair, s, record, s->carrying, l->h[i], err);
+    taken = pair.coarse.good && pair.fine.good;
+    if (done == BASE_OK && taken) {
+      done = step_pair_extrapolate(&pair, s, record, err);
+    }
+  }
+  step_pair_close(&pair);
+  return done;
+}
+
+base_status step_list_run(const sim_request *q, const step_list *l, series *record, sim_result *out,
+                          base_error *err) {
+  if (l->n_extrapolated == 0) {
+    return simulate(q, record, out, err);
+  }
+  if (q->form->form->memory == 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "extrapolated steps: %s cannot come back to an earlier step",
+                     q->form->form->name);
+  }
+  if (q->plan != NULL || q->combinations != NULL || q->store != NULL || q->replay != NULL) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED,
+                     "extrapolated steps: with one set of effects, one formulation and one solver");
+  }
+  sim s;
+  base_status done = sim_open(&s, q, record, out, err);
+  if (done == BASE_OK) {
+    done = repeat(&s, l, record, err);
+  }
+  if (done == BASE_OK) {
+    sim_finish(&s, record);
+  }
+  sim_close(&s);
+  return done;
+}

@@ -1,0 +1,23 @@
+/* harness/control/step_list.h - the lengths of the steps of a run, and how each is taken. */
+#pragma once
+
+#include "harness/measure/simulate.h"
+
+typedef struct step_list {
+  double *h;          /* [s]; owned */
+  bool *extrapolated; /* owned; true: one step of h and two of h/2 (extrapolation.h) */
+  long n, cap, n_extrapolated;
+} step_list;
+
+base_status step_list_append(step_list *l, double h, bool extrapolated, base_error *err);
+
+/* Of a file: one length a line [s], with the word `extrapolated` behind it where it is; BASE_EINVAL names the line. The sum
+ * must be the duration up to SIM_LAST_STEP. */
+base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
+base_status step_list_write(const step_list *l, const char *path, base_error *err);
+void step_list_close(step_list *l);
+
+/* As simulate() with these steps, which are those of the request. BASE_EUNSUPPORTED: extrapolated ones with a plan of effects, or
+ * with answers stored or replayed. */
+base_status step_list_run(const sim_request *q, const step_list *l, series *record, sim_result *out,
+                          base_error *err);

@@ -1,0 +1,99 @@
+/* Between two steps of a run: other effects, or another formulation and solver, from where it is. */
+#include "harness/measure/simulate_state.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+void sim_ask_admission(sim *s) {
+  base_error refusal = {0};
+  if (formulation_admits(s->q->form->form, s->w, &refusal) != BASE_OK) {
+    sim_refuse(s, RUN_UNSUPPORTED, refusal.text);
+  }
+}
+
+/* The formulation of the request begins anew. */
+static base_status open_formulation(sim *s, base_error *err) {
+  const sim_request *q = s->q;
+  formulation_close(s->form);
+  s->form = NULL;
+  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
+  formulation_by_factors(s->form, q->solver->solver->by_factors);
+  return BASE_OK;
+}
+
+/* What has the shape of the rows begins anew. */
+static base_status replace_world(sim *s, world *next, double *state, contact_past *past,
+                                 base_error *err) {
+  world_save(s->w, state);
+  world_load(next, state);
+  BASE_TRY(formulation_keep(s->form, past, err));
+  BASE_TRY(open_formulation(s, err));
+  BASE_TRY(formulation_recall(s->form, past, err));
+  lcp_instance_close(s->instance);
+  lcp_share_close(s->share);
+  s->instance = NULL;
+  s->share = NULL;
+  return BASE_OK;
+}
+
+base_status sim_change_effects(sim *s, unsigned effects, base_error *err) {
+  world *next;
+  contact_past past = {0};
+  BASE_TRY(world_open(&next, s->q->spec, effects, err));
+  double *state = malloc(world_saved_size(s->w) * sizeof *state);
+  base_status done = (state != NULL) ? replace_world(s, next, state, &past, err)
+                                     : BASE_FAIL(err, BASE_ENOMEM, "no memory for a state");
+  free(state);
+  contact_memory_drop(&past);
+  world_close((done == BASE_OK) ? s->w : next);
+  if (done == BASE_OK) {
+    s->w = next;
+    s->effects = effects;
+    s->out->n_dof = (world_n_dof(next) > s->out->n_dof) ? world_n_dof(next) : s->out->n_dof;
+    sim_ask_admission(s);
+  }
+  return done;
+}
+
+static bool same_solver(const solver_choice *a, const solver_choice *b) {
+  return a->solver == b->solver && strcmp(a->config, b->config) == 0;
+}
+
+base_status sim_change_combination(sim *s, const formulation_choice *form,
+                                   const solver_choice *solver, base_error *err) {
+  const formulation *last = s->q->form->form;
+  if (last->memory != 0) {
+    BASE_TRY(formulation_keep(s->form, &s->past, err));
+    s->past_of = last;
+  } else {
+    contact_memory_settle(&s->past);
+  }
+  if (!same_solver(s->q->solver, solver)) {
+    lcp_instance_close(s->instance);
+    lcp_islands_close(s->islands);
+    s->instance = NULL;
+    s->islands = NULL;
+  }
+  s->changed = *s->q;
+  s->changed.form = form;
+  s->changed.solver = solver;
+  s->q = &s->changed;
+  s->iterates = (form->form->model & FORM_NO_LCP) == 0;
+  BASE_TRY(open_formulation(s, err));
+  BASE_TRY(formulation_take_over(s->form, s->past_of, &s->past, err));
+  sim_ask_admission(s);
+  return BASE_OK;
+}
+
+base_status sim_follow_plans(sim *s, base_error *err) {
+  const sim_request *q = s->q;
+  const long steps = s->out->steps;
+  if (q->combinations != NULL) {
+    const combination_span *c = combination_plan_at(q->combinations, steps);
+    if (&c->form != q->form) {
+      BASE_TRY(sim_change_combination(s, &c->form, &c->solver, err));
+    }
+  }
+  const unsigned effects = (q->plan != NULL) ? effects_plan_at(q->plan, steps) : s->effects;
+  return (effects != s->effects) ? sim_change_effects(s, effects, err) : BASE_OK;
+}
