@@ -92,6 +92,9 @@ static void judge(const samples *a, const samples *b, compare_pair *out) {
   out->n_a = count(a);
   out->n_b = count(b);
   const bool outside = fabs(log(out->ratio)) > out->floor;
+  if (out->word == COMPARE_DISTURBED) {
+    return;
+  }
   out->word = COMPARE_SAME;
   if (outside && out->hi < 1.0) {
     out->word = COMPARE_FASTER;
@@ -224,24 +227,71 @@ static const span *partner(const span *a, const side *b, bool by_solver) {
   return NULL;
 }
 
-static void compare_cells(const span *a, const span *b, const char *column,
-                          const doctor_floor *noise, samples x[2], compare_pair *out, int *n) {
-  collect(a, column, &x[0]);
-  collect(b, column, &x[1]);
-  if (count(&x[0]) > 1 && count(&x[1]) > 1) {
-    compare_pair *p = &out[(*n)++];
-    *p = (compare_pair){.a = a->first, .b = b->first};
-    p->floor = doctor_floor_of(noise, fmax(p->a->workspace_B, p->b->workspace_B));
-    judge(&x[0], &x[1], p);
+const char *compare_disturbed(const record *r, const char *column) {
+  const bool others =
+      isnan(r->load_other) ? r->load1 > 1.0 + COMPARE_OTHERS : r->load_other > COMPARE_OTHERS;
+  if (strcmp(column, "t_cpu_s") == 0) {
+    return (r->throttled == 1) ? "throttled" : NULL;
   }
+  return record_has_flag(r, "canary_drift") ? "canary_drift"
+         : (r->throttled == 1)              ? "throttled"
+         : others                           ? "other work"
+                                            : NULL;
+}
+
+static bool any_disturbed(const span *cell, const char *column) {
+  bool any = false;
+  for (int i = 0; i < cell->n && !any; i++) {
+    any = compare_disturbed(cell->row[i].r, column) != NULL;
+  }
+  return any;
+}
+
+/* |log ratio| of the canaries before the two cells: how far the machine itself moved between them. */
+static double drift(const span *a, const span *b) {
+  const double ratio = b->first->canary_s / a->first->canary_s;
+  return (ratio > 0.0 && isfinite(ratio)) ? fabs(log(ratio)) : 0.0;
+}
+
+static bool solved(const span *cell) {
+  bool all = true;
+  for (int i = 0; i < cell->n; i++) {
+    all = all && strcmp(cell->row[i].r->status, "ok") == 0;
+  }
+  return all;
+}
+
+/* Is there a ratio? Where one side failed there is none, and the pair counts as a failure of it. */
+static bool both_solved(const span *a, const span *b, const samples x[2], compare_failures *f) {
+  const bool a_solved = solved(a);
+  const bool b_solved = solved(b);
+  f->both += !a_solved && !b_solved;
+  f->a += !a_solved && b_solved;
+  f->b += a_solved && !b_solved;
+  const bool enough = count(&x[0]) > 1 && count(&x[1]) > 1;
+  f->few += a_solved && b_solved && !enough;
+  return a_solved && b_solved && enough;
+}
+
+static void compare_cells(const span *a, const span *b, const char *column,
+                          const doctor_floor *noise, samples x[2], compare_pair *p) {
+  const bool disturbed = any_disturbed(a, column) || any_disturbed(b, column);
+  *p = (compare_pair){.a = a->first,
+                      .b = b->first,
+                      .drift = drift(a, b),
+                      .word = disturbed ? COMPARE_DISTURBED : COMPARE_SAME};
+  p->floor = p->drift + doctor_floor_of(noise, fmax(p->a->workspace_B, p->b->workspace_B));
+  judge(&x[0], &x[1], p);
 }
 
 base_status compare_sides(const compare_side *a, const compare_side *b, const char *column,
-                          const doctor_floor *noise, compare_pair **out, int *n, base_error *err) {
+                          const doctor_floor *noise, compare_pair **out, int *n,
+                          compare_failures *failed, base_error *err) {
   const bool by_solver = a->solver == NULL && b->solver == NULL;
   side sa = {0};
   side sb = {0};
   *n = 0;
+  *failed = (compare_failures){0};
   *out = calloc((size_t)a->rows->n + 1, sizeof **out);
   samples *x = calloc(2, sizeof *x);
   base_status done = (*out != NULL && x != NULL)
@@ -256,7 +306,11 @@ base_status compare_sides(const compare_side *a, const compare_side *b, const ch
   for (int i = 0; done == BASE_OK && i < sa.n; i++) {
     const span *found = partner(&sa.cell[i], &sb, by_solver);
     if (found != NULL) {
-      compare_cells(&sa.cell[i], found, column, noise, x, *out, n);
+      collect(&sa.cell[i], column, &x[0]);
+      collect(found, column, &x[1]);
+      if (both_solved(&sa.cell[i], found, x, failed)) {
+        compare_cells(&sa.cell[i], found, column, noise, x, &(*out)[(*n)++]);
+      }
     }
   }
   side_close(&sa);

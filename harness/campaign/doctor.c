@@ -38,6 +38,7 @@ json_t *doctor_json(const noise_report *n) {
   json_out_text(o, "written_utc", when);
   json_out_text(o, "host", m.host);
   json_out_text(o, "cpu", m.cpu_model);
+  json_out_text(o, "host_class", m.host_class);
   json_out_int(o, "n_cpu", m.n_cpu);
   json_out_text(o, "governor", m.governor[0] != '\0' ? m.governor : NULL);
   json_out_real(o, "freq_MHz", machine_frequency(machine_last_cpu()));
@@ -72,8 +73,8 @@ base_status doctor_store(const json_t *o, const char *dir, base_error *err) {
 static bool is_ours(const json_t *o) {
   machine m;
   machine_read(&m);
-  const char *cpu = json_string_value(json_object_get(o, "cpu"));
-  return cpu != NULL && strcmp(cpu, m.cpu_model) == 0;
+  const char *class = json_string_value(json_object_get(o, "host_class"));
+  return class != NULL && strcmp(class, m.host_class) == 0;
 }
 
 base_status doctor_due(const char *dir, bool *due, base_error *err) {

@@ -1,6 +1,7 @@
 #include "harness/campaign/dry_run.h"
 
 #include "harness/campaign/doctor.h"
+#include "harness/campaign/outlook.h"
 #include "harness/util/folder.h"
 
 #include <math.h>
@@ -24,24 +25,15 @@ static base_status read_rows(const runner_options *o, record_table *rows, base_e
   return BASE_OK;
 }
 
-/* Seconds of a process of this cell in earlier rows; HUGE_VAL if none. */
-static double seen_seconds(const record_table *rows, const char *id) {
-  double sum = 0.0;
-  int processes = 0;
-  for (int i = 0; i < rows->n; i++) {
-    const record *r = &rows->row[i];
-    if (strcmp(r->cell_id, id) == 0 && r->t_total_s >= 0) {
-      sum += r->t_total_s * (double)r->n_inner;
-      processes += (r->rep == 0) ? 1 : 0;
-    }
-  }
-  return (processes > 0) ? sum / processes : HUGE_VAL;
+/* Rows of an earlier run, of any build: they tell how long cells take, and nothing of what is done. */
+static base_status read_earlier(const char *dir, record_table *rows, base_error *err) {
+  return (dir != NULL) ? runner_read_rows(dir, rows, err) : BASE_OK;
 }
 
-typedef struct outlook {
+typedef struct reckoning {
   int done, todo, unknown; /* processes; of unknown duration */
   double known, doctor;    /* [s] of the others, and of the noise floor */
-} outlook;
+} reckoning;
 
 static void print_cell(const plan *p, const cell *c, bool todo) {
   char command[1200];
@@ -67,19 +59,38 @@ static base_status print_cells(const plan *p, const bool *done, base_error *err)
   return BASE_OK;
 }
 
-static void add_unit(const plan *p, int u, bool done, const record_table *rows, outlook *sum) {
-  const cell *c = &p->cell[p->unit[u].cell];
-  if (done) {
-    sum->done++;
-    return;
+/* Each cell's duration is asked for once: seconds[n_cell], negative where it was not. */
+static void add_unit(const plan *p, int u, const outlook *earlier, double *seconds,
+                     reckoning *sum) {
+  const int k = p->unit[u].cell;
+  if (seconds[k] < 0.0) {
+    seconds[k] = outlook_seconds(earlier, p, &p->cell[k]);
   }
-  const double seconds = seen_seconds(rows, c->id);
   sum->todo++;
-  sum->known += (seconds < HUGE_VAL) ? seconds : 0.0;
-  sum->unknown += (seconds < HUGE_VAL) ? 0 : 1;
+  sum->known += (seconds[k] < HUGE_VAL) ? seconds[k] : 0.0;
+  sum->unknown += (seconds[k] < HUGE_VAL) ? 0 : 1;
 }
 
-static void print_outlook(const plan *p, const outlook *s) {
+static base_status reckon(const plan *p, const bool *done, const outlook *earlier, reckoning *sum,
+                          base_error *err) {
+  double *seconds = malloc(((size_t)p->n_cell + 1) * sizeof *seconds);
+  if (seconds == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d cells", p->n_cell);
+  }
+  for (int k = 0; k < p->n_cell; k++) {
+    seconds[k] = -1.0;
+  }
+  for (int u = 0; u < p->n_unit; u++) {
+    sum->done += done[u] ? 1 : 0;
+    if (!done[u]) {
+      add_unit(p, u, earlier, seconds, sum);
+    }
+  }
+  free(seconds);
+  return BASE_OK;
+}
+
+static void print_reckoning(const plan *p, const reckoning *s) {
   const campaign *c = p->campaign;
   const double usual = fmin(c->limits.time, c->sampling.budget);
   const double longest = c->limits.time + c->limits.grace;
@@ -90,26 +101,42 @@ static void print_outlook(const plan *p, const outlook *s) {
                s->known, s->unknown, usual, s->doctor, s->todo * longest + s->doctor);
 }
 
-base_status dry_run(const plan *p, const runner_options *o, base_error *err) {
-  record_table rows = {0};
-  outlook sum = {0};
-  bool due = true;
-  BASE_TRY(doctor_due(o->out, &due, err));
-  sum.doctor = due ? p->campaign->sampling.doctor : 0.0;
-  BASE_TRY(read_rows(o, &rows, err));
+static base_status print_plan(const plan *p, const record_table rows[2], double doctor,
+                              base_error *err) {
+  outlook earlier = {0};
+  reckoning sum = {.doctor = doctor};
   bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
-  base_status s = (done != NULL) ? runner_done(p, &rows, done, err)
+  base_status s = (done != NULL) ? runner_done(p, &rows[0], done, err)
                                  : BASE_FAIL(err, BASE_ENOMEM, "no memory for the plan");
   if (s == BASE_OK) {
     s = print_cells(p, done, err);
   }
-  for (int u = 0; s == BASE_OK && u < p->n_unit; u++) {
-    add_unit(p, u, done[u], &rows, &sum);
+  if (s == BASE_OK) {
+    s = outlook_open(&earlier, rows, 2, err);
   }
   if (s == BASE_OK) {
-    print_outlook(p, &sum);
+    s = reckon(p, done, &earlier, &sum, err);
   }
+  if (s == BASE_OK) {
+    print_reckoning(p, &sum);
+  }
+  outlook_close(&earlier);
   free(done);
-  record_table_free(&rows);
+  return s;
+}
+
+base_status dry_run(const plan *p, const runner_options *o, const char *like, base_error *err) {
+  record_table rows[2] = {{0}, {0}}; /* of DIR, and of an earlier run */
+  bool due = true;
+  BASE_TRY(doctor_due(o->out, &due, err));
+  base_status s = read_rows(o, &rows[0], err);
+  if (s == BASE_OK) {
+    s = read_earlier(like, &rows[1], err);
+  }
+  if (s == BASE_OK) {
+    s = print_plan(p, rows, due ? p->campaign->sampling.doctor : 0.0, err);
+  }
+  record_table_free(&rows[0]);
+  record_table_free(&rows[1]);
   return s;
 }

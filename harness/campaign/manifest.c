@@ -93,6 +93,7 @@ static json_t *machine_json(void) {
   machine_read(&m);
   json_out_text(o, "host", m.host);
   json_out_text(o, "cpu", m.cpu_model);
+  json_out_text(o, "host_class", m.host_class);
   json_out_int(o, "n_cpu", m.n_cpu);
   json_out_text(o, "kernel", m.kernel);
   double cost;

@@ -11,6 +11,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -85,10 +86,12 @@ static base_status attend(runner *r, int u, base_error *err) {
 
 static base_status run_units(runner *r, base_error *err) {
   measure_canary(r);
+  r->other = runner_busy_now();
   for (int u = 0; u < r->plan->n_unit && isolate_stop_requested() == 0; u++) {
     BASE_TRY(attend(r, u, err));
   }
   measure_canary(r);
+  runner_watch_others(&r->other, isnan(r->other.load) ? 0.05 : 0.5); /* of a short session */
   r->sum->interrupted = isolate_stop_requested() != 0;
   BASE_TRY(runner_close_rows(r, err));
   BASE_TRY(manifest_write(r->o->out, r->plan, r->o->filter, err));

@@ -91,7 +91,7 @@ static base_status count_known(const cell *known, int n_known, record_table *row
     cell key;
     (void)snprintf(key.id, sizeof key.id, "%.16s", rows->row[i].cell_id);
     if (strcmp(rows->row[i].base_hash, build_base()) == 0 &&
-        strcmp(rows->row[i].host_class, m.cpu_model) == 0 &&
+        strcmp(rows->row[i].host_class, m.host_class) == 0 &&
         bsearch(&key, known, (size_t)n_known, sizeof key, by_cell_id) != NULL) {
       rows->row[n++] = rows->row[i];
     }
@@ -129,7 +129,7 @@ base_status runner_count_cells(const plan *p, const char *dir, int by_status[RUN
 base_status runner_done(const plan *p, const record_table *rows, bool *done, base_error *err) {
   machine m;
   machine_read(&m);
-  return done_on(p, rows, m.cpu_model, done, err); /* times of another machine are not these */
+  return done_on(p, rows, m.host_class, done, err); /* times of another machine are not these */
 }
 
 base_status runner_left(const plan *p, const char *dir, int *left, base_error *err) {

@@ -4,6 +4,7 @@
 #include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/versions.h"
+#include "lcp/base/clock.h"
 #include "lcp/base/rng.h"
 
 #include <alloca.h>
@@ -72,17 +73,34 @@ static void add_context(runner *r, const isolate_end *end, const surroundings *s
     row->order = s->order;
     row->rss_peak_B = end->rss_peak;
     row->load1 = s->load;
+    row->load_other = r->other.load;
     row->throttled = (int8_t)((throttles < 0) ? -1 : throttles > s->throttles);
     row->suite_dirty = (int8_t)build_dirty();
     if (s->cpu >= 0) {
       (void)snprintf(row->cpu_set, sizeof row->cpu_set, "%d", s->cpu);
     }
     SET_TEXT(row->host, r->machine.host);
-    SET_TEXT(row->host_class, r->machine.cpu_model);
+    SET_TEXT(row->host_class, r->machine.host_class);
     SET_TEXT(row->suite_commit, build_commit());
     SET_TEXT(row->build_hash, build_hash());
     SET_TEXT(row->base_hash, build_base());
     machine_utc(row->started_utc, sizeof row->started_utc);
+  }
+}
+
+busy_watch runner_busy_now(void) {
+  return (busy_watch){base_seconds(), machine_busy(), machine_own(), (double)NAN};
+}
+
+/* CPUs that other processes kept busy since the last reading. Ticks are 10 ms long, so readings
+ * closer than half a second tell nothing: rows of short processes have that of the last half second. */
+void runner_watch_others(busy_watch *w, double least) {
+  const busy_watch now = runner_busy_now();
+  const double seconds = now.at - w->at;
+  if (seconds >= least) {
+    const double others = (now.busy - w->busy) - (now.own - w->own);
+    *w = now;
+    w->load = (others < 0.0) ? 0.0 : others / seconds;
   }
 }
 
@@ -98,6 +116,7 @@ base_status runner_measure(runner *r, int order, isolate_end *end, bool *whole, 
   r->unit_rows.n = 0;
   r->lost = false;
   BASE_TRY(isolate_run(&work, &limits, end, err));
+  runner_watch_others(&r->other, 0.5);
   *whole = end->how != ISOLATE_INTERRUPTED;
   if (!*whole) {
     return BASE_OK;

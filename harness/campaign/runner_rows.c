@@ -227,6 +227,19 @@ static bool flag_drift(const runner *r, record_table *t, double last) {
   return changed;
 }
 
+/* Rows written before the first reading of what others do have that reading. */
+static bool fill_others(const runner *r, record_table *t) {
+  double load = r->other.load;
+  bool changed = false;
+  for (int i = t->n; i-- > r->earlier;) {
+    record *row = &t->row[i];
+    changed = changed || (isnan(row->load_other) && !isnan(load));
+    row->load_other = isnan(row->load_other) ? load : row->load_other;
+    load = row->load_other;
+  }
+  return changed;
+}
+
 static bool iterative(const record *row) {
   const lcp_solver *s = registry_solver_find(row->solver);
   return s != NULL && !s->exact;
@@ -298,6 +311,7 @@ base_status runner_close_rows(runner *r, base_error *err) {
   }
   BASE_TRY(runner_read_rows(r->o->out, &t, err));
   bool changed = flag_drift(r, &t, r->canary);
+  changed = fill_others(r, &t) || changed;
   if (r->o->trace) {
     changed = name_traces(r, &t) || changed;
   }

@@ -13,6 +13,12 @@ typedef struct twin {
   char hash[24]; /* of its answers; "": not known */
 } twin;
 
+/* What other processes of the machine do, at the last reading. */
+typedef struct busy_watch {
+  double at, busy, own; /* clock, machine_busy, machine_own [s] */
+  double load;          /* CPUs busy with other work since the reading before [1] */
+} busy_watch;
+
 typedef struct runner {
   const plan *plan;
   const runner_options *o;
@@ -25,8 +31,9 @@ typedef struct runner {
   bool *ended; /* per cell: failed, no further processes */
   progress progress;
   double canary, canary_at; /* [s] */
-  record_table unit_rows;   /* of the process being measured */
-  bool lost;                /* one of them found no memory */
+  busy_watch other;
+  record_table unit_rows; /* of the process being measured */
+  bool lost;              /* one of them found no memory */
   cell_job job;
   twin *twin;          /* per cell */
   text_list forgotten; /* cells whose rows were set aside: their answers and histories went too */
@@ -35,6 +42,11 @@ typedef struct runner {
 /* runner_folder.c: DIR/solutions/ID.ans and DIR/traces/ID.csv of a cell. */
 void runner_solution_path(const runner *r, const char *id, char *buf, size_t cap);
 void runner_trace_path(const runner *r, const char *id, char *buf, size_t cap);
+
+/* runner_process.c: a first reading, without a load. */
+busy_watch runner_busy_now(void);
+/* A reading, at least so many seconds after the last one. */
+void runner_watch_others(busy_watch *w, double least);
 
 /* runner_process.c: leaves the rows of r->job in unit_rows. *whole false: the run was interrupted, and
  * nothing is kept. */

@@ -143,14 +143,7 @@ static base_status sample_lcp(measured *m, record *r, double *seconds, base_erro
 }
 
 base_status cell_lcp_prepare(measured *m, record *r, base_error *err) {
-  const cell *c = m->job->cell;
   m->sample = sample_lcp;
-  BASE_TRY(solver_choose(c->solver, &m->solver, err));
-  if (c->tol[0] != '\0') {
-    BASE_TRY(solver_choice_set(&m->solver, "tol", c->tol, err));
-  }
-  (void)solver_choice_limit(&m->solver, plan_solver_limit(&m->job->campaign->limits));
-  r->tol = verdict_asked(m->solver.solver, m->solver.opt);
-  (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", m->solver.config);
-  return problem_source_open(c->problem, NULL, 0, &m->source, err);
+  BASE_TRY(cell_choose_solver(m, r, err));
+  return problem_source_open(m->job->cell->problem, NULL, 0, &m->source, err);
 }

@@ -21,6 +21,18 @@ void cell_fill_work(const lcp_work *w, const lcp_solver *s, long n_solves, recor
   }
 }
 
+base_status cell_choose_solver(measured *m, record *r, base_error *err) {
+  const cell *c = m->job->cell;
+  BASE_TRY(solver_choose(c->solver, &m->solver, err));
+  if (c->tol[0] != '\0') {
+    BASE_TRY(solver_choice_set(&m->solver, "tol", c->tol, err));
+  }
+  (void)solver_choice_limit(&m->solver, plan_solver_limit(&m->job->campaign->limits));
+  r->tol = verdict_asked(m->solver.solver, m->solver.opt);
+  (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", m->solver.config);
+  return BASE_OK;
+}
+
 void cell_cool(const measured *m) {
   if (m->sweep != NULL) {
     machine_sweep(m->sweep, m->n_sweep);

@@ -4,6 +4,7 @@
 #include "harness/cell/outliers.h"
 #include "harness/cell/stats.h"
 #include "harness/measure/machine.h"
+#include "harness/sequence/sequence_source.h"
 #include "lcp/base/clock.h"
 
 #include <sched.h>
@@ -38,15 +39,17 @@ void cell_identity(const cell_job *job, record *r) {
   SET_TEXT(r->solver_version, c->solver_version);
   const char *slash = strrchr(c->problem, '/');
   const char *name = (slash != NULL) ? slash + 1 : c->problem;
-  (void)snprintf(r->problem_family, sizeof r->problem_family, "%.*s", (int)strcspn(name, ":."),
+  (void)snprintf(r->problem_family, sizeof r->problem_family, "%.*s", (int)strcspn(name, ":.@"),
                  name);
   (void)snprintf(r->formulation, sizeof r->formulation, "%.*s", (int)strcspn(c->formulation, ":"),
                  c->formulation);
   (void)snprintf(r->solver, sizeof r->solver, "%.*s", (int)strcspn(c->solver, ":"), c->solver);
   SET_TEXT(r->formulation_options, after_colon(c->formulation));
   SET_TEXT(r->solver_options, after_colon(c->solver));
-  if (c->formulation[0] != '\0') {
+  if (c->formulation[0] != '\0' || sequence_is(c->problem)) {
     SET_TEXT(r->start, c->start);
+  }
+  if (c->formulation[0] != '\0') {
     SET_TEXT(r->contact_order, c->contact_order);
   }
   (void)cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
@@ -82,13 +85,14 @@ static void sampling_close(sampling *s) {
 
 /* Times stand only where the method came to an end worth timing. */
 static bool timed_status(run_status s) {
-  return s == RUN_OK || s == RUN_NEAR || s == RUN_STALLED || s == RUN_MAX_ITER ||
+  return s == RUN_OK || s == RUN_NEAR || s == RUN_STALLED || s == RUN_BUDGET || s == RUN_MAX_ITER ||
          s == RUN_TIME_LIMIT;
 }
 
 static void clear_times(record *r) {
   r->t_contacts_s = r->t_assemble_s = r->t_setup_s = r->t_factor_s = (double)NAN;
-  r->t_solve_s = r->t_share_s = r->t_advance_s = r->t_total_s = r->t_step_s = (double)NAN;
+  r->t_solve_s = r->t_share_s = r->t_advance_s = r->t_watch_s = r->t_total_s = r->t_step_s =
+      (double)NAN;
   r->t_step_max_s = r->t_step_p50_s = r->t_step_p95_s = r->t_step_p99_s = (double)NAN;
   r->share_1ms = r->share_4ms = r->share_16ms = r->t_cpu_s = (double)NAN;
 }
@@ -207,13 +211,16 @@ static base_status prepare(measured *m, record *r, base_error *err) {
       return BASE_FAIL(err, BASE_ENOMEM, "no memory to empty the caches");
     }
   }
-  return (m->job->cell->formulation[0] != '\0') ? cell_scene_prepare(m, r, err)
-                                                : cell_lcp_prepare(m, r, err);
+  const cell *c = m->job->cell;
+  return (c->formulation[0] != '\0') ? cell_scene_prepare(m, r, err)
+         : sequence_is(c->problem)   ? cell_sequence_prepare(m, r, err)
+                                     : cell_lcp_prepare(m, r, err);
 }
 
 static void close_measured(measured *m) {
   free(m->z);
   free(m->sweep);
+  sequence_free(&m->sequence);
   problem_source_close(&m->source);
   solver_choice_free(&m->solver);
   if (m->is_scene) {

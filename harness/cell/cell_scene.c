@@ -54,6 +54,7 @@ static void fill_verdict(const sim_result *q, record *r) {
     r->dissipation_gap_J = q->dissipation_max;
   }
   r->penetration_m = q->penetration_max;
+  r->approach_m = q->approach_max;
   r->energy_defect_J = q->energy_defect;
   r->energy_drift_rel = q->energy_drift_rel;
   if (q->stiffness_ratio < HUGE_VAL) { /* something is regularised */
@@ -117,13 +118,7 @@ typedef struct sums {
 } sums;
 
 static void add_times(sums *s, const sim_result *q, bool first) {
-  s->time.contacts += q->time.contacts;
-  s->time.assemble += q->time.assemble;
-  s->time.setup += q->time.setup;
-  s->time.factor += q->time.factor;
-  s->time.solve += q->time.solve;
-  s->time.share += q->time.share;
-  s->time.advance += q->time.advance;
+  sim_times_add(&s->time, &q->time);
   s->longest = first ? q->step_longest : fmin(s->longest, q->step_longest);
 }
 
@@ -137,6 +132,7 @@ static void fill_times(const sums *s, int n_inner, long steps, record *r) {
   r->t_solve_s = t->solve / n;
   r->t_share_s = t->share / n;
   r->t_advance_s = t->advance / n;
+  r->t_watch_s = t->watch / n;
   r->t_total_s = sim_times_sum(t) / n;
   r->t_step_s = (steps > 0) ? r->t_total_s / (double)steps : (double)NAN;
   r->t_step_max_s = s->longest;
@@ -153,7 +149,7 @@ static base_status sample_scene(measured *m, record *r, double *seconds, base_er
     series kept;
     cell_cool(m);
     const double from = base_cpu_seconds();
-    const base_status done = simulate(request, &kept, &q, err);
+    const base_status done = simulation_run(&m->sim, &kept, &q, err);
     sum.cpu += base_cpu_seconds() - from;
     if (done == BASE_OK && i + 1 == m->n_inner) {
       prediction_summary p;
@@ -166,6 +162,10 @@ static base_status sample_scene(measured *m, record *r, double *seconds, base_er
     add_times(&sum, &q, i == 0);
   }
   fill_times(&sum, m->n_inner, q.steps, r);
+  effects_print(request->effects, r->effects, sizeof r->effects);
+  if (m->sim.watch > 0.0) {
+    watch_print(&m->sim.watched, m->sim.spec.effects, r->effects_auto);
+  }
   m->status = q.status;
   *seconds = r->t_total_s;
   fill_sizes(&q, r);
@@ -202,12 +202,10 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
   BASE_TRY(simulation_open(&t, s, err));
   (void)solver_choice_limit(&s->solver, plan_solver_limit(&m->job->campaign->limits));
   r->tol = verdict_asked(s->solver.solver, s->solver.opt);
-  SET_TEXT(r->effects_auto, s->effects.text);
   r->step_s = s->request.h;
   r->duration_s = s->request.duration;
   (void)snprintf(r->solver_config, sizeof r->solver_config, "%.479s", s->solver.config);
   (void)snprintf(r->formulation_config, sizeof r->formulation_config, "%.479s", s->form.config);
-  effects_print(s->request.effects, r->effects, sizeof r->effects);
   formulation_model_print(s->form.form->model, r->model, sizeof r->model);
   return BASE_OK;
 }

@@ -7,9 +7,11 @@
 #include "lcp/base/nearest.h"
 #include "lcp/base/printable.h"
 
+#include <cblas.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 int cli_report(const base_error *err) {
@@ -57,25 +59,37 @@ static int unknown_verb(const char *word) {
   return cli_report(&err);
 }
 
-/* Loads what --plugin FILE names, wherever it stands before a --, and LCPBENCH_PLUGINS; takes both words away. */
+/* The file that the word at *i and the one behind it name by --plugin FILE or --plugin=FILE; *file is NULL where
+ * the word is another. */
+static base_status plugin_at(int argc, char **argv, int *i, const char **file, base_error *err) {
+  static const char option[] = "--plugin";
+  const size_t n = sizeof option - 1;
+  const char *word = argv[*i];
+  *file = NULL;
+  if (strncmp(word, option, n) != 0 || (word[n] != '\0' && word[n] != '=')) {
+    return BASE_OK;
+  }
+  *file = (word[n] == '=') ? word + n + 1 : (*i + 1 < argc) ? argv[++*i] : "";
+  return (**file != '\0') ? BASE_OK
+                          : BASE_FAIL(err, BASE_EINVAL, "%s: need FILE.so behind it", option);
+}
+
+/* Loads what --plugin names, wherever it stands before a --, and LCPBENCH_PLUGINS; takes the words away. */
 static base_status take_plugins(int *argc, char **argv, base_error *err) {
   int kept = 1;
+  bool ended = false; /* behind a -- the words are kept */
   BASE_TRY(plugins_take_environment(err));
   for (int i = 1; i < *argc; i++) {
-    if (strcmp(argv[i], "--") == 0) {
-      while (i < *argc) {
-        argv[kept++] = argv[i++];
-      }
-      break;
+    const char *file = NULL;
+    ended = ended || strcmp(argv[i], "--") == 0;
+    if (!ended) {
+      BASE_TRY(plugin_at(*argc, argv, &i, &file, err));
     }
-    if (strcmp(argv[i], "--plugin") != 0) {
+    if (file == NULL) {
       argv[kept++] = argv[i];
-      continue;
+    } else {
+      BASE_TRY(plugins_take(file, err));
     }
-    if (++i == *argc) {
-      return BASE_FAIL(err, BASE_EINVAL, "--plugin: need FILE.so behind it");
-    }
-    BASE_TRY(plugins_take(argv[i], err));
   }
   *argc = kept;
   return BASE_OK;
@@ -103,7 +117,17 @@ static int dispatch(int argc, char **argv) {
   return (verb != NULL) ? run_verb(verb, argc - 2, argv + 2) : unknown_verb(word);
 }
 
+/* One thread, unless the user says otherwise: the matrices of a step are small, and the last bits of a product depend on the
+ * number of threads. */
+static void quiet_blas(void) {
+  const char *asked = getenv("OPENBLAS_NUM_THREADS");
+  if (asked == NULL || asked[0] == '\0') {
+    openblas_set_num_threads(1);
+  }
+}
+
 int cli_main(int argc, char **argv) {
+  quiet_blas();
   /* past `ulimit -f` a write then fails with EFBIG, which is reported like a full disk */
   (void)signal(SIGXFSZ, SIG_IGN);
   return finish(dispatch(argc, argv));

@@ -8,10 +8,7 @@ static const char *const ending =
     "A FILE to be written may be -, standard output; what else would stand there goes to stderr.\n"
     "A PROBLEM or SCENE that is - is read from standard input. Behind -- there are no options.\n"
     "An option that is not given is taken from the environment: --time-limit from\n"
-    "LCPBENCH_TIME_LIMIT.\n"
-    "--plugin FILE.so, with every verb, loads a solver of one's own; so does LCPBENCH_PLUGINS, "
-    "the\n"
-    "files parted by colons.";
+    "LCPBENCH_TIME_LIMIT.";
 
 static const struct exit_words {
   int code;
@@ -28,8 +25,8 @@ void help_usage(FILE *to, const cli_verb *v) {
   (void)fprintf(to, "%s%s%s%s%s", v->name, t->positional_name[0] != '\0' ? " " : "",
                 t->min_positional == 0 && t->max_positional > 0 ? "[" : "", t->positional_name,
                 t->min_positional == 0 && t->max_positional > 0 ? "]" : "");
-  for (int i = 0; i < t->n_option; i++) {
-    const arg_option *o = &t->option[i];
+  for (int i = 0; i < args_count(t); i++) {
+    const arg_option *o = args_at(t, i);
     (void)fprintf(to, " %s%s%s%s%s%s", o->needed ? "" : "[", o->name, o->value != NULL ? " " : "",
                   o->value != NULL ? o->value : "", o->needed ? "" : "]",
                   o->kind == ARG_LIST ? "..." : "");
@@ -45,8 +42,8 @@ void help_verb(FILE *to, const cli_verb *v) {
   if (t->max_positional > 0) {
     (void)fprintf(to, "  %s\n      %s\n", t->positional_name, t->positional_help);
   }
-  for (int i = 0; i < t->n_option; i++) {
-    const arg_option *o = &t->option[i];
+  for (int i = 0; i < args_count(t); i++) {
+    const arg_option *o = args_at(t, i);
     (void)args_range(o, range, sizeof range);
     (void)fprintf(to, "  %s%s%s%s%s\n      %s\n", o->name, o->value != NULL ? " " : "",
                   o->value != NULL ? o->value : "", range[0] != '\0' ? "  " : "", range, o->help);
@@ -133,8 +130,8 @@ static void put_verb(FILE *to, const cli_verb *v) {
   if (t->max_positional > 0) {
     put_term(to, "", t->positional_name, "", t->positional_help);
   }
-  for (int i = 0; i < t->n_option; i++) {
-    const arg_option *o = &t->option[i];
+  for (int i = 0; i < args_count(t); i++) {
+    const arg_option *o = args_at(t, i);
     put_term(to, o->name, o->value, args_range(o, range, sizeof range), o->help);
   }
 }

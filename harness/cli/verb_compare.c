@@ -14,34 +14,76 @@ typedef struct compare_options {
   double noise;
 } compare_options;
 
-static const char *const words[] = {"no difference", "faster", "slower"};
+static const char *const words[COMPARE_WORDS] = {"no difference", "faster", "slower",
+                                                 "inconclusive: disturbed"};
 
 /* One floor for every size. */
 static doctor_floor flat(double floor) {
   return (doctor_floor){1, {HUGE_VAL}, {floor}};
 }
 
-static int print_pairs(const compare_pair *pair, int n, const doctor_floor *noise,
-                       const char *origin) {
-  int count[3] = {0, 0, 0};
+/* "velocity:facets=4", "-" for none. */
+static void print_component(const char *name, const char *options) {
+  (void)printf("%s%s%s", name[0] != '\0' ? name : "-", options[0] != '\0' ? ":" : "", options);
+}
+
+static void print_pair(const compare_pair *p) {
+  (void)printf("%s ", p->a->problem);
+  print_component(p->a->formulation, p->a->formulation_options);
+  (void)printf(" ");
+  if (p->a->step_s > 0.0) {
+    (void)printf("h = %g s ", p->a->step_s);
+  }
+  if (strcmp(p->a->start, "previous") == 0) {
+    (void)printf("from the previous step ");
+  }
+  print_component(p->a->solver, p->a->solver_options);
+  (void)printf(" -> ");
+  print_component(p->b->solver, p->b->solver_options);
+  (void)printf(": %.4g s -> %.4g s, ratio %.4f [%.4f, %.4f] %s\n", p->median_a, p->median_b,
+               p->ratio, p->lo, p->hi, words[p->word]);
+}
+
+static void print_failures(const compare_failures *f) {
+  if (f->a + f->b + f->both > 0) {
+    (void)printf("failed, and in no ratio: %d of A only, %d of B only, %d of both\n", f->a, f->b,
+                 f->both);
+  }
+  if (f->few > 0) {
+    (void)printf("%d pairs have a single sample on a side, and no ratio\n", f->few);
+  }
+}
+
+static int print_pairs(const compare_pair *pair, int n, const compare_failures *failed,
+                       const doctor_floor *noise, const char *origin) {
+  int count[COMPARE_WORDS] = {0};
   double sum = 0.0;
+  double drift = 0.0;
   for (int i = 0; i < n; i++) {
-    const compare_pair *p = &pair[i];
-    (void)printf("%s %s %s -> %s: %.4g s -> %.4g s, ratio %.4f [%.4f, %.4f] %s\n", p->a->problem,
-                 p->a->formulation[0] != '\0' ? p->a->formulation : "-", p->a->solver, p->b->solver,
-                 p->median_a, p->median_b, p->ratio, p->lo, p->hi, words[p->word]);
-    count[p->word]++;
-    sum += log(p->ratio);
+    print_pair(&pair[i]);
+    count[pair[i].word]++;
+    sum += log(pair[i].ratio);
+    drift = fmax(drift, pair[i].drift);
   }
   if (n > 0) {
     (void)printf("geometric mean of the ratios %.4f over %d pairs\n", exp(sum / n), n);
+  }
+  print_failures(failed);
+  if (drift > 0.0) {
+    (void)printf("canaries differ by up to %.2f %%, which is added to the noise floor\n",
+                 100.0 * expm1(drift));
   }
   (void)printf("noise floor");
   for (int i = 0; i < noise->n; i++) {
     (void)printf("%s %.2f %%", i > 0 ? "," : "", 100.0 * noise->floor[i]);
   }
-  (void)printf(" (%s): %d no difference, %d faster, %d slower\n", origin, count[COMPARE_SAME],
+  (void)printf(" (%s): %d no difference, %d faster, %d slower", origin, count[COMPARE_SAME],
                count[COMPARE_FASTER], count[COMPARE_SLOWER]);
+  if (count[COMPARE_DISTURBED] > 0) {
+    (void)printf(", %d inconclusive (canary drift, throttling or more than %g CPUs of other work)",
+                 count[COMPARE_DISTURBED], COMPARE_OTHERS);
+  }
+  (void)printf("\n");
   return CLI_OK;
 }
 
@@ -66,18 +108,19 @@ static base_status compare(const char *const dir[2], const compare_options *o, i
   }
   compare_pair *pair = NULL;
   int n = 0;
+  compare_failures failed = {0};
   if (done == BASE_OK) {
     const compare_side a = {&t[0], o->solver_a};
     const compare_side b = {&t[1], o->solver_b};
-    done = compare_sides(&a, &b, o->column, &noise, &pair, &n, err);
+    done = compare_sides(&a, &b, o->column, &noise, &pair, &n, &failed, err);
   }
-  if (done == BASE_OK && n == 0) {
+  if (done == BASE_OK && n == 0 && failed.a + failed.b + failed.both == 0) {
     done = BASE_FAIL(err, BASE_EINVAL,
                      "compare: no cell of %s has a partner in %s, both with two samples of %s",
                      dir[0], dir[1], o->column);
   }
   if (done == BASE_OK) {
-    *code = print_pairs(pair, n, &noise, origin);
+    *code = print_pairs(pair, n, &failed, &noise, origin);
   }
   free(pair);
   record_table_free(&t[0]);

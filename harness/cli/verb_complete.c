@@ -127,9 +127,9 @@ static void offer_value(const char *value, const char *typed) {
 }
 
 static const arg_option *option_of(const arg_table *t, const char *name) {
-  for (int i = 0; i < t->n_option; i++) {
-    if (strcmp(t->option[i].name, name) == 0) {
-      return &t->option[i];
+  for (int i = 0; i < args_count(t); i++) {
+    if (strcmp(args_at(t, i)->name, name) == 0) {
+      return args_at(t, i);
     }
   }
   return NULL;
@@ -157,8 +157,8 @@ static void complete(const char *const *word, int n) {
     offer_value(before->value, typed);
     return;
   }
-  for (int i = 0; strncmp(typed, "--", 2) == 0 && i < verb->args->n_option; i++) {
-    offer(verb->args->option[i].name, typed);
+  for (int i = 0; strncmp(typed, "--", 2) == 0 && i < args_count(verb->args); i++) {
+    offer(args_at(verb->args, i)->name, typed);
   }
   if (typed[0] != '-') {
     if (strcmp(verb->name, "help") == 0) {

@@ -17,7 +17,7 @@
 enum { NOT_GIVEN = INT_MIN };
 
 typedef struct run_options {
-  const char *out, *shard, *rerun, *cache, *solutions;
+  const char *out, *like, *shard, *rerun, *cache, *solutions;
   plan_filter filter;
   int reps;
   int seed;
@@ -151,7 +151,7 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
     done = plan_make(&c, &o->filter, &p, err);
     if (done == BASE_OK) {
       *code = CLI_OK;
-      done = o->dry_run ? dry_run(&p, &ro, err) : measure(&p, o, &ro, code, err);
+      done = o->dry_run ? dry_run(&p, &ro, o->like, err) : measure(&p, o, &ro, code, err);
       plan_free(&p);
     }
   }
@@ -176,6 +176,8 @@ static const arg_option options[] = {
         "measures the k-th of n shares of the problems"),
     ARG(run_options, dry_run, "--dry-run", ARG_FLAG, NULL,
         "prints what would be measured and how long it takes"),
+    ARG(run_options, like, "--like", ARG_TEXT, "DIR",
+        "earlier rows, packed or not, that tell --dry-run how long cells take"),
     ARG(run_options, rerun, "--rerun", ARG_TEXT, "failed|timeouts|all|SOLVER",
         "measures these cells again"),
     ARG(run_options, resume, "--resume", ARG_FLAG, NULL,
@@ -204,6 +206,9 @@ static int run(int argc, char **argv) {
   base_status done = args_parse(&args, &o, argc, argv, &text, &n_positional, &err);
   if (done == BASE_OK) {
     done = check_out(&o, &err);
+  }
+  if (done == BASE_OK && o.like != NULL && !o.dry_run) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--like %s: tells --dry-run only", o.like);
   }
   if (done == BASE_OK) {
     done = parse_shard(o.shard, &o.filter, &err);

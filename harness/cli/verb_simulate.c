@@ -5,7 +5,9 @@
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/shell.h"
 #include "lcp/base/output.h"
+#include "lcp/lcp_islands.h"
 
 #include <string.h>
 
@@ -96,18 +98,24 @@ static void put_effects(json_t *o, const char *key, unsigned mask) {
   json_out_text(o, key, text);
 }
 
-/* What --effects auto:E decided, and what the decision cost. */
-static void put_auto(json_t *o, const effects_choice *e) {
-  if (!e->automatic) {
+/* What --effects auto:E decided; `repeat` is the --effects of the same run without it. */
+static void put_auto(json_t *o, const simulation *s) {
+  if (!(s->watch > 0.0)) {
     return;
   }
+  const watch_result *w = &s->watched;
+  char text[EFFECTS_TEXT];
   json_t *a = json_object();
-  json_out_real(a, "level", e->level);
-  put_effects(a, "dropped", e->dropped);
-  json_out_real(a, "change", e->change);
-  json_out_int(a, "pilot_steps", e->pilot_steps);
-  json_out_real(a, "t_pilot_s", e->pilot_seconds);
-  json_out_text(a, "why", e->text);
+  json_out_real(a, "level", w->level);
+  put_effects(a, "dropped", w->watched & ~effects_plan_union(&w->plan));
+  json_out_real(a, "bound", w->bound);
+  json_out_real(a, "size_m", w->size);
+  json_out_real(a, "speed_m_s", w->speed);
+  json_out_int(a, "steps_repeated", w->repeated);
+  watch_print(w, s->spec.effects, text);
+  json_out_text(a, "why", text);
+  effects_plan_print(&w->plan, s->spec.effects, text);
+  json_out_text(a, "repeat", text);
   (void)json_object_set_new(o, "effects_auto", a);
 }
 
@@ -119,6 +127,8 @@ static void put_error(json_t *o, const simulation *s) {
   }
   json_t *e = json_object();
   json_out_real(e, "asked", r->asked.E);
+  json_out_text(e, "method", r->extrapolated ? "extrapolated steps" : "plain steps");
+  json_out_text(e, "why_plain", r->why_plain);
   json_out_text(e, "unit", r->asked.unit[0] != '\0' ? r->asked.unit : "of the scale");
   json_out_real(e, "err_estimate", r->estimate);
   json_out_bool(e, "promised", r->promised);
@@ -160,8 +170,36 @@ static void put_error(json_t *o, const simulation *s) {
   (void)json_object_set_new(o, "error", e);
 }
 
+/* The command of the same run with nothing automatic in it but, without a file of steps, the steps. */
+static void repeat_command(const simulation *s, const simulation_texts *t, const char *steps,
+                           shell_line *l) {
+  const choice *c = &s->choice;
+  const choice_candidate *taken = &c->candidate[s->n_tried > 0 ? s->n_tried - 1 : 0];
+  char effects[EFFECTS_TEXT];
+  char error[64];
+  effects_plan_print(&s->watched.plan, s->spec.effects, effects);
+  (void)snprintf(error, sizeof error, "%.17g%s", s->error.E, s->error.unit);
+  shell_put(l, "lcpbench simulate ");
+  shell_put_word(l, t->scene);
+  shell_put_option(l, "formulation", taken->formulation);
+  shell_put_option(l, "solver", taken->solver);
+  shell_put_option(l, "tol", t->tol);
+  shell_put_option(l, "duration", t->duration);
+  shell_put_option(l, "start", t->start);
+  shell_put_option(l, "contact-order", t->contact_order);
+  shell_put_option(l, "effects", s->watch > 0.0 ? effects : t->effects);
+  if (steps != NULL) {
+    shell_put_option(l, "steps", steps);
+    return;
+  }
+  shell_put_option(l, "step", t->step);
+  shell_put_option(l, "error", error);
+  shell_put_option(l, "work", t->work);
+}
+
 /* What chose formulation and solver, and the command that chooses nothing. */
-static void put_choice(json_t *o, const simulation *s, const char *scene, const char *steps) {
+static void put_choice(json_t *o, const simulation *s, const simulation_texts *t,
+                       const char *steps) {
   const choice *c = &s->choice;
   if (!s->chooses) {
     return;
@@ -188,19 +226,20 @@ static void put_choice(json_t *o, const simulation *s, const char *scene, const 
     (void)json_array_append_new(list, one);
   }
   (void)json_object_set_new(a, "candidates", list);
-  char repeat[2400];
-  const choice_candidate *taken = &c->candidate[s->n_tried > 0 ? s->n_tried - 1 : 0];
-  const int used = snprintf(repeat, sizeof repeat,
-                            "lcpbench simulate '%.1000s' --formulation '%s' --solver '%s'", scene,
-                            taken->formulation, taken->solver);
-  if (steps != NULL) {
-    (void)snprintf(repeat + used, sizeof repeat - (size_t)used, " --steps '%.1000s'", steps);
-  } else {
-    (void)snprintf(repeat + used, sizeof repeat - (size_t)used, " --error '%.17g%s'", s->error.E,
-                   s->error.unit);
-  }
+  char repeat[8192];
+  shell_line l = {repeat, sizeof repeat, 0};
+  repeat_command(s, t, steps, &l);
   json_out_text(a, "repeat", repeat);
   (void)json_object_set_new(o, "choice", a);
+}
+
+/* Of runs that were asked for them. */
+static void put_islands(json_t *o, const sim_request *q, const sim_result *r) {
+  if (q->islands) {
+    json_out_int(o, "threads", q->threads);
+    json_out_int(o, "n_island", r->n_island);
+    json_out_int(o, "largest_island", r->largest_island);
+  }
 }
 
 static void put_counts(json_t *o, const sim_result *r) {
@@ -226,7 +265,7 @@ static void put_counts(json_t *o, const sim_result *r) {
 /* null: not measured, no problem was posed or no step has impulses to judge. */
 static void put_errors(json_t *o, const sim_result *r) {
   const bool solved = r->n_solves > 0, judged = r->n_judged > 0;
-  json_out_bool(o, "verified", r->verified);
+  json_out_bool(o, "verified", r->verified && r->status == RUN_OK);
   json_out_real(o, "rho_max", solved ? r->rho_max : HUGE_VAL);
   json_out_real(o, "res_natural_max", solved ? r->natural_max : HUGE_VAL);
   json_out_real(o, "res_ncp_max", judged ? r->ncp_max : HUGE_VAL);
@@ -237,6 +276,7 @@ static void put_errors(json_t *o, const sim_result *r) {
   json_out_real(o, "v_slip_max", r->v_slip);
   json_out_real(o, "deflection_max_m", r->deflection);
   json_out_real(o, "penetration_max_m", r->penetration_max);
+  json_out_real(o, "approach_max_m", r->approach_max); /* null: not a formulation with steps */
   json_out_real(o, "energy_defect_J", r->energy_defect);
   json_out_real(o, "energy_drift_rel", r->energy_drift_rel);
 }
@@ -249,7 +289,31 @@ static void put_times(json_t *o, const sim_result *r) {
   json_out_real(o, "t_solve_s", r->time.solve);
   json_out_real(o, "t_share_s", r->time.share);
   json_out_real(o, "t_advance_s", r->time.advance);
+  json_out_real(o, "t_watch_s", r->time.watch);
   json_out_real(o, "t_total_s", sim_total_seconds(r));
+}
+
+static void put_combination(json_t *o, const formulation_choice *form,
+                            const solver_choice *solver) {
+  json_out_text(o, "formulation", form->form->name);
+  json_out_text(o, "formulation_options", form->config);
+  json_out_text(o, "solver", solver->solver->name);
+  json_out_text(o, "solver_options", solver->config);
+}
+
+/* Those of a run that changes them, with the steps that are done before. */
+static void put_changes(json_t *o, const combination_plan *p) {
+  if (p->n == 0) {
+    return;
+  }
+  json_t *all = json_array();
+  for (int k = 0; k < p->n; k++) {
+    json_t *one = json_object();
+    json_out_int(one, "from", p->span[k].from);
+    put_combination(one, &p->span[k].form, &p->span[k].solver);
+    (void)json_array_append_new(all, one);
+  }
+  (void)json_object_set_new(o, "combinations", all);
 }
 
 static json_t *to_json(const simulation *s, const char *scene, const series *record,
@@ -260,10 +324,8 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   const char *colon = strchr(scene, ':');
   json_out_text(o, "scene", s->spec.id);
   json_out_text(o, "parameters", colon != NULL ? colon + 1 : "");
-  json_out_text(o, "formulation", s->form.form->name);
-  json_out_text(o, "formulation_options", s->form.config);
-  json_out_text(o, "solver", s->solver.solver->name);
-  json_out_text(o, "solver_options", s->solver.config);
+  put_combination(o, s->request.form, s->request.solver);
+  put_changes(o, &s->combinations);
   json_out_text(o, "variant", r->variant);
   json_out_int(o, "contact_order", (long long)s->request.contact_order); /* 0: given */
   json_out_real(o, "step_s", s->request.h);
@@ -275,11 +337,12 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   (void)json_object_set_new(o, "predictions", predictions(s, record, r, all_ok));
   (void)json_object_set_new(o, "trajectory_error", yardstick(s, record, r));
   put_counts(o, r);
+  put_islands(o, &s->request, r);
   put_errors(o, r);
   put_effects(o, "effects_declared", s->spec.effects);
   put_effects(o, "effects_simulated", s->request.effects);
   put_effects(o, "effects_seen", r->effects_seen);
-  put_auto(o, &s->effects);
+  put_auto(o, s);
   put_error(o, s);
   json_out_text(o, "solution_hash", hash);
   put_times(o, r);
@@ -354,6 +417,10 @@ static base_status with_trace(simulation *s, const char *scene, const simulate_f
   if (f->trace == NULL) {
     return with_dump(s, scene, f, report, err);
   }
+  if (s->request.islands) {
+    return BASE_FAIL(err, BASE_EINVAL, "--trace %s: the history of one solve, need --islands off",
+                     f->trace);
+  }
   trace_file history;
   BASE_TRY(trace_open(&history, f->trace, err));
   s->request.trace = &history;
@@ -378,10 +445,11 @@ static base_status with_files(simulation *s, const char *scene, const simulate_f
 
 static const arg_option options[] = {
     ARG(simulate_options, t.formulation, "--formulation", ARG_TEXT, "FORMULATION",
-        "formulation with its options behind a colon; with --error it is chosen where it and "
-        "--solver are missing"),
+        "formulation with its options behind a colon, or A/STEPS:B (B after so many steps); with "
+        "--error it is chosen where it and --solver are missing"),
     ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
-        "solver with its options behind a colon; formulations without a problem need none"),
+        "solver with its options behind a colon, or A/STEPS:B; formulations without a problem need "
+        "none"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
         .unit = "s", .above = true),
     ARG(simulate_options, t.error, "--error", ARG_TEXT, "E",
@@ -399,11 +467,17 @@ static const arg_option options[] = {
     ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
         "residual to stop at, the solver's option tol", .unit = "1"),
     ARG(simulate_options, t.effects, "--effects", ARG_TEXT, "SPEC",
-        "effects to simulate: declared, all, none, +NAME, -NAME or auto:E"),
+        "effects to simulate: declared, all, -NAME,+NAME, SPEC/STEPS:SPEC (after so many steps), "
+        "or auto:E"),
     ARG(simulate_options, t.start, "--start", ARG_TEXT, "cold|previous",
         "start of each solve: zero, or the answer of the step before"),
     ARG(simulate_options, t.contact_order, "--contact-order", ARG_TEXT, "given|random:N",
         "order of the contacts in the problem"),
+    ARG(simulate_options, t.islands, "--islands", ARG_TEXT, "on|off",
+        "solves what nothing couples part by part (off)"),
+    ARG(simulate_options, t.threads, "--threads", ARG_TEXT, "N",
+        "threads that solve islands; the answer is the same to the bit for any number (1)",
+        .unit = "1", .min = 1, .max = LCP_THREADS_MAX),
     ARG(simulate_options, f.trajectory, "--trajectory", ARG_OUTPUT, "FILE.csv",
         "states of all bodies after each step"),
     ARG(simulate_options, f.trace, "--trace", ARG_OUTPUT, "FILE.csv", "history of every solve"),
@@ -432,7 +506,7 @@ static int run(int argc, char **argv) {
     done = with_files(&s, o.t.scene, &o.f, &report, &err);
   }
   if (done == BASE_OK) {
-    put_choice(report.object, &s, o.t.scene, o.f.steps);
+    put_choice(report.object, &s, &o.t, o.f.steps);
   }
   if (done == BASE_OK && o.f.steps != NULL) {
     done = step_list_write(&s.steps, o.f.steps, &err);

@@ -1,6 +1,7 @@
 /* lcpbench solve: one complementarity problem, one solver, one JSON object. */
 #include "harness/cli/cli.h"
 #include "harness/cli/solve_all.h"
+#include "harness/cli/solve_sequence.h"
 #include "harness/measure/problem_source.h"
 #include "harness/measure/solve_once.h"
 #include "harness/measure/trace.h"
@@ -14,7 +15,7 @@
 
 typedef struct solve_options {
   arg_list solver;
-  const char *q, *tol, *max_iter, *z, *certificate, *formulation, *trace, *format;
+  const char *q, *tol, *max_iter, *z, *certificate, *formulation, *trace, *format, *start;
   int facets;
   double time_limit; /* NAN: not given */
   FILE *report;      /* where the JSON object goes */
@@ -149,6 +150,61 @@ static base_status solve_table(const problem_source *src, const solver_choices *
   return BASE_OK;
 }
 
+/* The option that looks into one problem, NULL: none is given. */
+static const char *of_one_problem(const solve_options *o) {
+  const struct {
+    const char *name;
+    bool given;
+  } all[] = {{"--q", o->q != NULL},
+             {"--z", o->z != NULL},
+             {"--certificate", o->certificate != NULL},
+             {"--trace", o->trace != NULL},
+             {"--formulation", o->formulation != NULL},
+             {"--facets", o->facets != 0},
+             {"--solver", is_table(o)}};
+  for (int i = 0; i < BASE_COUNT(all); i++) {
+    if (all[i].given) {
+      return all[i].name;
+    }
+  }
+  return NULL;
+}
+
+static base_status solve_passes(const char *problem, const solver_choices *c,
+                                const solve_options *o, int *code, base_error *err) {
+  const char *single = of_one_problem(o);
+  if (single != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: a sequence is solved by one solver, as it stands",
+                     single);
+  }
+  json_t *report;
+  bool good;
+  BASE_TRY(solve_sequence(problem, &c->item[0], o->start, &report, &good, err));
+  *code = !json_out_print(report, o->report) ? CLI_INTERNAL : good ? CLI_OK : CLI_HONEST;
+  return BASE_OK;
+}
+
+static base_status solve_problem(const char *problem, const solver_choices *c, solve_options *o,
+                                 int *code, base_error *err) {
+  problem_source src = {0};
+  if (o->start != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "--start %s: is of a sequence, and %s is none", o->start,
+                     problem);
+  }
+  BASE_TRY(choose_pose(o, err));
+  base_status done = problem_source_open(problem, o->q, o->facets, &src, err);
+  if (done == BASE_OK && o->formulation != NULL && !problem_source_has_cone(&src)) {
+    done = BASE_FAIL(err, BASE_EINVAL, "--formulation %s: %s is no friction problem",
+                     o->formulation, problem);
+  }
+  if (done == BASE_OK) {
+    done = is_table(o) ? solve_table(&src, c, o, code, err)
+                       : solve_and_print(&src, &c->item[0], o, code, err);
+  }
+  problem_source_close(&src);
+  return done;
+}
+
 static const arg_option options[] = {
     ARG(solve_options, solver, "--solver", ARG_LIST, "SOLVER|all",
         "solver with its options behind a colon; all, or more than one, give a table",
@@ -172,12 +228,15 @@ static const arg_option options[] = {
         "file that gets the answer, as a Matrix Market vector"),
     ARG(solve_options, certificate, "--certificate", ARG_OUTPUT, "FILE",
         "file that gets a proof which verify checks without a solver"),
+    ARG(solve_options, start, "--start", ARG_TEXT, "cold|previous|basis|predicted",
+        "of each problem of a sequence: zero, the last answer, the last basis, or a line through "
+        "the last two"),
     ARG(solve_options, trace, "--trace", ARG_OUTPUT, "FILE.csv", "history of the solve"),
 };
 static const arg_table args = {
     options,   BASE_COUNT(options),
     1,         1,
-    "PROBLEM", "family with its parameters, or problem file; - is standard input"};
+    "PROBLEM", "family with its parameters, problem file, or sequence; - is standard input"};
 
 static int run(int argc, char **argv) {
   solve_options o = {.time_limit = (double)NAN};
@@ -189,27 +248,15 @@ static int run(int argc, char **argv) {
   }
   o.report = args_take_stdout(&args, &o) ? stderr : stdout;
   solver_choices s = {0};
-  problem_source src = {0};
   int code = CLI_INTERNAL;
   base_status done = check_table(&o, &err);
   if (done == BASE_OK) {
     done = choose_all(&o, &s, &err);
   }
   if (done == BASE_OK) {
-    done = choose_pose(&o, &err);
+    done = sequence_is(problem) ? solve_passes(problem, &s, &o, &code, &err)
+                                : solve_problem(problem, &s, &o, &code, &err);
   }
-  if (done == BASE_OK) {
-    done = problem_source_open(problem, o.q, o.facets, &src, &err);
-  }
-  if (done == BASE_OK && o.formulation != NULL && !problem_source_has_cone(&src)) {
-    done = BASE_FAIL(&err, BASE_EINVAL, "--formulation %s: %s is no friction problem",
-                     o.formulation, problem);
-  }
-  if (done == BASE_OK) {
-    done = is_table(&o) ? solve_table(&src, &s, &o, &code, &err)
-                        : solve_and_print(&src, &s.item[0], &o, &code, &err);
-  }
-  problem_source_close(&src);
   free_all(&s);
   return (done == BASE_OK) ? code : cli_report(&err);
 }

@@ -9,37 +9,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The command as far as it is written, in buf[cap]; `used` counts what it needs. */
-typedef struct line {
-  char *buf;
-  size_t cap, used;
-} line;
-
-static size_t left(const line *l) {
-  return (l->used < l->cap) ? l->cap - l->used : 0;
-}
-
-static char *end_of(const line *l) {
-  return (left(l) > 0) ? l->buf + l->used : NULL;
-}
-
-static void put_plain(line *l, const char *text) {
-  l->used += (size_t)snprintf(end_of(l), left(l), "%s", text);
-}
-
-static void put_word(line *l, const char *word) {
-  l->used += shell_quote(word, end_of(l), left(l));
-}
-
-static void put_option(line *l, const char *name, const char *value) {
-  if (value[0] != '\0') {
-    put_plain(l, " --");
-    put_plain(l, name);
-    put_plain(l, " ");
-    put_word(l, value);
-  }
-}
-
 double plan_solver_limit(const campaign_limits *l) {
   return l->time * 4.0 / 5.0; /* 1.2, not 1.2000000000000002, of 1.5 */
 }
@@ -73,21 +42,22 @@ static void solver_text(const cell *c, const campaign_limits *l, char *buf, size
 size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, size_t cap) {
   const bool is_scene = c->formulation[0] != '\0';
   char solver[400];
-  line l = {.cap = cap};
+  shell_line l = {.cap = cap};
   l.buf = buf;
   solver_text(c, limits, solver, sizeof solver);
-  put_plain(&l, is_scene ? "lcpbench simulate " : "lcpbench solve ");
-  put_word(&l, c->problem);
-  put_option(&l, "formulation", c->formulation);
-  put_option(&l, "solver", solver);
-  put_option(&l, "plugin", plugin_of(c));
-  put_option(&l, "tol", c->tol);
+  shell_put(&l, is_scene ? "lcpbench simulate " : "lcpbench solve ");
+  shell_put_word(&l, c->problem);
+  shell_put_option(&l, "formulation", c->formulation);
+  shell_put_option(&l, "solver", solver);
+  shell_put_option(&l, "plugin", plugin_of(c));
+  shell_put_option(&l, "tol", c->tol);
+  shell_put_option(&l, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
   if (is_scene) {
-    put_option(&l, "step", c->step);
-    put_option(&l, "duration", c->duration);
-    put_option(&l, "start", strcmp(c->start, "cold") == 0 ? "" : c->start);
-    put_option(&l, "effects", strcmp(c->effects, "declared") == 0 ? "" : c->effects);
-    put_option(&l, "contact-order", strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
+    shell_put_option(&l, "step", c->step);
+    shell_put_option(&l, "duration", c->duration);
+    shell_put_option(&l, "effects", strcmp(c->effects, "declared") == 0 ? "" : c->effects);
+    shell_put_option(&l, "contact-order",
+                     strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
   }
   return l.used;
 }

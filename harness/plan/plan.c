@@ -266,13 +266,15 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
                        : (a == AXIS_effects)        ? "declared"
                        : (a == AXIS_contact_orders) ? "given"
                                                     : "";
-    const bool is_scene = part->axis[AXIS_formulations].n > 0;
-    done = (part->axis[a].n > 0) ? plan_check_axis(a, is_scene, err) : BASE_OK;
-    if (done == BASE_OK) {
-      done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    const text_list *problems = &list[AXIS_problems];
+    const part_kind kind =
+        plan_kind(part->axis[AXIS_formulations].n > 0, problems->n > 0 ? problems->item[0] : "");
+    if (done == BASE_OK && part->axis[a].n > 0) {
+      done = plan_check_axis(a, kind, err);
     }
     for (int i = 0; done == BASE_OK && i < list[a].n; i++) {
-      done = plan_check_value(a, is_scene, list[a].item[i], err);
+      done = plan_check_value(a, kind, list[a].item[i], err);
     }
   }
   if (done == BASE_OK) {

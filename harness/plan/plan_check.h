@@ -3,9 +3,15 @@
 
 #include "harness/plan/campaign.h"
 
-/* May a part give this axis? Parts without formulations have no scenes. */
-base_status plan_check_axis(int axis, bool is_scene, base_error *err);
+/* What the problems of a part are: scenes with formulations, complementarity problems, or sequences of these. */
+typedef enum part_kind { PART_SCENES, PART_PROBLEMS, PART_SEQUENCES } part_kind;
 
-/* text: after expansion; is_scene: its part has formulations. BASE_EINVAL naming the axis, the value
+/* problem: one of the part's, after expansion. */
+part_kind plan_kind(bool has_formulations, const char *problem);
+
+/* May a part of this kind give this axis? */
+base_status plan_check_axis(int axis, part_kind kind, base_error *err);
+
+/* text: after expansion. BASE_EINVAL naming the axis, the value
  * and the rule. Values of axes whose components say so themselves pass. */
-base_status plan_check_value(int axis, bool is_scene, const char *text, base_error *err);
+base_status plan_check_value(int axis, part_kind kind, const char *text, base_error *err);

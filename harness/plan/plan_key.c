@@ -2,6 +2,7 @@
 
 #include "harness/measure/problem_source.h"
 #include "harness/measure/registry.h"
+#include "harness/sequence/sequence_source.h"
 #include "harness/util/sha256.h"
 #include "harness/util/versions.h"
 #include "problems/read/scene_file.h"
@@ -11,6 +12,11 @@
 #include <string.h>
 
 static bool is_file(const cell *c) {
+  if (c->formulation[0] == '\0' && sequence_is(c->problem)) {
+    sequence_text t;
+    return !sequence_is_text(c->problem) ||
+           (sequence_text_parse(c->problem, &t, NULL) == BASE_OK && scene_is_file(t.scene));
+  }
   return (c->formulation[0] != '\0') ? scene_is_file(c->problem) : problem_is_file(c->problem);
 }
 
@@ -18,6 +24,16 @@ static bool is_file(const cell *c) {
 static base_status file_of(const cell *c, char *path, size_t cap, int *facets, base_error *err) {
   const char *id;
   *facets = 0;
+  if (c->formulation[0] == '\0' && sequence_is(c->problem)) {
+    sequence_text t;
+    if (!sequence_is_text(c->problem)) { /* the manifest has the hashes of the others */
+      (void)snprintf(path, cap, "%s/manifest.json", c->problem);
+      return BASE_OK;
+    }
+    BASE_TRY(sequence_text_parse(c->problem, &t, err));
+    scene_file_split(t.scene, path, cap, &id);
+    return BASE_OK;
+  }
   if (c->formulation[0] == '\0') {
     return problem_file(c->problem, path, cap, facets, err);
   }
@@ -25,13 +41,57 @@ static base_status file_of(const cell *c, char *path, size_t cap, int *facets, b
   return BASE_OK;
 }
 
+static void name_of(const char *text, char name[64]) {
+  (void)snprintf(name, 64, "%.*s", (int)strcspn(text, ":"), text);
+}
+
+/* A sequence that is posed: by its text, and by what its problems and their answers come from. */
+static base_status posed_key(const cell *c, char hex[SHA256_HEX], base_error *err) {
+  sequence_text t;
+  formulation_choice form;
+  solver_choice solver = {0};
+  char name[64];
+  BASE_TRY(sequence_text_parse(c->problem, &t, err));
+  BASE_TRY(formulation_choose(t.formulation, &form, err));
+  base_status done = solver_choose(t.solver, &solver, err);
+  sha256 s;
+  sha256_begin(&s);
+  sha256_text(&s, c->problem);
+  name_of(t.scene, name);
+  if (done == BASE_OK && is_file(c)) {
+    char path[512];
+    char file[SHA256_HEX];
+    int facets;
+    done = file_of(c, path, sizeof path, &facets, err);
+    if (done == BASE_OK) {
+      done = sha256_file(path, file, err);
+    }
+    if (done == BASE_OK) {
+      sha256_text(&s, file);
+    }
+  } else if (done == BASE_OK) {
+    sha256_text(&s, version_of_scene(name));
+  }
+  if (done == BASE_OK) {
+    sha256_text(&s, version_of_formulation(form.form->name));
+    sha256_text(&s, version_of_solver(solver.solver->name));
+  }
+  sha256_end(&s, hex);
+  formulation_choice_free(&form);
+  solver_choice_free(&solver);
+  return done;
+}
+
 /* Files by content (a Matrix Market M with its q), scenes by their text and source. */
 static base_status problem_key(const cell *c, char hex[SHA256_HEX], base_error *err) {
   char path[512];
   int facets;
+  if (c->formulation[0] == '\0' && sequence_is_text(c->problem)) {
+    return posed_key(c, hex, err);
+  }
   if (!is_file(c)) {
     char name[64];
-    (void)snprintf(name, sizeof name, "%.*s", (int)strcspn(c->problem, ":"), c->problem);
+    name_of(c->problem, name);
     sha256 s;
     sha256_begin(&s);
     sha256_text(&s, c->problem);

@@ -21,22 +21,23 @@
   R(step_s) R(duration_s) T(start, 16) T(contact_order, 24) T(effects, 200) T(effects_auto, 240) R(tol) I(threads)      \
   B(quick) T(cache, 8)                                                                             \
   I(n_bodies) I(n_dof) I(n_contacts) I(n_active) I(lcp_dim) I(nnz) R(density) T(storage, 16)       \
-  R(t_contacts_s) R(t_assemble_s) R(t_setup_s) R(t_factor_s) R(t_solve_s) R(t_share_s) R(t_advance_s) \
+  R(t_contacts_s) R(t_assemble_s) R(t_setup_s) R(t_factor_s) R(t_solve_s) R(t_share_s) R(t_advance_s) R(t_watch_s) \
   R(t_total_s) R(t_step_s) R(t_step_max_s) R(t_step_p50_s) R(t_step_p95_s) R(t_step_p99_s)         \
   R(share_1ms) R(share_4ms) R(share_16ms) R(t_cpu_s) I(n_inner) R(t_limit_s) R(mem_limit_B)                       \
   I(n_steps) I(n_solves) I(n_unsolved) I(n_iter) I(n_pivot) I(n_matvec) I(n_factor)                \
   I(n_linesearch) I(n_evaluations) I(n_modes) I(n_fallback)  \
+  R(active_change) I(regressions) I(regressions_time)                                              \
   I(uniqueness) I(n_shared) I(n_share_missed) R(workspace_B) R(rss_peak_B)                            \
   T(status, 16) T(status_claimed, 16) B(verified) I(exit_signal) T(note, 240) T(flags, 120)        \
   I(metric_version)                                                                                \
   R(rho) R(res_natural) R(res_natural_rel) R(res_feas_z) R(res_feas_w) R(res_comp)                 \
-  R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(energy_defect_J)   \
+  R(res_ncp) R(res_ncp_rel) R(res_cone) R(dissipation_gap_J) R(penetration_m) R(approach_m) R(energy_defect_J) \
   R(energy_drift_rel) R(stiffness_ratio) R(v_slip) R(deflection_m)                                 \
   R(err_ref) T(err_quantity, 80) R(err_predicted) R(err_tol) T(err_source, 160) R(err_worst)       \
   T(end_quantity, 64) R(end_value)                                                                 \
   I(n_predictions) I(n_predictions_missed) T(missed, 160) T(effects_seen, 200)                     \
   T(solution_hash, 24)                                                                             \
-  T(host, 64) T(host_class, 96) T(cpu_set, 16) I(mem_node) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1)   \
+  T(host, 64) T(host_class, 160) T(cpu_set, 16) I(mem_node) R(freq_MHz) I(ctx_invol) I(major_faults) R(load1) R(load_other) \
   B(throttled) R(canary_s) T(trace, 48) T(started_utc, 24) T(suite_commit, 48) B(suite_dirty)      \
   T(build_hash, 24) T(base_hash, 24)                                                                                \
   T(command, 1200)
