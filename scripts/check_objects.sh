@@ -32,5 +32,5 @@ own() { # library, prefixes
 }
 own "$b/lcp/liblcp.a" 'lcp|base|lin|linear|lemke'
 own "$b/problems/libproblems.a" 'scenes?|kit|spec|world|contact|effects?|shape|segment|gap|body|broad|pair|detect|loads|joint|joints|model|store|piece|problem|round|survives|case|node|read|known|plant|triplets|generate|family|friction|import|fclib|siconos|lcp_case|lcp_family|lcp_families|name_index'
-own "$b/formulations/libformulations.a" 'anderson|form|formulations?|force|contact_memory|poly|row_form|row_matrix|row_storage|row_assembly|reg|arc|impulse_log|joint_log|penalty|slip|event|space|step|turns|watch'
+own "$b/formulations/libformulations.a" 'anderson|boxed|form|formulations?|force|contact_memory|poly|row_form|row_matrix|row_storage|row_assembly|reg|arc|impulse_log|joint_log|penalty|slip|event|space|step|turns|watch'
 exit $bad

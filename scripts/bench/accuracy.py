@@ -17,8 +17,6 @@ from bench.section import Cell, Section, Table, error, si
 # what the first screen asks for: a hundredth of a metre, of a metre a second, of a radian
 LEVEL = 1e-2
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4)
-# costs closer than this are ties, where the machine's own noise floor was not measured
-NOISE = 1.05
 YARDSTICKS = {
     "trajectory": ("err_ref", "error of the trajectory"),
     "physical": ("res_ncp_rel", "residual of the exact Coulomb model"),
@@ -79,11 +77,12 @@ def cheapest(cells: pd.DataFrame, level: float, column: str = "err_ref") -> pd.S
 
 
 def ties(cells: pd.DataFrame, best: pd.Series, level: float, column: str = "err_ref") -> list[str]:
-    """Other combinations that get there in the same time: medians closer than the noise, or
-    intervals of the samples that overlap."""
+    """Other combinations that get there in the same time: medians closer than the noise of their
+    campaign and size, or intervals of the samples that overlap."""
     fit = within(cells, level, column)
+    tie = fit["noise"].clip(lower=best["noise"])
     fit = fit[
-        (fit["cost"] <= NOISE * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
+        (fit["cost"] <= tie * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
     ]
     return sorted(set(fit["combination"]) - {best["combination"]})
 
@@ -111,7 +110,11 @@ def spot(cell: pd.Series | dict) -> str:
     error = (
         "not resolved" if cell["err_ref"] < cell["err_floor"] else f"error {cell['err_ref']:.2g}"
     )
-    return f"{cell['combination']}, h = {cell['step_s']:g} s, tol {cell['tol']:.0e}: {error}"
+    return (
+        f"{cell['combination']}{rows_.from_last(cell['start'])}, h = {cell['step_s']:g} s, tol"
+        f" {cell['tol']:.0e}: {error} ({cell['err_quantity']}), {si(cell['cost'], 's')}"
+        + (f"; disturbed: {cell['disturbed']}" if cell["disturbed"] else "")
+    )
 
 
 # an uncertainty further below the least error is written, not drawn: the band would squeeze the
@@ -160,6 +163,7 @@ def panel(problem: str, cells: pd.DataFrame, index: dict[str, int]) -> Panel:
                 high.tolist(),
                 crosses,
                 hover=[spot(c) for c in some.to_dict("records")],
+                hollow=[bool(d) for d in some["disturbed"]],
                 variant=index.get(label, 0),
             )
         )
@@ -196,6 +200,22 @@ def drawn_values(values: set[str]) -> set[str]:
         return values
     ranked = sorted(values, key=int)
     return {*ranked[: VALUES - 1], ranked[-1]}
+
+
+def tenths(cells: pd.DataFrame) -> list[tuple[float, str, pd.DataFrame]]:
+    """[(times as long for a tenth of the error, problem, its front)] of the scenes whose front
+    spans a decade of errors that are resolved."""
+    out = []
+    for problem, g in trades(scenes(cells)):
+        fit = usable(g)
+        fit = fit[fit["err_ref"] > fit["err_floor"]]
+        best = fit.iloc[front(fit)]
+        if len(best) < 2:
+            continue
+        decades = math.log10(best["err_ref"].max() / best["err_ref"].min())
+        if decades >= 1:
+            out.append(((best["cost"].max() / best["cost"].min()) ** (1 / decades), problem, best))
+    return out
 
 
 def kept(cells: pd.DataFrame) -> pd.DataFrame:
@@ -275,7 +295,8 @@ def level_cell(cells: pd.DataFrame, level: float, column: str = "err_ref") -> Ce
     same = ties(cells, best, level, column)
     more = f"\n= {len(same)} more" if same else ""
     return Cell(
-        f"{best['combination']}\nh = {best['step_s']:g} s, {si(best['cost'], 's')}{more}",
+        f"{best['combination']}{rows_.from_last(best['start'])}\nh = {best['step_s']:g} s,"
+        f" {si(best['cost'], 's')}{more}",
         title=str(best.get("command", ""))
         + (f"\nin the same time: {', '.join(same)}" if same else ""),
         sort=best["cost"],
@@ -301,8 +322,8 @@ def table(cells: pd.DataFrame) -> Table:
         "Cheapest combination that reaches an error of the trajectory, per scene (error in the"
         " unit of the quantity; total time of the run). Reached: the error and the uncertainty of"
         ' the reference together stay below, at this step and at every smaller one. "= n more": so'
-        f" many others take the same time, to {NOISE - 1:.0%} or to the spread of the samples. The"
-        " command that reruns it is the tooltip, and scripts/recommend prints it.",
+        " many others take the same time, to the noise of their campaign and size or to the spread"
+        " of the samples. The command that reruns it is the tooltip; scripts/recommend prints it.",
         ["scene", "quantity"] + [f"error ≤ {v:g}" for v in LEVELS],
         rows,
     )
@@ -481,6 +502,7 @@ def rival(
         "ratio": ratio,
         "low": low,
         "high": high,
+        "noise": max([1.0] + [side[p]["noise"] for p in both for side in (won, theirs)]),
     }
 
 
@@ -497,11 +519,76 @@ def rival_words(r: dict) -> str:
         if r["both"] > 1
         else "on the one scene that both reach"
     )
-    tie = 1 / NOISE <= r["ratio"] <= NOISE or r["both"] > 1 and r["low"] <= 1 <= r["high"]
+    tie = 1 / r["noise"] <= r["ratio"] <= r["noise"] or r["both"] > 1 and r["low"] <= 1 <= r["high"]
     takes = (
         "takes the same time, to the spread," if tie else f"takes {r['ratio']:.2g} times as long"
     )
     return f"{r['name']} {takes} {on}{fewer}"
+
+
+MANY = 100  # contacts from which a scene has an answer of its own on the first screen
+
+
+def tenth_words(group: pd.DataFrame, level: float) -> str:
+    """What a tenth of the error costs on one scene."""
+    best, next_ = cheapest(group, level), cheapest(group, level / 10)
+    if next_ is None:
+        return "a tenth of the error is not reached"
+    if next_["cost"] <= max(best["noise"], next_["noise"]) * best["cost"]:
+        return "a tenth of the error costs nothing more"
+    return f"a tenth of the error takes {next_['cost'] / best['cost']:.2g} times as long"
+
+
+def largest(here: Scenes, level: float) -> dict | None:
+    """The cheapest on the scene of most contacts that is reached, where it has many: what wins on
+    most scenes, small ones, need not win there."""
+    found = [(p, g, best) for p, g in here if (best := cheapest(g, level)) is not None]
+    sized = [f for f in found if f[2]["n_contacts"] >= MANY]
+    if not sized:
+        return None
+    problem, group, best = max(sized, key=lambda f: f[2]["n_contacts"])
+    first = (
+        within(group, level)
+        .sort_values("cost")
+        .drop_duplicates("formulation")[["formulation", "combination", "cost"]]
+    )
+    others = first[first["formulation"] != best["formulation"]]
+    return {
+        "use": best["combination"],
+        "formulation": best["formulation"],
+        "solver": best["solver"],
+        "problem": problem,
+        "contacts": best["n_contacts"],
+        "step": best["step_s"],
+        "start": best["start"],
+        "per_step": best["cost"] / best["n_steps"],
+        "error": best["err_ref"],
+        "quantity": best["err_quantity"],
+        "same": ties(group, best, level),
+        "others": [
+            (r["combination"], r["cost"] / best["cost"])
+            for r in others.to_dict("records")
+            if r["cost"] > best["noise"] * best["cost"]
+        ],
+        "tenth": tenth_words(group, level),
+        "command": str(best.get("command", "")),
+    }
+
+
+def largest_words(large: dict | None) -> tuple[str, str]:
+    """(the answer, what stands behind it) for a reader; nothing where no scene has many
+    contacts."""
+    if not large:
+        return "", ""
+    same = f"As fast: {', '.join(large['same'])}. " if large["same"] else ""
+    slower = [f"{name} {ratio:.2g}" for name, ratio in large["others"][:3]]
+    return (
+        f"{large['contacts']:g} contacts ({large['problem']}): {large['use']},"
+        f" {si(large['per_step'], 's', 2)} a step",
+        f"Steps of {large['step'] * 1e3:g} ms{rows_.from_last(large['start'])}. {same}"
+        + (f"Times as long: {', '.join(slower)}. " if slower else "")
+        + f"Error {error(large['error'])} ({large['quantity']}); {large['tenth']}.",
+    )
 
 
 def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
@@ -549,6 +636,7 @@ def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
                 "error": cell["err_ref"],
                 "physical": cell["res_ncp_rel"],
                 "other": other,
+                "large": largest(here, level),
                 "command": str(cell.get("command", "")),
                 "solver": name.split(" + ")[1],
                 "formulation": name.split(" + ")[0],

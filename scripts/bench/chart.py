@@ -31,6 +31,7 @@ class Line:
     kind: str = "line"  # line, steps, points, front, band
     look_as: str = ""  # the name whose colour and marker it takes
     end_label: str = ""
+    hollow: list = None  # which points were measured on a disturbed machine
 
     def look(self) -> dict:
         """Of the component that it is called after, unless it says which."""
@@ -134,6 +135,9 @@ def _narrow(ax: Axes, panel: Panel):
             axis.set_minor_formatter(NullFormatter())
 
 
+HOLLOW = {"linestyle": "none", "markerfacecolor": "white", "markeredgewidth": 1.1, "zorder": 3}
+
+
 def _line(ax: Axes, line: Line):
     look = line.look()
     if line.kind == "front":
@@ -168,6 +172,9 @@ def _line(ax: Axes, line: Line):
         )  # a mark here and there tells dashes apart in grey
     if len(line.x):
         ax.plot(line.x, line.y, label=line.name, **look)
+        some = [(x, y) for x, y, h in zip(line.x, line.y, line.hollow or [], strict=False) if h]
+        if some:
+            ax.plot(*zip(*some, strict=True), **look | HOLLOW)
     if line.low is not None and len(line.x):
         step = {"step": "post"} if line.kind == "steps" else {}
         ax.fill_between(
@@ -322,6 +329,10 @@ def _legend(figure: Figure, axes: np.ndarray, chart: Chart):
         found["not solved or not verified"] = plt.Line2D(
             [], [], color="#444444", **style.UNVERIFIED
         )
+    if any(any(line.hollow or []) for panel in chart.panels for line in panel.lines):
+        found["hollow: on a disturbed machine"] = plt.Line2D(
+            [], [], color="#444444", marker="o", **HOLLOW
+        )
     if found:
         longest = max(len(name) for name in found)
         per_row = max(1, int(chart.width / (0.62 + 0.062 * longest)))
@@ -411,6 +422,9 @@ def _plotly_line(line: Line, axis: str, shown: set[str]):
             "color": look["color"],
         },
     }
+    if any(line.hollow or []):
+        base = trace["marker"]["symbol"].removesuffix("-open")
+        trace["marker"]["symbol"] = [base + ("-open" if h else "") for h in line.hollow]
     if line.kind == "steps":
         trace["marker"] |= {"size": 6, "maxdisplayed": 6}
     if line.hover:
@@ -527,11 +541,71 @@ def plotly(chart: Chart) -> str:
                     if max(values) / min(values) > 30
                     else "D2"
                 )
+                if (
+                    layout[f"{which}axis{axis}"]["dtick"] == "D2"
+                ):  # 0.02, not a 2 without its decade
+                    layout[f"{which}axis{axis}"]["tickformat"] = "~g"
         for line in panel.lines:
             data += _plotly_line(line, axis, shown)
     layout["annotations"] = notes
     if chart.width <= style.COLUMN:
         layout["width"] = 620
+    return json.dumps({"data": data, "layout": layout}, separators=(",", ":"), sort_keys=True)
+
+
+def plotly_heat(heat: Heat) -> str:
+    """A map as the JSON text of a Plotly figure: a field tells its row, its column and its word."""
+    down = -(-len(heat.panels) // heat.across)
+    tall = [
+        max(len(p.rows) for p in heat.panels[r * heat.across : (r + 1) * heat.across])
+        for r in range(down)
+    ]
+    head, line, gap = 120, 20, 26  # names of the columns, a row, between panels [px]
+    height = head + sum(line * n + gap for n in tall)
+    data, layout = [], {"height": height, "margin": {"l": 10, "r": 10, "t": 10, "b": head}}
+    inside, top = height - head - 10, 1.0
+    scale = [[0, "#fabd8c"], [0.999, "#cce6f7"], [1, "#73b3e3"]]
+    for i, panel in enumerate(heat.panels):
+        axis, (row, column) = "" if i == 0 else str(i + 1), divmod(i, heat.across)
+        if column == 0 and row:
+            top -= (line * tall[row - 1] + gap) / inside
+        bottom = top - line * len(panel.rows) / inside
+        width = 1 / heat.across
+        data.append(
+            {
+                "type": "heatmap",
+                "xaxis": f"x{axis}",
+                "yaxis": f"y{axis}",
+                "x": heat.columns,
+                "y": panel.rows,
+                "z": [[_number(share) for _, share in words] for words in panel.words],
+                "text": [[word for word, _ in words] for words in panel.words],
+                "texttemplate": "%{text}",
+                "hovertemplate": "%{y}<br>%{x}<br>%{text}<extra></extra>",
+                "hoverongaps": False,
+                "zmin": 0,
+                "zmax": 1,
+                "showscale": False,
+                "colorscale": scale,
+                "xgap": 1,
+                "ygap": 1,
+                "textfont": {"size": 10, "color": "#1c2330"},
+            }
+        )
+        layout[f"xaxis{axis}"] = {
+            "domain": [round(column * width + 0.14 * width, 4), round((column + 1) * width, 4)],
+            "anchor": f"y{axis}",
+            "tickangle": 60,
+            "showticklabels": row == down - 1,
+            "tickfont": {"size": 10},
+        }
+        layout[f"yaxis{axis}"] = {
+            "domain": [round(max(bottom, 0), 4), round(top, 4)],
+            "anchor": f"x{axis}",
+            "autorange": "reversed",
+            "tickfont": {"size": 10},
+        }
+    layout |= {"paper_bgcolor": "#fff", "plot_bgcolor": "#fff"}
     return json.dumps({"data": data, "layout": layout}, separators=(",", ":"), sort_keys=True)
 
 
@@ -563,7 +637,11 @@ def from_cells(
     """A line with one point per x: the median over cells, their median interval; crosses for the
     cells in `bad`."""
     take = [c for c in (y, y + "_low", y + "_high") if c in good]
-    points = good.dropna(subset=[y]).groupby(x, as_index=False)[take].median()
+    some = good.dropna(subset=[y])
+    points = some.groupby(x, as_index=False)[take].median()
+    hollow = (
+        (some["disturbed"] != "").groupby(some[x]).any().tolist() if "disturbed" in some else []
+    )
     low = points[y + "_low"].tolist() if y + "_low" in points else None
     high = points[y + "_high"].tolist() if y + "_high" in points else None
     crosses = [
@@ -571,4 +649,5 @@ def from_cells(
         for a, b in zip(bad[x], bad[y], strict=True)
         if np.isfinite(a) and np.isfinite(b)
     ]
+    more.setdefault("hollow", hollow)
     return Line(name, points[x].tolist(), points[y].tolist(), low, high, crosses, **more)

@@ -1,4 +1,4 @@
-"""What an effect is worth: everything on, as declared, chosen by a pilot, and each declared effect
+"""What an effect is worth: everything on, as declared, watched, and each declared effect
 dropped in turn."""
 
 import re
@@ -153,9 +153,10 @@ def chart(found: list[Group]) -> Chart:
         return None
     return Chart(
         "effects",
-        "What an effect is worth: time of the run with everything on, with the effects that a pilot"
-        " chose (auto), and with one declared effect dropped (those that change the unknowns of"
-        " most scenes), relative to the run as declared (least of the samples). Left is cheaper.",
+        "What an effect is worth: time of the run with everything on, with the effects that the"
+        " run called for (auto), and with one declared effect dropped (those that change the"
+        " unknowns of most scenes), relative to the run as declared (least of the samples). Left is"
+        " cheaper.",
         out,
         columns=2,
         height=0.6 + 0.135 * max(len(p.yticks) for p in out),
@@ -277,8 +278,8 @@ def section(cells: pd.DataFrame) -> Section | None:
             savings(found),
             Table(
                 "effects",
-                "Unknowns, time per step and error with everything on, as declared, as a pilot"
-                " chose (auto: what it dropped is the tooltip of the status), and with each"
+                "Unknowns, time per step and error with everything on, as declared, as the run"
+                " called for (auto: what came in when is the tooltip of the status), and with each"
                 " declared effect dropped; times are the least of the samples. *: less by more than"
                 " the noise.",
                 [

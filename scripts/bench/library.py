@@ -158,7 +158,7 @@ def profiles(
 
 ENDS = {
     "false claims": ["unverified"],
-    "limits": ["timeout", "time_limit", "max_iter", "stalled", "near"],
+    "limits": ["timeout", "time_limit", "max_iter", "budget", "stalled", "near"],
     "rays": ["ray", "infeasible"],
     "breakdowns": ["crash", "oom", "numerical", "error", "no_output", "flood"],
     "not defined": ["unsupported", "skipped"],

@@ -91,6 +91,7 @@ def as_cell(answer: dict, stressor: Stressor, form: str) -> dict:
         "n_predictions_missed": len(bad),
         "missed": ", ".join(map(text, bad[:3])),
         "penetration_m": answer["penetration_max_m"] or 0.0,
+        "approach_m": answer["approach_max_m"] or 0.0,
     }
 
 

@@ -9,6 +9,7 @@ import pathlib
 from collections.abc import Iterator
 
 import jinja2
+import numpy as np
 import pandas as pd
 import plotly
 from markupsafe import Markup
@@ -39,11 +40,9 @@ def png(figure: Figure) -> str:
 
 
 def picture(chart: Chart | Heat) -> dict:
-    """A chart for the page: a drawing, and what makes it interactive; maps stay drawings, their
-    tables follow."""
-    spec = (
-        "" if isinstance(chart, chart_.Heat) else Markup(chart_.plotly(chart).replace("</", "<\\/"))
-    )
+    """A chart for the page: a drawing, and what makes it interactive."""
+    made = chart_.plotly_heat if isinstance(chart, chart_.Heat) else chart_.plotly
+    spec = Markup(made(chart).replace("</", "<\\/"))
     return {
         "name": chart.name,
         "caption": chart.caption,
@@ -250,6 +249,67 @@ def names_table(cells: pd.DataFrame) -> Table:
     )
 
 
+def masthead(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
+    """Product, version, date, processor, form: what a reader must know before a number."""
+    machines = [m.get("machine", {}) for m in manifests.values()]
+    classes = sorted({c for c in cells["host_class"] if c})
+    cpus = classes or sorted({m["cpu"] for m in machines if m.get("cpu")})
+    days = sorted({str(d)[:10] for d in cells["started_utc"] if d})
+    commits = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
+    quick = {str(m.get("campaign", {}).get("quick")) for m in manifests.values() if m}
+    form = {"{'True'}": "quick form", "{'False'}": "full form"}.get(str(quick), "")
+    parts = [
+        f"lcpbench {', '.join(commits)}".strip(),
+        f"measured {days[0]}" + (f" to {days[-1]}" if len(days) > 1 else "") if days else "",
+        f"on {' and '.join(cpus)}" if cpus else "",
+        f"{form}: a smoke test, not a reference" if form.startswith("quick") else form,
+    ]
+    return " · ".join(p for p in parts if p)
+
+
+def band(cells: pd.DataFrame) -> str:
+    """What stands above everything where rows were disturbed; nothing where none was."""
+    n = int((cells["disturbed"] != "").sum())
+    if not n:
+        return ""
+    why = ", ".join(sorted({w for d in cells["disturbed"] if d for w in d.split(", ")}))
+    where = ", ".join(sorted(set(cells["campaign"][cells["disturbed"] != ""])))
+    return (
+        f"{n} of {len(cells)} cells were measured on a disturbed machine ({why}; in {where}). Their"
+        " markers are hollow, their ties wider by the drift of the canaries, and their times worth"
+        " a factor at best."
+    )
+
+
+SPARK = (150, 44)  # of the small picture [px]
+
+
+def spark(cells: pd.DataFrame) -> str:
+    """What a tenth of the error costs: the median over the scenes, and the front of the scene
+    next to it as a small picture. Empty where no front spans a decade."""
+    found = accuracy.tenths(accuracy.own(cells))
+    if not found:
+        return ""
+    factor = float(np.median([f for f, _, _ in found]))
+    _, problem, front = min(found, key=lambda e: (abs(e[0] - factor), e[1]))
+    x, y = (np.log(front[c].to_numpy(float)) for c in ("err_ref", "cost"))
+    w, h = SPARK
+    name = html.escape(accuracy.short(problem))
+    points = " ".join(
+        f"{4 + (w - 8) * (a - x.min()) / (np.ptp(x) or 1):.1f},"
+        f"{h - 4 - (h - 8) * (b - y.min()) / (np.ptp(y) or 1):.1f}"
+        for a, b in sorted(zip(x, y, strict=True))
+    )
+    return (
+        f'<p class="price"><b>{factor:.2g} ×</b> the time for a tenth of the error'
+        f" <small>(median of {len(found)} scenes; the picture: {name},"
+        " time up, error to the right)</small>"
+        f'<svg width="{w}" height="{h}" role="img" aria-label="time against error">'
+        f'<polyline points="{points}" fill="none" stroke="currentColor" stroke-width="2"/>'
+        "</svg></p>"
+    )
+
+
 def plain(*names: str) -> str:
     """'regularized: solves for ...' for each of the names that this build knows."""
     return " ".join(
@@ -273,6 +333,7 @@ def card(a: dict) -> dict:
                 else "No scene of this kind in these rows."
             ),
         }
+    large, behind = accuracy.largest_words(a["large"])
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
     return {
         "situation": a["situation"],
@@ -291,6 +352,8 @@ def card(a: dict) -> dict:
         "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.",
         "other": other,
         "breaks": a["breaks"],
+        "large": large,
+        "behind": f"{behind} {a['large']['breaks']}" if large else "",
         "command": a["command"],
     }
 
@@ -299,6 +362,8 @@ def render(
     title: str,
     counts: str,
     footer: str,
+    cells: pd.DataFrame,
+    manifests: dict[str, dict],
     cards: list[dict],
     advice: Table,
     names: Table,
@@ -332,6 +397,9 @@ def render(
         title=title,
         level=f"{accuracy.LEVEL:g}",
         counts=counts,
+        masthead=masthead(cells, manifests),
+        band=band(cells),
+        price=Markup(spark(cells)),
         footer=footer,
         scope=SCOPE,
         cards=[card(a) for a in cards],
@@ -353,6 +421,7 @@ SHORT = {
     "effects": "Effects",
     "scaling": "Scaling",
     "library": "Solvers",
+    "moving": "Many contacts",
     "cells": "All cells",
     "failures": "Failures",
     "method": "Method",

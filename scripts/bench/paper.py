@@ -12,8 +12,9 @@ FLOOR = 1e-16  # drawn, not computed: an exact answer has no place on a logarith
 
 
 def own(cells: pd.DataFrame) -> pd.DataFrame:
-    """The scenes of the campaign `paper`."""
-    return cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    """The scenes of the campaign `paper`, cold."""
+    some = cells[cells["campaign"].str.startswith("paper") & (cells["formulation"] != "")]
+    return some[some["start"] != "previous"]  # a start is an axis; figures show one value of it
 
 
 def variants(cells: pd.DataFrame) -> dict[str, int]:
@@ -45,8 +46,11 @@ def dimension(cells: pd.DataFrame) -> Chart:
     cells = ladder(cells[cells["good"] & (cells["lcp_dim"] > 0)])
     if cells.empty:
         return None
-    lines = {}  # formulations that pose the same sizes share a line
-    for label, group in cells.groupby("label"):
+    # settings that pose the same sizes share a name, formulations that do so a line
+    base = cells["label"].str.partition(" (")[0]
+    alike = cells.groupby([base, "p"])["lcp_dim"].nunique().groupby(level=0).max() == 1
+    lines = {}
+    for label, group in cells.groupby(base.where(base.map(alike), cells["label"])):
         lines.setdefault(tuple(group.groupby("p")["lcp_dim"].max().items()), []).append(label)
     out = []
     for points, labels in sorted(lines.items(), key=lambda kv: kv[0][-1]):

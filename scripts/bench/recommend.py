@@ -33,6 +33,25 @@ def why_not(fit: pd.DataFrame, column: str, level: float) -> str:
     return f"the smallest error that finer steps keep is {error(fit['err_sure'].min())}"
 
 
+def error_of(text: str) -> tuple[float, bool]:
+    """'1%' -> (0.01, True): of the scene's scale; '0.01' -> (0.01, False): in the unit of its
+    quantity."""
+    share = text.endswith("%")
+    value = float(text.removesuffix("%")) / (100 if share else 1)
+    if not 0 <= value < float("inf"):
+        raise ValueError(text)
+    return value, share
+
+
+def scale_of(group: pd.DataFrame) -> float:
+    """What an error of 1 % is a share of: the size of the predicted value, or of the end value
+    where the reference is a converged run; 0 where neither has a size."""
+    predicted = group["err_predicted"].abs().median()
+    ends = group["end_value"][group["converged"]].abs().median()
+    found = predicted if predicted > 0 else ends
+    return float(found) if found > 0 else 0.0
+
+
 def main() -> int:
     parser = say.Arguments(
         prog="scripts/recommend",
@@ -50,7 +69,13 @@ def main() -> int:
         required=True,
         help="problem as in the rows, or a pattern; its family name is enough",
     )
-    parser.add_argument("--error", required=True, type=float, help="error to stay below")
+    parser.add_argument(
+        "--error",
+        required=True,
+        type=error_of,
+        metavar="E",
+        help="error to stay below, in the unit of the scene's quantity, or 1%% of its size",
+    )
     parser.add_argument("--yardstick", choices=list(accuracy.YARDSTICKS), default="trajectory")
     args = parser.parse_args()
     column = accuracy.YARDSTICKS[args.yardstick][0]
@@ -59,7 +84,6 @@ def main() -> int:
     except rows.BadRows as problem:
         say.complain(problem)
         return 2
-    accuracy.NOISE = rows.noise(args.folder) or accuracy.NOISE
     match = [
         fnmatch.fnmatch(p, args.scene) or f == args.scene
         for p, f in zip(cells["problem"], cells["problem_family"], strict=True)
@@ -74,11 +98,19 @@ def main() -> int:
         return 2
     status = 3
     for problem, group in found.groupby("problem"):
-        best = accuracy.cheapest(group, args.error, column)
+        level, share = args.error
+        if share and column == "err_ref":
+            scale = scale_of(group)
+            if scale == 0.0:
+                print(f"{problem}: its quantity has no size; give an error in its unit")
+                continue
+            print(f"{problem}: {level:.3g} of {scale:.3g} ({group['err_quantity'].iloc[0]})")
+            level *= scale
+        best = accuracy.cheapest(group, level, column)
         if best is None:
             print(
-                f"{problem}: nothing confirmed reaches {args.error:g};"
-                f" {why_not(accuracy.usable(group, column), column, args.error)}"
+                f"{problem}: nothing confirmed reaches {level:g};"
+                f" {why_not(accuracy.usable(group, column), column, level)}"
             )
             continue
         status = 0
@@ -87,7 +119,7 @@ def main() -> int:
             f"{problem}: {use}, h = {best['step_s']:g} s: {args.yardstick} error"
             f" {said(best, column)}, {si(best['cost'], 's')}"
         )
-        same = accuracy.ties(group, best, args.error, column)
+        same = accuracy.ties(group, best, level, column)
         if same:
             print(
                 f"  in the same time, to the noise or the spread of the samples: {'; '.join(same)}"

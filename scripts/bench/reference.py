@@ -12,7 +12,21 @@ import numpy as np
 import pandas as pd
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
-from bench import accuracy, chart, effects, paper, registry, rows, say, section, stability, style  # noqa: E402
+from bench import (
+    accuracy,
+    chart,
+    effects,
+    headline,
+    moving,
+    paper,
+    registry,
+    rows,
+    say,
+    section,
+    stability,
+    style,
+    surface,
+)  # noqa: E402
 from bench.section import Cell, Table, si  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -21,10 +35,10 @@ EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
 
 
 def pack(source: pathlib.Path, target: pathlib.Path) -> None:
-    """Rows and manifests of every campaign; packed rows have the same bytes for the same rows."""
-    for old in target.glob("*/"):
-        if old.is_dir() and old.name != "figures":
-            shutil.rmtree(old)
+    """Rows and manifests of every campaign; packed rows have the same bytes for the same rows. What
+    other scripts measured beside them stays."""
+    for old in target.glob("*/results.csv.xz"):
+        shutil.rmtree(old.parent)
     for found in sorted(source.glob("*/results.csv")):
         out = target / found.parent.name
         out.mkdir(parents=True, exist_ok=True)
@@ -43,6 +57,7 @@ def figures(cells: pd.DataFrame, ladders: stability.Ladders, target: pathlib.Pat
         paper.dimension(own),
         paper.time_and_error(own),
         accuracy.chart(accuracy.own(cells)),
+        (found := surface.surfaces(accuracy.own(cells))) and surface.chart(found),
         stable and stable.charts[0],
         effect and effect.charts and effect.charts[0],
     ]
@@ -61,10 +76,12 @@ def picture(
 
 def advice_words(cells: pd.DataFrame) -> str:
     """The answer as a table: what the first screen of the page says."""
-    body = []
+    body, large = [], []
     for a in accuracy.advise(cells):
         if not a["use"]:
             continue
+        if a["large"]:
+            large.append(": ".join(accuracy.largest_words(a["large"])))
         body.append(
             [
                 a["situation"],
@@ -77,24 +94,9 @@ def advice_words(cells: pd.DataFrame) -> str:
                 accuracy.rival_words(a["other"]),
             ]
         )
-    return (
-        section.table_md(
-            Table(
-                "",
-                "",
-                [
-                    "scene",
-                    "use",
-                    "a step takes",
-                    f"scenes within {accuracy.LEVEL:g}",
-                    "next formulation",
-                ],
-                body,
-            )
-        )
-        if body
-        else ""
-    )
+    header = ["scene", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}"]
+    lines = section.table_md(Table("", "", [*header, "next formulation"], body)) if body else ""
+    return lines + (f"\nThe largest: {' '.join(large)}\n" if large else "")
 
 
 def converged_words(own: pd.DataFrame) -> str:
@@ -112,32 +114,7 @@ def converged_words(own: pd.DataFrame) -> str:
 
 def accuracy_words(cells: pd.DataFrame) -> str:
     own = accuracy.own(cells)
-    found = accuracy.scenes(own)
-    # formulation -> for each scene that it wins: did another formulation take the same time?
-    votes = {}
-    for _, g in found:
-        best = accuracy.cheapest(g, accuracy.LEVEL)
-        if best is not None:
-            tied = {
-                combination.split(" + ")[0].split(":")[0]
-                for combination in accuracy.ties(g, best, accuracy.LEVEL)
-            } - {best["formulation"]}
-            votes.setdefault(best["formulation"], []).append(bool(tied))
-    ranked = sorted(votes.items(), key=lambda kv: (-len(kv[1]), kv[0]))
-    first = ", ".join(
-        f"`{name}` in {len(v)}" + (f" ({sum(v)} tied with another)" if any(v) else "")
-        for name, v in ranked[:3]
-    )
-    tenth = []  # times as long for a tenth of the error, along the front
-    for _, g in accuracy.trades(found):
-        fit = accuracy.usable(g)
-        fit = fit[fit["err_ref"] > fit["err_floor"]]
-        front = fit.iloc[accuracy.front(fit)]
-        decades = (
-            math.log10(front["err_ref"].max() / front["err_ref"].min()) if len(front) > 1 else 0.0
-        )
-        if decades >= 1:
-            tenth.append((front["cost"].max() / front["cost"].min()) ** (1 / decades))
+    tenth = [f for f, _, _ in accuracy.tenths(own)]
     price = (
         f"a tenth of the error takes {np.median(tenth):.2g} times the time (median of {len(tenth)}"
         " scenes whose front spans a decade)"
@@ -146,9 +123,35 @@ def accuracy_words(cells: pd.DataFrame) -> str:
     )
     return (
         "What accuracy costs: left and low is better, grey is the front that nothing beats, in the"
-        " hatched band the reference itself is uncertain. The cheapest way to an error below"
-        f" {accuracy.LEVEL:g} (m, m/s or rad) is {first} of {len(found)} scenes; {price}. "
-        + converged_words(own)
+        " hatched band the reference itself is uncertain."
+        f" {price[0].upper()}{price[1:]}. " + converged_words(own)
+    )
+
+
+def headline_words(cells: pd.DataFrame) -> str:
+    """The four readings in one table, with what they say together."""
+    made = headline.table(cells)
+    if made is None:
+        return ""
+    return f"{made.caption} {headline.words(cells)}\n\n{section.table_md(made)}\n"
+
+
+def moving_words(cells: pd.DataFrame) -> str:
+    """Larger scenes that move, beside the headline of the small ones."""
+    made = moving.table(cells)
+    return f"{moving.words(cells, '`')}\n\n{section.table_md(made)}\n" if made else ""
+
+
+def disturbed_words(cells: pd.DataFrame) -> str:
+    """How many of the cells were measured while something disturbed the machine."""
+    n = int((cells["disturbed"] != "").sum())
+    if not n:
+        return "No cell was disturbed."
+    why = ", ".join(sorted({w for d in cells["disturbed"] if d for w in d.split(", ")}))
+    return (
+        f"**{n} of {len(cells)} cells were measured on a disturbed machine ({why}):**"
+        " their ties are wider by the drift of the canaries, their markers hollow, and their times"
+        " worth a factor at best."
     )
 
 
@@ -157,6 +160,7 @@ def stability_words(ladders: stability.Ladders) -> str:
     stressors = {part for found in ladders.values() for part in found}
     fields = sum(of for _, of, _ in falls.values())
     stands = sum(n for n, _, _ in falls.values())
+    shares = stability.asked(ladders)
     full = [(n / of, f, s) for (f, s), (n, of, _) in falls.items() if of >= 15]
     best = sorted(full, reverse=True)[:3]
     causes = {}
@@ -164,7 +168,10 @@ def stability_words(ladders: stability.Ladders) -> str:
         for word, parts in fell.items():
             causes[word] = causes.get(word, 0) + len(parts)
     worst = sorted(causes.items(), key=lambda kv: -kv[1])[:3]
-    names = ", ".join(f"`{f}` with `{s}`" if s else f"`{f}`" for _, f, s in best)
+    names = ", ".join(
+        (f"`{f}` with `{s}`" if s else f"`{f}`") + stability.asked_words(shares[f, s])
+        for _, f, s in best
+    )
     return (
         f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every"
         " solver; a field counts the combinations that stand on every rung, its letter is what"
@@ -189,13 +196,14 @@ def effects_words(cells: pd.DataFrame) -> str:
     other = [r for _, _, r, same, _ in compared if not same]
     dearer = sum(r > 1 + noise for r in other)
     return (
-        "What an effect is worth: time with everything on, with the effects that a pilot chose"
-        " (`--effects auto:1e-6`), and with one declared effect dropped, over the time as"
-        f" declared. {len(compared) - len(other)} of {len(compared)} scenes declare all that costs:"
-        f" their work is the same with everything on, and tells the noise ({noise:.0%}). As"
-        f" declared is dearer beyond it in {dearer} of the other {len(other)}. Without friction a"
-        f" run takes {np.median(ratios.get('-friction', [math.nan])):.2f} times the time (median),"
-        f" and the pilot saves something in {len(dropped)} scenes, at most a factor"
+        "What an effect is worth: time with everything on, with the effects that the"
+        " run called for (`--effects auto:1e-6`), and with one declared effect dropped, over the"
+        f" time as declared. {len(compared) - len(other)} of {len(compared)} scenes declare all"
+        f" that costs: their work is the same with everything on, and tells the noise"
+        f" ({noise:.0%}). As declared is dearer beyond it in {dearer} of the other {len(other)}."
+        f" Without friction a run takes {np.median(ratios.get('-friction', [math.nan])):.2f} times"
+        " the time (median),"
+        f" and watching saves something in {len(dropped)} scenes, at most a factor"
         f" {1 / min(dropped, default=1):.2g}."
     )
 
@@ -224,7 +232,7 @@ def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     return (
         f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in"
         f" quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
-        " machine named in the manifests."
+        f" machine named in the manifests. {disturbed_words(cells)}"
     )
 
 
@@ -234,6 +242,8 @@ def short_words(cells: pd.DataFrame, have: set[str], manifests: dict[str, dict])
         [
             advice_words(cells),
             "\n",
+            headline_words(cells),
+            moving_words(cells),
             picture(
                 "accuracy_against_time",
                 "Error against time",
@@ -247,6 +257,13 @@ def short_words(cells: pd.DataFrame, have: set[str], manifests: dict[str, dict])
     )
 
 
+def surface_words(cells: pd.DataFrame) -> str:
+    return (
+        "What limits the error: one of step, tolerance, and facets or stiffness made coarse, all"
+        f" others fine. {surface.message(surface.surfaces(accuracy.own(cells)))}"
+    )
+
+
 def long_words(
     cells: pd.DataFrame, ladders: stability.Ladders, have: set[str], manifests: dict[str, dict]
 ) -> str:
@@ -255,7 +272,10 @@ def long_words(
     out = [
         advice_words(cells),
         "\n",
+        headline_words(cells),
+        moving_words(cells),
         picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
+        picture("surfaces", "What limits the error", have, surface_words(cells)),
         picture("stability", "Stability map", have, stability_words(ladders)),
         picture("effects", "Effects", have, effects_words(cells)),
         picture("dimension", "Unknowns of the LCP against contacts", have, dimension_words(cells)),
@@ -304,7 +324,6 @@ def main() -> int:
             say.complain(f"{page}: the markers '{BEGIN.strip()}' and '{END.strip()}' are missing")
             return 2
     cells = rows.cells(all_rows)
-    accuracy.NOISE = rows.noise(source) or accuracy.NOISE
     target = root / "results" / "reference"
     target.mkdir(parents=True, exist_ok=True)
     if source.resolve() != target.resolve():

@@ -11,18 +11,25 @@ import pandas as pd
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import (  # noqa: E402
     accuracy,
+    asked,
     calibration,
     claims,
     effects,
+    engine_rows,
+    engines,
+    headline,
     latex,
     library,
     limits,
+    moving,
     page,
     paper,
     rows,
     say,
     scaling,
     stability,
+    surface,
+    warm,
 )
 from bench.section import Section  # noqa: E402
 
@@ -45,6 +52,13 @@ def paper_section(cells: pd.DataFrame) -> Section:
 
 def accuracy_section(cells: pd.DataFrame, calibrated: list[dict]) -> Section:
     made = accuracy.section(cells)
+    readings = headline.table(cells) if made else None
+    if readings:
+        made.tables.insert(0, readings)
+    found = surface.surfaces(accuracy.own(cells)) if made else []
+    if found:
+        made.charts.append(surface.chart(found))
+        made.tables.append(surface.table(found))
     if made and calibrated:
         made.tables.append(calibration.table(calibrated))
     return made
@@ -64,6 +78,8 @@ def gather(
     bounds: list[dict],
     calibrated: list[dict],
     noise: float,
+    measured: list[engine_rows.Row],
+    wanted: list[asked.Row],
 ) -> list[Section]:
     """Sections in the order of the questions; what this campaign cannot answer is named, not left
     out in silence."""
@@ -75,17 +91,23 @@ def gather(
         ("effects", effects.section),
         ("scaling", scaling.section),
         ("library", lambda c: library.section(c, noise)),
+        ("warmstart", warm.section),
+        ("moving", moving.section),
     ]
     sections, absent = [], []
-    asked = cells[
-        ~cells["command"].str.contains("--effects|--contact-order")
-    ]  # an experiment with effects or orders answers its own section only
+    sequences = warm.of(cells)
+    own = cells[
+        ~cells["command"].str.contains("--effects|--contact-order") & ~sequences
+    ]  # an experiment with effects, orders or sequences answers its own section only
+    given = {"effects": cells[~sequences], "warmstart": cells}
     for name, make in makers:
-        made = make(cells if name == "effects" else asked)
+        made = make(given.get(name, own))
         if made:
             sections.append(made)
         else:
             absent.append(name)
+    beside = (asked.section(wanted), engines.section(measured))
+    sections += [made for made in beside if made]
     bad = page.failures_table(cells)
     refused = int(stability.refusals(cells).sum())
     undefined = page.undefined_table(cells)
@@ -118,10 +140,19 @@ def gather(
 
 
 def facts(
-    all_rows: pd.DataFrame, cells: pd.DataFrame, sections: list[Section], title: str
+    all_rows: pd.DataFrame,
+    cells: pd.DataFrame,
+    sections: list[Section],
+    manifests: dict[str, dict],
+    cards: list[dict],
 ) -> dict[str, str]:
+    found = surface.surfaces(accuracy.own(cells))
     out = {
-        "CampaignTitle": title,
+        "Masthead": page.masthead(cells, manifests),
+        "Campaigns": ", ".join(sorted(set(cells["campaign"]))),
+        "AnswerLevel": f"{accuracy.LEVEL:g}",
+        "Answers": "; ".join(f"{c['situation']}: {c['use']}" for c in cards if c["use"]),
+        "Limits": surface.message(found) if found else "",
         "NumRows": str(len(all_rows)),
         "NumCells": str(len(cells)),
         "NumVerified": str(int(cells["good"].sum())),
@@ -152,8 +183,7 @@ def main() -> int:
         return 2
     cells = rows.cells(all_rows)
     measured = rows.noise(args.folder)
-    noise = measured or accuracy.NOISE
-    accuracy.NOISE = noise  # ties of this report
+    noise = measured or rows.TIE
     names = sorted(set(cells["campaign"]))
     title = "lcpbench: " + ", ".join(names)
     bounds = [
@@ -166,8 +196,22 @@ def main() -> int:
         for path in sorted(pathlib.Path(args.folder).glob("**/calibration.jsonl"))
         for f in calibration.load(path)
     ]
+    try:
+        of_engines = [
+            r
+            for path in sorted(pathlib.Path(args.folder).glob(f"**/{engine_rows.FILE}"))
+            for r in engine_rows.read(path)
+        ]
+        wanted = [
+            r
+            for path in sorted(pathlib.Path(args.folder).glob(f"**/{asked.FILE}"))
+            for r in asked.read(path)
+        ]
+    except ValueError as problem:
+        say.complain(problem)
+        return 2
     ladders = stability.ladders(cells)
-    sections = gather(cells, manifests, ladders, bounds, calibrated, noise)
+    sections = gather(cells, manifests, ladders, bounds, calibrated, noise, of_engines, wanted)
     defined = cells[~cells["status"].isin(["unsupported", "skipped"])]
     floor = ", measured as the same work under two names" if measured else " not measured"
     commits = sorted({str(c)[:12] for c in cells.get("suite_commit", []) if c})
@@ -183,10 +227,10 @@ def main() -> int:
     advised = accuracy.scenes(accuracy.own(cells))
     cards = accuracy.advise(cells) if advised else []
     falls = stability.falls(ladders)
-    for card in cards:
-        card["breaks"] = stability.fall_words(
-            falls.get((card.get("formulation"), card.get("solver")))
-        )
+    shares = stability.asked(ladders)
+    for card in [*cards, *(c["large"] for c in cards if c.get("large"))]:
+        key = (card.get("formulation"), card.get("solver"))
+        card["breaks"] = stability.fall_words(falls.get(key), shares.get(key, (0, 0)))
     advice = accuracy.advice(cards) if cards else None
     names = page.names_table(cells)
     out.mkdir(parents=True, exist_ok=True)
@@ -194,6 +238,8 @@ def main() -> int:
         title,
         counts,
         "Made by scripts/report from results.csv and manifest.json.",
+        cells,
+        manifests,
         cards,
         advice,
         names,
@@ -202,8 +248,9 @@ def main() -> int:
     (out / "index.html").write_text(text)
     latex.write(
         out / "latex",
-        facts(all_rows, cells, sections, title),
-        ([Section("advice", "Which one to use", "", [], [advice])] if advice else [])
+        facts(all_rows, cells, sections, manifests, cards),
+        [Section("how", "Method", latex.METHOD, [], [latex.units()])]
+        + ([Section("advice", "Which one to use", "", [], [advice])] if advice else [])
         + sections
         + [Section("names", "What the names mean", "", [], [names])],
         args.pgf,

@@ -16,6 +16,7 @@ TIMES = [
     "t_factor_s",
     "t_solve_s",
     "t_share_s",
+    "t_watch_s",
     "t_advance_s",
     "t_total_s",
     "t_step_max_s",
@@ -71,6 +72,7 @@ NUMBERS = [
     "res_ncp_rel",
     "err_ref",
     "penetration_m",
+    "approach_m",
     "energy_drift_rel",
     "n_predictions",
     "n_predictions_missed",
@@ -86,7 +88,24 @@ NUMBERS = [
     "n_matvec",
     "stiffness_ratio",
     "end_value",
+    "load1",
+    "load_other",
+    "canary_s",
+    "share_1ms",
+    "share_4ms",
+    "share_16ms",
+    "n_factor",
+    "n_fallback",
+    "active_change",
+    "regressions",
+    "regressions_time",
+    "n_modes",
+    "err_predicted",
 ]
+
+# a ratio of times closer to 1 is a tie: where the noise floor was not measured, and at the least
+TIE, LEAST_TIE = 1.05, 1.02
+OTHERS = 0.25  # CPUs of other work that disturb (harness/campaign/compare.h)
 
 
 class BadRows(Exception):
@@ -116,12 +135,76 @@ def load(folder: pathlib.Path | str) -> pd.DataFrame:
         c: "" for c in set(TEXT) - set(rows.columns)
     }
     rows = pd.concat([rows, pd.DataFrame(absent, index=rows.index)], axis=1)
-    asked = rows["command"].str.extract(r"--step '?([-+.0-9eE]+)")[0].astype(float)
-    rows["step_s"] = (
-        rows["step_s"].astype(float).fillna(asked)
-    )  # a process that was killed told no more than what it was asked for
+    rows = rows.copy()  # in one piece again
+    for column, option, by in SILENT:
+        rows[column] = told(rows, column, option, by)
+    rows["disturbed"] = disturbed(rows)
+    rows["noise"] = noise_of(rows, floors(path.parent))
     rows["verified"] = rows["verified"].map(lambda v: str(v).lower() in ("true", "1", "1.0"))
     return rows
+
+
+# What a process that was killed did not say: column, the option of its command that sets it, and
+# the rows that share it where no option does
+SILENT = [
+    ("step_s", "--step", ["problem"]),
+    ("duration_s", "--duration", ["problem"]),
+    ("tol", "--tol", ["solver", "solver_options"]),
+    ("effects", "--effects", ["problem"]),
+]
+
+
+def told(rows: pd.DataFrame, column: str, option: str, by: list[str]) -> pd.Series:
+    """A column as its rows tell it; of a killed process as it was asked for, or, where its command
+    leaves it to the problem or the solver, as the other rows of these say."""
+    asked = rows["command"].str.extract(rf"{option} '?([^ ']+)")[0]
+    said = rows[column].replace("", np.nan)
+    same = said[asked.isna()].groupby([rows[k] for k in by], dropna=False).transform("first")
+    if column in TEXT:  # the option changes what the column lists
+        return said.where(said.notna() | asked.notna(), same.reindex(rows.index)).fillna("")
+    return said.astype(float).fillna(asked.astype(float)).fillna(same.reindex(rows.index))
+
+
+def disturbed(rows: pd.DataFrame) -> list[str]:
+    """What disturbed the measuring of each row, as `lcpbench compare` tells it; "" for nothing."""
+    out = []
+    for flags, throttled, other, load in zip(
+        rows["flags"],
+        rows["throttled"] if "throttled" in rows else [""] * len(rows),
+        rows["load_other"].astype(float),
+        rows["load1"].astype(float),
+        strict=True,
+    ):
+        words = ["canary drift"] if "canary_drift" in str(flags).split() else []
+        words += ["throttled"] if str(throttled).lower() == "true" else []
+        busy = load > 1 + OTHERS if np.isnan(other) else other > OTHERS
+        out.append(", ".join(words + (["other work"] if busy else [])))
+    return out
+
+
+def floors(folder: pathlib.Path) -> list[tuple[float, float]]:
+    """[(cells of a workspace up to so many bytes, ratio of times that is a tie)] as doctor.json of
+    a campaign tells, the noisiest of its machines; [] where it was not measured."""
+    found = {}
+    for path in sorted(pathlib.Path(folder).glob("doctor*.json")):
+        for c in json.loads(path.read_text()).get("classes", []):
+            if c.get("noise_floor") is not None:
+                up_to = c["up_to_B"] if c.get("up_to_B") is not None else np.inf
+                found[up_to] = max(found.get(up_to, LEAST_TIE), float(np.exp(c["noise_floor"])))
+    return sorted(found.items())
+
+
+def noise_of(rows: pd.DataFrame, known: list[tuple[float, float]]) -> list[float]:
+    """The ratio of times that is a tie for each row: the floor of its campaign and size. A
+    disturbed row is known no better than the canaries of its campaign repeat."""
+    canary = rows["canary_s"].astype(float)
+    drift = float(canary.max() / canary.min()) if (canary > 0).any() else 1.0
+    out = []
+    for size, why in zip(rows["workspace_B"].astype(float), rows["disturbed"], strict=True):
+        fits = [tie for up_to, tie in known if size <= up_to] or [tie for _, tie in known]
+        base = (fits[0] if size == size else max(fits)) if fits else TIE
+        out.append(base * (drift if why else 1.0))
+    return out
 
 
 def load_all(folder: pathlib.Path | str) -> tuple[pd.DataFrame, dict[str, dict]]:
@@ -174,6 +257,10 @@ def formulation_label(name: str, opts: str, config: str = "") -> str:
     return label + (f" ({','.join(f'{k}={v}' for k, v in o.items())})" if o else "")
 
 
+def from_last(start: str) -> str:
+    return " from the last step" if start == "previous" else ""
+
+
 def combination(form: str, form_opts: str, solver: str, solver_opts: str) -> str:
     def one(name: str, opts: str):
         return name + (f":{opts}" if opts else "")
@@ -212,6 +299,8 @@ def cells(rows: pd.DataFrame) -> pd.DataFrame:
         bad = next((row for row in group if row["status"] != "ok"), None)
         if bad:
             line.update(status=bad["status"], note=bad.get("note", ""))
+        line["disturbed"] = next((row["disturbed"] for row in group if row["disturbed"]), "")
+        line["noise"] = max(row["noise"] for row in group)
         line["good"] = line["verified"] and line["status"] == "ok"
         for c in TIMES:
             line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval(

@@ -69,7 +69,7 @@ def line(family: str, combo: str, g: pd.DataFrame) -> list[Cell | str]:
 
 
 def section(cells: pd.DataFrame) -> Section:
-    own = cells[cells["campaign"].str.startswith(OWN)]
+    own = cells[cells["campaign"].str.startswith(OWN) & (cells["start"] != "previous")]
     cells = own if len(own) else cells
     table, lines = [], {}
     index = variants(cells)

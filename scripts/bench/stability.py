@@ -20,6 +20,7 @@ LETTERS = {
     "fails honestly": "f",
     "gains energy": "e",
     "penetrates": "p",
+    "a step deep": "h",
     "creeps": "c",
     "misses": "m",
     "not defined": "–",
@@ -54,6 +55,7 @@ ENDS = {
     "fails honestly": "gives up and says so",
     "gains energy": "energy grows",
     "penetrates": "bodies sink into each other",
+    "a step deep": "bodies overlap by what they approach in one step",
     "creeps": "bodies at rest creep",
     "misses": "the known answer is missed",
 }
@@ -67,9 +69,14 @@ def said(part: str) -> str:
 Fall = tuple[int, int, dict[str, list[str]]]  # stands, is defined, {word: [stressors]}
 
 
-def fall_words(found: Fall | None) -> str:
+def asked_words(share: tuple[int, int]) -> str:
+    """' (asked 256 of the 299 predictions)'; nothing where it was asked all of them."""
+    return "" if share[0] >= share[1] else f" (asked {share[0]} of the {share[1]} predictions)"
+
+
+def fall_words(found: Fall | None, share: tuple[int, int] = (0, 0)) -> str:
     """'Passes 14 of 17 stress tests. Bodies at rest creep: tall stacks.', from one entry of
-    falls()."""
+    falls() and of asked()."""
     if not found:
         return ""
     stands, of, fell = found
@@ -77,7 +84,7 @@ def fall_words(found: Fall | None) -> str:
         f"{ENDS[w][0].upper()}{ENDS[w][1:]}: {', '.join(said(p) or p for p in parts)}."
         for w, parts in sorted(fell.items())
     ]
-    return " ".join([f"Passes {stands} of {of} stress tests."] + ends)
+    return " ".join([f"Passes {stands} of {of} stress tests{asked_words(share)}."] + ends)
 
 
 def missed_word(missed: str) -> str:
@@ -132,12 +139,19 @@ def word(cell: pd.Series | dict) -> tuple[str, str]:
         return "misses", "gives an answer where none exists"
     if cell.get("n_predictions_missed", 0) > 0:
         return (
-            missed_word(cell.get("missed", "")),
+            depth_word(missed_word(cell.get("missed", "")), cell),
             f"misses {cell.get('missed', '') or cell.get('err_quantity', '')}",
         )
     if cell["part"] not in ("initial overlap",) and cell.get("penetration_m", 0) > DEEP:
-        return "penetrates", f"{cell['penetration_m']:.2g} m"
+        return depth_word("penetrates", cell), f"{cell['penetration_m']:.2g} m"
     return "stands", ""
+
+
+def depth_word(found: str, cell: pd.Series | dict) -> str:
+    """Penetration up to what bodies approach in a step is a fact of the discretisation, h v: a gap
+    that closes inside a step is seen at its end. Deeper, it is the method's failure."""
+    within = cell.get("penetration_m", 0) <= cell.get("approach_m", math.nan)
+    return "a step deep" if found == "penetrates" and within else found
 
 
 def severity(part: str, cells: pd.DataFrame) -> tuple[str, list[float], list[str]]:
@@ -170,11 +184,18 @@ class Ladder:
         name, values, printed = severity(part, cells)
         order = np.argsort(values, kind="stable")
         self.rungs = [
-            (*word(cells.iloc[i]), name, printed[i], cells.iloc[i].get("command", ""))
+            (
+                *word(cells.iloc[i]),
+                name,
+                printed[i] + rows_.from_last(cells.iloc[i]["start"]),
+                cells.iloc[i].get("command", ""),
+            )
             for i in order
         ]
         self.defined = [r for r in self.rungs if r[0] != "not defined"]
         self.stands = sum(r[0] == "stands" for r in self.defined)
+        solved = cells[cells["good"]]
+        self.asked, self.most = (int(solved[c].fillna(0).sum()) for c in ("n_predictions", "most"))
         self.first = next((r for r in self.defined if r[0] != "stands"), None)
 
     def cell(self) -> Cell:
@@ -202,6 +223,8 @@ def ladders(cells: pd.DataFrame) -> Ladders:
     some = cells[
         cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")
     ]
+    rung = some.groupby(["part", "problem", "step_s"], dropna=False)
+    some = some.assign(most=rung["n_predictions"].transform("max").fillna(0))
     for (form, solver, part), g in some.groupby(["formulation", "solver", "part"]):
         out.setdefault((form, solver if registry.uses_solver(form) else ""), {})[part] = Ladder(
             part, g
@@ -298,6 +321,15 @@ def map_of_all(by: Ladders, parts: list[str]) -> Heat:
         across=3,
         size=5.5,
     )
+
+
+def asked(by: Ladders) -> dict[tuple[str, str], tuple[int, int]]:
+    """(formulation, solver) -> (predictions that its solved rungs were asked, the most that anybody
+    was asked on them): who is asked less stands more easily."""
+    return {
+        key: (sum(x.asked for x in found.values()), sum(x.most for x in found.values()))
+        for key, found in by.items()
+    }
 
 
 def falls(by: Ladders) -> dict[tuple[str, str], Fall]:
@@ -404,8 +436,9 @@ def section(by: Ladders) -> Section:
         f" what the first failing one does: {', '.join(LETTERS)}. To die is to crash, to run out of"
         " memory or to end without a result; to fail honestly is to say that it was not solved. Of"
         f" {fields} fields: {counts}. A tooltip names the rung, the reason and the command."
-        f" Penetration counts above {DEEP:g} m; where no solution exists ({', '.join(refusing)}),"
-        " only a refusal stands.",
+        f" Penetration counts above {DEEP:g} m; up to what bodies approach in one step (h v) it is"
+        " the step's doing and called so, deeper it is the method's; where no solution exists"
+        f" ({', '.join(refusing)}), only a refusal stands.",
         [overview(by, parts), map_of_all(by, parts)],
         [
             stressors_table(by, parts),

@@ -161,6 +161,31 @@ def observed_order(h: ArrayLike, error: ArrayLike) -> float:
     return float(np.median(slopes)) if slopes else math.nan
 
 
+LEAST_ORDER = 0.5  # half of the formal order of time stepping
+
+
+def tail_order(h: ArrayLike, error: ArrayLike, floor: float = 1e-12) -> tuple[str, float]:
+    """What the finest three steps of a ladder say: ("converges", the lower of their two slopes),
+    ("exact", inf) where all three are below `floor`, ("plateau", slope) where the error no longer
+    falls, ("grows", slope) where it rises; ("short", nan) with fewer than three steps.
+
+    Coarser steps do not count: an error that fell at first and stands now does not converge.
+    """
+    ladder = sorted(zip(map(float, h), map(float, error), strict=True))[:3]
+    if len(ladder) < 3 or len({step for step, _ in ladder}) < 3:
+        return "short", math.nan
+    if all(e <= floor for _, e in ladder):
+        return "exact", math.inf
+    slopes = [
+        math.log(max(e1, floor) / max(e0, floor)) / math.log(h1 / h0)
+        for (h0, e0), (h1, e1) in itertools.pairwise(ladder)
+    ]
+    least = min(slopes)
+    if least >= LEAST_ORDER:
+        return "converges", least
+    return ("grows" if slopes[0] < -LEAST_ORDER else "plateau"), least
+
+
 def paired_ratio(
     a: ArrayLike, b: ArrayLike, draws: int = 2000, level: float = LEVEL
 ) -> tuple[float, float, float, int]:

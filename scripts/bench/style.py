@@ -11,7 +11,7 @@ import matplotlib
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from bench import registry
+from bench import experiments, registry
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
@@ -93,6 +93,10 @@ def code(name: str) -> tuple[int, str, str]:
         if base in names:
             i = names.index(base)
             return i, colour_at(i), MARKERS[(i + first) % len(MARKERS)]
+    engines = list(dict.fromkeys(s["engine"] for s in experiments.of("engines.settings")))
+    if base in engines:  # paler than any component, which stand out beside them
+        i = engines.index(base)
+        return i, colour_at(i + 2 * len(HUES)), MARKERS[(i + 4) % len(MARKERS)]
     return 0, NEUTRAL, MARKERS[sum(map(ord, base)) % len(MARKERS)]
 
 

@@ -1,0 +1,122 @@
+"""Error asked, error got, time: the section of the page about the rows of scripts/bench_error."""
+
+from __future__ import annotations
+
+import csv
+import math
+import pathlib
+import statistics
+
+from bench.chart import Chart, Line, Panel
+from bench.section import Cell, Section, Table, error, si
+
+FILE = "error/table.tsv"  # below the folder of the rows
+FLOOR = 1e-8  # drawn, not computed: an exact answer has no place on a logarithmic axis
+NUMBERS = ("error", "sure", "promised", "err_estimate", "err_got", "t_chosen_s", "t_best_s")
+Row = dict[str, str | float]
+
+
+def read(path: pathlib.Path) -> list[Row]:
+    """One row a scene and an error; ValueError: not the columns of scripts/bench_error."""
+    with path.open(newline="", encoding="utf-8") as file:
+        rows: list[Row] = list(csv.DictReader(file, delimiter="\t"))
+    for row in rows:
+        for name in (*NUMBERS, "t_even_s"):
+            if name not in row:
+                raise ValueError(f"{path}: no column {name}; measure again with bench_error")
+            row[name] = float(row[name] or math.nan)
+    return rows
+
+
+def promised(rows: list[Row]) -> list[Row]:
+    return [r for r in rows if r["promised"] == 1]
+
+
+def got(rows: list[Row]) -> Panel:
+    """One point a run, and the line on which error got is error asked."""
+    some = [r for r in promised(rows) if math.isfinite(r["err_got"])]
+    asked = sorted({r["error"] for r in rows})
+    return Panel(
+        [
+            Line("asked", asked, asked, kind="front"),
+            Line(
+                "got",
+                [r["error"] for r in some],
+                [max(r["err_got"], FLOOR) for r in some],
+                hover=[f"{r['problem']}: {r['chosen']}" for r in some],
+                kind="points",
+            ),
+        ],
+        title="error got",
+        xlabel="error asked, over the scale of the scene",
+        ylabel="error got, over that scale",
+    )
+
+
+def cost(rows: list[Row]) -> Panel:
+    """All runs and trials together, over the best even steps, which are known afterwards only."""
+    some = [r for r in promised(rows) if r["t_even_s"] > 0]
+    asked = sorted({r["error"] for r in rows})
+    return Panel(
+        [
+            Line("best even steps", asked, [1.0] * len(asked), kind="front"),
+            Line(
+                "chosen",
+                [r["error"] for r in some],
+                [r["t_chosen_s"] / r["t_even_s"] for r in some],
+                hover=[f"{r['problem']}: {r['chosen']}" for r in some],
+                kind="points",
+            ),
+        ],
+        title="time",
+        xlabel="error asked, over the scale of the scene",
+        ylabel="time over that of the best even steps",
+    )
+
+
+def table(rows: list[Row]) -> Table:
+    body = [
+        [
+            r["problem"],
+            Cell(error(r["error"]), sort=r["error"]),
+            r["chosen"],
+            "yes" if r["promised"] == 1 else "no",
+            Cell(error(r["err_got"]), sort=r["err_got"]) if math.isfinite(r["err_got"]) else "",
+            Cell(si(r["t_chosen_s"], "s"), sort=r["t_chosen_s"]),
+            Cell(si(r["t_even_s"], "s"), sort=r["t_even_s"]) if r["t_even_s"] > 0 else "",
+        ]
+        for r in rows
+    ]
+    head = ["scene", "asked", "chosen", "promised", "got", "time", "time of the best even steps"]
+    return Table("asked", "Error asked, error got, time.", head, body, paper=False)
+
+
+def section(rows: list[Row]) -> Section | None:
+    """The section of the page; None without rows."""
+    if not rows:
+        return None
+    said = promised(rows)
+    kept = [r for r in said if r["err_got"] <= r["error"]]
+    ratios = [r["t_chosen_s"] / r["t_even_s"] for r in said if r["t_even_s"] > 0]
+    dear = (
+        f" A run takes {statistics.median(ratios):.2g} times (median) the time of the best even"
+        " steps, which only a search with the answer in hand finds."
+        if ratios
+        else ""
+    )
+    drawn = Chart(
+        "asked",
+        "Error asked against error got, and the time of simulate --error E, which chooses"
+        " formulation, solver and steps from rows of other scenes, all its runs and trials"
+        " included, over that of the best even steps of the best combination.",
+        [got(rows), cost(rows)],
+        columns=2,
+    )
+    return Section(
+        "asked",
+        "Accuracy in, motion out",
+        f"Of {len(rows)} runs {len(said)} promise the error asked for, and {len(kept)} of these"
+        " keep it." + dear,
+        [drawn],
+        [table(rows)],
+    )

@@ -1,0 +1,168 @@
+"""The headline with its four readings: which formulation is cheapest at an error, when steps start
+cold or from the last one, and when each formulation has one declared default setting or the best of
+its settings on each scene. A reading that is left out could turn the others round, so none is."""
+
+import collections
+import dataclasses
+import itertools
+import math
+
+import numpy as np
+import pandas as pd
+
+from bench import accuracy, experiments, registry
+from bench.section import Cell, Table
+
+LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
+STARTS = {"cold": "cold", "previous": "previous step"}
+SETTINGS = {"default": "default", "tuned": "tuned per scene"}
+
+
+READINGS = len(STARTS) * len(SETTINGS)
+
+
+@dataclasses.dataclass
+class Reading:
+    """Of the scenes that somebody reaches a level on: who is cheapest alone, who is within the
+    noise of the cheapest."""
+
+    reached: int
+    alone: collections.Counter
+    tied: collections.Counter
+
+
+def declared() -> set[tuple[str, str]]:
+    """(formulation, options): the one default setting of each."""
+    return {
+        tuple((entry["formulation"] + ":").split(":")[:2])
+        for entry in experiments.of("headline.defaults")
+    }
+
+
+def setting(cells: pd.DataFrame, name: str) -> pd.DataFrame:
+    """Default: the declared options of the formulation, any solver without options of its own, its
+    own tolerance; the step is what reaches the error. Tuned: everything that was run."""
+    if name == "tuned":
+        return cells
+    known = declared()
+    keys = zip(cells["formulation"], cells["formulation_options"], strict=True)
+    own = pd.Series([key in known for key in keys], index=cells.index, dtype=bool)
+    plain = (cells["solver_options"] == "") & ~cells["command"].str.contains("--tol ", regex=False)
+    return cells[own & plain]
+
+
+def started(cells: pd.DataFrame, start: str) -> pd.DataFrame:
+    """Cells of a start; what poses no problems to a solver has none, and counts in both."""
+    alone = ~cells["formulation"].map(registry.uses_solver)
+    return cells[alone | (cells["start"] == start)]
+
+
+def scenes_of(cells: pd.DataFrame, start: str, name: str) -> accuracy.Scenes:
+    return accuracy.scenes(setting(started(cells, start), name))
+
+
+def best_of(cells: pd.DataFrame, level: float) -> list[str]:
+    """Formulations within the noise of the cheapest at a level, the cheapest first; [] where nobody
+    gets there."""
+    best = accuracy.cheapest(cells, level)
+    if best is None:
+        return []
+    same = accuracy.ties(cells, best, level)
+    others = {c.split(" + ")[0].split(":")[0] for c in same} - {best["formulation"]}
+    return [best["formulation"], *sorted(others)]
+
+
+def read(found: accuracy.Scenes, level: float) -> Reading:
+    """From the scenes of one start and setting."""
+    out = Reading(0, collections.Counter(), collections.Counter())
+    for _, group in found:
+        first = best_of(group, level)
+        out.reached += bool(first)
+        if len(first) == 1:
+            out.alone[first[0]] += 1
+        else:
+            out.tied.update(first)
+    return out
+
+
+def price_of_tuning(cells: pd.DataFrame, start: str, level: float) -> tuple[float, float]:
+    """(how many times the time of one run all settings of the winner took, how much faster its best
+    setting is than its default), medians over the scenes where both get there."""
+    spent, gained = [], []
+    some = started(cells, start)
+    for _, group in accuracy.scenes(some):
+        best = accuracy.cheapest(group, level)
+        if best is None:
+            continue
+        own = group[group["formulation"] == best["formulation"]]
+        plain = accuracy.cheapest(setting(own, "default"), level)
+        if plain is not None:
+            spent.append(own["t_total_s"].sum() / best["cost"])
+            gained.append(plain["cost"] / best["cost"])
+    return tuple(float(np.median(x)) if x else math.nan for x in (spent, gained))
+
+
+def told(reading: Reading, formulation: str) -> str:
+    """'10', '10 + 3 tied', or nothing."""
+    alone, tied = reading.alone[formulation], reading.tied[formulation]
+    if not alone and not tied:
+        return ""
+    return f"{alone}" + (f" + {tied} tied" if tied else "")
+
+
+def table(cells: pd.DataFrame) -> Table | None:
+    """One line for each error and reading; no reading is left out, one without rows says so."""
+    own = accuracy.own(cells)
+    asked = {key: scenes_of(own, *key) for key in itertools.product(STARTS, SETTINGS)}
+    readings = {(level, *key): read(g, level) for level in LEVELS for key, g in asked.items()}
+    seen = {f for r in readings.values() for f in (*r.alone, *r.tied)}
+    forms = registry.by_formulation(seen)
+    if not forms:
+        return None
+    rows = []
+    for (level, start, name), reading in readings.items():
+        measured = (own["start"] == start).any()
+        rows.append(
+            [
+                f"{level:g}",
+                STARTS[start],
+                SETTINGS[name],
+                str(reading.reached) if measured else Cell("not measured", "none"),
+                *[told(reading, f) if measured else "" for f in forms],
+            ]
+        )
+    return Table(
+        "headline",
+        "Scenes on which a formulation is the cheapest way to an error (m, m/s or rad), alone and"
+        " tied with another within the noise of the campaign and size or the spread of the samples;"
+        " in four readings: steps from nothing or from the last step, one declared default setting"
+        " each or the best of all that were run on each scene.",
+        ["error", "start", "setting", "scenes reached", *forms],
+        rows,
+    )
+
+
+def words(cells: pd.DataFrame) -> str:
+    """Who is first in every reading, or that nobody is; and what tuning costs."""
+    own = accuracy.own(cells)
+    leaders, out, n = set(), [], 0
+    for start in STARTS:
+        for name in SETTINGS:
+            reading = read(scenes_of(own, start, name), accuracy.LEVEL)
+            if reading.reached and (own["start"] == start).any():
+                n += 1
+                most = max(reading.alone.values(), default=0)
+                leaders.add(tuple(sorted(f for f, n in reading.alone.items() if n == most)))
+    if len(leaders) == 1 and len(next(iter(leaders))) == 1:
+        which = "every reading" if n == READINGS else f"the {n} of {READINGS} measured readings"
+        out.append(f"`{next(iter(leaders))[0]}` leads in {which} at {accuracy.LEVEL:g}.")
+    elif leaders:
+        out.append(f"Nobody leads in all of the {n} measured readings at {accuracy.LEVEL:g}.")
+    for start in STARTS:
+        spent, gained = price_of_tuning(own, start, accuracy.LEVEL)
+        if math.isfinite(spent):
+            out.append(
+                f"Tuning ({STARTS[start]}): the winner's best setting is {gained:.2g} times as fast"
+                f" as its default, and finding it took {spent:.2g} times one run (medians)."
+            )
+    return " ".join(out)

@@ -1,0 +1,128 @@
+"""Scenes of many contacts that move, every step from the last one: which formulation solves each of
+them with any of its solvers, and what a step takes. The answers of the accuracy campaign come from
+small scenes; this is the table that could turn them round."""
+
+import collections
+
+import pandas as pd
+
+from bench import registry
+from bench.section import Cell, Section, Table, si
+
+OWN = "moving"
+
+
+def own(cells: pd.DataFrame) -> pd.DataFrame:
+    """The cells of the campaign that were defined, each with its formulation as it was asked for (a
+    process that was killed tells no more of it)."""
+    some = cells[
+        cells["campaign"].str.startswith(OWN) & ~cells["status"].isin(["unsupported", "skipped"])
+    ]
+    asked = some["formulation_options"].map(lambda text: f":{text}" if text else "")
+    return some.assign(asked=some["formulation"] + asked)
+
+
+def scene(problem: str) -> str:
+    """A scene of a file is named by the file."""
+    return problem.rsplit("/", 1)[-1].removesuffix(".json")
+
+
+def names_of(some: pd.DataFrame) -> list[str]:
+    """The formulations that were asked, in the order of the registry."""
+    first = dict(zip(some["asked"], some["formulation"], strict=True))
+    order = registry.by_formulation(set(first.values()))
+    return sorted(first, key=lambda name: (order.index(first[name]), name))
+
+
+def fastest(g: pd.DataFrame) -> pd.Series | None:
+    """The solved cell that takes least time; None where no solver solved every step."""
+    good = g[g["good"]]
+    return None if good.empty else good.loc[good["t_total_step_s"].idxmin()]
+
+
+def told(g: pd.DataFrame, best: float) -> Cell:
+    """What a step takes and by whom; where nobody solves every step, how each ended."""
+    if g.empty:
+        return Cell("not asked", "none")
+    first = fastest(g)
+    if first is None:
+        ends = [f"{s} {w}" for s, w in zip(g["solver"], g["status"], strict=True)]
+        return Cell("not solved: " + ", ".join(ends), "bad")
+    took = first["t_total_step_s"]
+    mark = "good" if took <= best * first["noise"] else ""
+    return Cell(f"{si(took, 's')} by {first['solver']}", mark, sort=took)
+
+
+def grid(cells: pd.DataFrame) -> list[tuple[str, float, dict[str, pd.DataFrame]]]:
+    """[(scene, contacts, {formulation: cells})], the scenes by their contacts."""
+    some = own(cells)
+    names = names_of(some)
+    found = [
+        (scene(problem), float(g["p"].max()), {name: g[g["asked"] == name] for name in names})
+        for problem, g in some.groupby("problem")
+    ]
+    return sorted(found, key=lambda one: (one[1], one[0]))
+
+
+def best_of(by: dict[str, pd.DataFrame]) -> dict[str, pd.Series]:
+    """{formulation: its fastest cell} of those that solve every step."""
+    first = {name: fastest(g) for name, g in by.items()}
+    return {name: cell for name, cell in first.items() if cell is not None}
+
+
+def ties(by: dict[str, pd.DataFrame]) -> list[str]:
+    """Formulations within the noise of the fastest, the fastest first."""
+    found = best_of(by)
+    order = sorted(found, key=lambda name: found[name]["t_total_step_s"])
+    if not order:
+        return []
+    least = found[order[0]]["t_total_step_s"]
+    return [n for n in order if found[n]["t_total_step_s"] <= least * found[n]["noise"]]
+
+
+def table(cells: pd.DataFrame) -> Table | None:
+    found = grid(cells)
+    if not found:
+        return None
+    names = list(found[0][2])
+    body = []
+    for name, contacts, by in found:
+        times = [c["t_total_step_s"] for c in best_of(by).values()]
+        best = min(times, default=0.0)
+        body.append([name, f"{contacts:g}", *(told(by[n], best) for n in names)])
+    return Table(
+        "moving",
+        "Time of a step by the fastest solver of each formulation that solves and verifies every"
+        " step; the step is the same for all, and each begins from the last one.",
+        ["scene", "contacts", *names],
+        body,
+    )
+
+
+def words(cells: pd.DataFrame, mark: str = "") -> str:
+    """Who solves every scene, and who is fastest on how many; mark: what names stand in."""
+    found = grid(cells)
+    names = list(found[0][2])
+    solved = {n: sum(fastest(by[n]) is not None for _, _, by in found) for n in names}
+    alone, tied = collections.Counter(), collections.Counter()
+    for _, _, by in found:
+        first = ties(by)
+        (alone if len(first) == 1 else tied).update(first)
+    low, high = found[0][1], found[-1][1]
+    won = ", ".join(
+        f"{mark}{n}{mark} on {alone[n]}" + (f" and {tied[n]} tied" if tied[n] else "")
+        for n in names
+        if alone[n] or tied[n]
+    )
+    counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
+    return (
+        f"Where {low:g} to {high:g} contacts move ({len(found)} scenes), every step from the last"
+        f" one: scenes of which each step is solved and verified: {counts}. The fastest: {won}."
+    )
+
+
+def section(cells: pd.DataFrame) -> Section | None:
+    made = table(cells)
+    if made is None:
+        return None
+    return Section("moving", "Where many contacts move", words(cells), [], [made])
