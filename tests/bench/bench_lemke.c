@@ -1,9 +1,11 @@
 /* bench_lemke.c - lemke, and on symmetric problems ppm, block_pivoting and pgs_sm, against the plain
- * dense tableau and against Siconos' Lemke where the build has it; lemke's factored form against its
- * own dense form and its path from the origin.
+ * dense tableau, Dantzig's method where DART's library is installed and Siconos' Lemke where the build has it; lemke's
+ * factored form against its own dense form and its path from the origin.
  *
- * usage: bench_lemke [REPETITIONS [grasp]]
- * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB.
+ * usage: bench_lemke [REPETITIONS [grasp|small]]
+ * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB. With `small` only those
+ * of up to 64 unknowns, which all methods read densely; a time is then the mean of REPEATED solves, without
+ * readings of the clock inside one (lcp_instance_untimed).
  * CSV on stdout, one row per problem and method: CPU seconds of set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
  * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of contacts. */
@@ -11,6 +13,8 @@
 #include "lcp/io/lcp_read.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
+#include "problems/families/family.h"
+#include "tests/support/dart_dantzig.h"
 #include "tests/support/few_bodies.h"
 #include "tests/support/files.h"
 #include "tests/support/tableau_lemke.h"
@@ -19,15 +23,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { REPS_MAX = 51, METHODS_MAX = 6 };
-enum { TABLEAU_MAX = 2000 }; /* unknowns up to which few bodies are given to the tableau */
+enum { REPS_MAX = 51, METHODS_MAX = 8 };
+enum { SMALL = 64, REPEATED = 100 }; /* unknowns up to which one solve is too short for the clock */
+enum { TABLEAU_MAX = 2000 };         /* unknowns up to which few bodies are given to the tableau */
 enum {
   ORIGIN_MAX = 400
 }; /* contacts with friction up to which the path from the origin is timed */
 
 typedef struct method {
   const char *name;
-  const lcp_solver *solver; /* NULL: the tableau */
+  const lcp_solver *solver; /* NULL: a peer of tests/support */
+  bool dantzig;             /* this one; else the tableau */
   const lcp_problem *p;
   lcp_instance *instance;
   unsigned char options[512];
@@ -44,6 +50,11 @@ static base_status method_open(method *m, const char *name, const lcp_problem *p
     m->work = calloc(tableau_lemke_work(p->M.n), sizeof *m->work);
     return (m->work != NULL && m->z != NULL) ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "tableau");
   }
+  if (strcmp(name, "dantzig") == 0) {
+    m->dantzig = true;
+    m->work = calloc(dart_dantzig_work(p->M.n), sizeof *m->work);
+    return (m->work != NULL && m->z != NULL) ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "dantzig");
+  }
   const lcp_capacity cap = lcp_problem_capacity(p);
   m->solver = lcp_solver_find((strncmp(name, "lemke", 5) == 0) ? "lemke" : name);
   base_fields_default(m->solver->fields, m->solver->n_fields, m->options);
@@ -51,21 +62,33 @@ static base_status method_open(method *m, const char *name, const lcp_problem *p
     BASE_TRY(base_fields_set(m->solver->fields, m->solver->n_fields, m->options, "start", "origin",
                              err));
   }
-  return lcp_instance_open(&m->instance, m->solver, &cap, m->options, err);
+  BASE_TRY(lcp_instance_open(&m->instance, m->solver, &cap, m->options, err));
+  lcp_instance_untimed(m->instance); /* as the peers are */
+  return BASE_OK;
+}
+
+static base_status solve_once(method *m, base_error *err) {
+  const lcp_problem *p = m->p;
+  memset(m->z, 0, sizeof *m->z * (size_t)p->M.n);
+  if (m->solver == NULL && m->dantzig) {
+    m->res.outcome = dart_dantzig(p->M.n, p->M.val, p->q, m->z, m->work) ? LCP_SOLVED : LCP_STALLED;
+    return BASE_OK;
+  }
+  if (m->solver == NULL) {
+    m->res.outcome = tableau_lemke(p->M.n, p->M.val, p->q, m->z, m->work, &m->res.work.pivots);
+    return BASE_OK;
+  }
+  BASE_TRY(lcp_instance_prepare(m->instance, p, err));
+  return lcp_instance_solve(m->instance, NULL, m->z, &m->res, err);
 }
 
 static base_status method_run(method *m, double *seconds, base_error *err) {
+  const int count = (m->p->M.n <= SMALL) ? REPEATED : 1;
   const double started = base_cpu_seconds();
-  memset(m->z, 0, sizeof *m->z * (size_t)m->p->M.n);
-  if (m->solver == NULL) {
-    long pivots = 0;
-    m->res.outcome = tableau_lemke(m->p->M.n, m->p->M.val, m->p->q, m->z, m->work, &pivots);
-    m->res.work.pivots = pivots;
-  } else {
-    BASE_TRY(lcp_instance_prepare(m->instance, m->p, err));
-    BASE_TRY(lcp_instance_solve(m->instance, NULL, m->z, &m->res, err));
+  for (int k = 0; k < count; ++k) {
+    BASE_TRY(solve_once(m, err));
   }
-  *seconds = base_cpu_seconds() - started;
+  *seconds = (base_cpu_seconds() - started) / count;
   return BASE_OK;
 }
 
@@ -98,7 +121,7 @@ static double contest(const char *problem, method *m, int n_method, int reps, ba
     qsort(m[i].seconds, (size_t)reps, sizeof *m[i].seconds, compare);
     median = m[i].seconds[reps / 2];
     first = (i == 0) ? median : first;
-    printf("%s,%s,%d,%s,%ld,%.1e,%.6f,%.6f,%.6f,%.1f\n", problem, m[i].name, m[i].p->M.n,
+    printf("%s,%s,%d,%s,%ld,%.1e,%.9f,%.9f,%.9f,%.2f\n", problem, m[i].name, m[i].p->M.n,
            lcp_outcome_name(m[i].res.outcome), m[i].res.work.pivots, m[i].v.rho, median,
            m[i].seconds[reps / 4], m[i].seconds[3 * reps / 4], first / median);
   }
@@ -118,28 +141,22 @@ static base_status dense_copy(const lcp_problem *p, double **M, lcp_problem *out
   return BASE_OK;
 }
 
-static base_status bench_file(const char *name, int reps, base_error *err) {
-  char m_name[128];
-  char q_name[128];
-  lcp_file_problem f;
-  lcp_problem dense = {0};
-  double *M = NULL;
+/* The peers on the dense form, ours on `own`. */
+static base_status bench_both(const char *name, const lcp_problem *own, const lcp_problem *dense,
+                              int reps, base_error *err) {
+  static const char *const ours[] = {"lemke", "ppm", "block_pivoting", "pgs_sm"};
+  const bool symmetric = lcp_matrix_is_symmetric(&dense->M);
   method m[METHODS_MAX] = {0};
   int n_method = 0;
-  (void)snprintf(m_name, sizeof m_name, "cases/contact_lcps/%s.M.mtx", name);
-  (void)snprintf(q_name, sizeof q_name, "cases/contact_lcps/%s.q.mtx", name);
-  BASE_TRY(lcp_read_mtx(tests_file(m_name), tests_file(q_name), &f, err));
-  base_status s = dense_copy(&f.p, &M, &dense, err);
-  if (s == BASE_OK) {
-    s = method_open(&m[n_method++], "tableau", &dense, err);
+  base_status s = method_open(&m[n_method++], "tableau", dense, err);
+  if (s == BASE_OK && symmetric && dense->M.n <= SMALL && dart_dantzig_is_here()) {
+    s = method_open(&m[n_method++], "dantzig", dense, err);
   }
   if (s == BASE_OK && lcp_solver_find("siconos_lemke") != NULL) {
-    s = method_open(&m[n_method++], "siconos_lemke", &dense, err);
+    s = method_open(&m[n_method++], "siconos_lemke", dense, err);
   }
-  static const char *const ours[] = {"lemke", "ppm", "block_pivoting", "pgs_sm"};
-  const bool symmetric = lcp_matrix_is_symmetric(&f.p.M);
   for (int i = 0; s == BASE_OK && i < (symmetric ? BASE_COUNT(ours) : 1); ++i) {
-    s = method_open(&m[n_method++], ours[i], &f.p, err);
+    s = method_open(&m[n_method++], ours[i], own, err);
   }
   if (s == BASE_OK && contest(name, m, n_method, reps, err) < 0) {
     s = err->code;
@@ -147,9 +164,70 @@ static base_status bench_file(const char *name, int reps, base_error *err) {
   for (int i = 0; i < n_method; ++i) {
     method_close(&m[i]);
   }
+  return s;
+}
+
+static base_status bench_file(const char *name, int reps, base_error *err) {
+  char m_name[128];
+  char q_name[128];
+  lcp_file_problem f;
+  lcp_problem dense = {0};
+  double *M = NULL;
+  (void)snprintf(m_name, sizeof m_name, "cases/contact_lcps/%s.M.mtx", name);
+  (void)snprintf(q_name, sizeof q_name, "cases/contact_lcps/%s.q.mtx", name);
+  BASE_TRY(lcp_read_mtx(tests_file(m_name), tests_file(q_name), &f, err));
+  base_status s = dense_copy(&f.p, &M, &dense, err);
+  if (s == BASE_OK) {
+    s = bench_both(name, (f.p.M.n <= SMALL) ? &dense : &f.p, &dense, reps, err);
+  }
   free(M);
   lcp_file_problem_free(&f);
   return s;
+}
+
+/* A small problem, densely; k is freed. */
+static base_status bench_known(const char *name, known_lcp *k, int reps, base_error *err) {
+  lcp_problem dense = {0};
+  double *M = NULL;
+  base_status s = dense_copy(&k->p, &M, &dense, err);
+  if (s == BASE_OK) {
+    s = bench_both(name, &dense, &dense, reps, err);
+  }
+  free(M);
+  known_lcp_free(k);
+  return s;
+}
+
+static const struct contact_set {
+  int bodies, contacts, facets;
+} contact_sets[] = {{1, 1, 4},  {1, 4, 4}, {2, 2, 4},  {2, 5, 4},
+                    {3, 10, 4}, {2, 4, 8}, {6, 20, 0}, {12, 40, 0}};
+
+/* Columns, stacks and frictional sets of 6 to 60 unknowns. */
+static base_status bench_small(int reps, base_error *err) {
+  static const char *const families[] = {"stack:n=6",     "stack:n=10",    "stack:n=20",
+                                         "stack:n=45",    "stack:n=60",    "box_stack:n=1",
+                                         "box_stack:n=2", "box_stack:n=5", "box_stack:n=10"};
+  static const char *const files[] = {"column_n10", "column_n30", "boxstack_n12", "boxstack_n32",
+                                      "pd_n10",     "pd_n30",     "fbox4_p4",     "fbox8_p4",
+                                      "frand4_p5",  "frand8_p5"};
+  known_lcp k;
+  for (int i = 0; i < BASE_COUNT(families); ++i) {
+    BASE_TRY(lcp_family_load(families[i], &k, err));
+    BASE_TRY(bench_known(families[i], &k, reps, err));
+  }
+  for (int i = 0; i < BASE_COUNT(files); ++i) {
+    BASE_TRY(bench_file(files[i], reps, err));
+  }
+  for (int i = 0; i < BASE_COUNT(contact_sets); ++i) {
+    const struct contact_set *c = &contact_sets[i];
+    char name[64];
+    (void)snprintf(name, sizeof name, "set%d_contacts%d_facets%d", c->bodies, c->contacts,
+                   c->facets);
+    BASE_TRY(few_bodies(&k, c->bodies, c->contacts, c->facets, 7, err));
+    BASE_TRY(bench_known(name, &k, reps, err));
+  }
+  return BASE_OK;
 }
 
 /* Dense and factored form of few bodies; *seconds is the median of the factored one. */
@@ -215,7 +293,7 @@ static base_status bench_all(int reps, base_error *err) {
   static const char *const files[] = {"pd_n300",    "column_n300",  "boxstack_n300",
                                       "frand4_p80", "fbox4_p80",    "frand8_p20",
                                       "fbox4_p200", "column_n1000", "boxstack_n1000"};
-  printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
+  BASE_TRY(bench_small(reps, err));
   for (int i = 0; i < BASE_COUNT(files); ++i) {
     BASE_TRY(bench_file(files[i], reps, err));
   }
@@ -228,7 +306,6 @@ static base_status bench_all(int reps, base_error *err) {
 /* 2000 contacts with friction among 20 bodies, the dense form against the factored one. */
 static base_status bench_grasp(int reps, base_error *err) {
   double seconds = 0;
-  printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
   return bench_bodies(20, 2000, 4, true, reps, &seconds, err);
 }
 
@@ -236,11 +313,15 @@ int main(int argc, char **argv) {
   int reps = 5;
   base_error err = {0};
   if ((argc > 1 && !base_parse_int(argv[1], &reps)) || reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "usage: bench_lemke [REPETITIONS, 1 to %d [grasp]]\n", (int)REPS_MAX);
+    fprintf(stderr, "usage: bench_lemke [REPETITIONS, 1 to %d [grasp|small]]\n", (int)REPS_MAX);
     return 2;
   }
-  const bool grasp = argc > 2 && strcmp(argv[2], "grasp") == 0;
-  if ((grasp ? bench_grasp(reps, &err) : bench_all(reps, &err)) != BASE_OK) {
+  const char *part = (argc > 2) ? argv[2] : "";
+  printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
+  const base_status s = (strcmp(part, "grasp") == 0)   ? bench_grasp(reps, &err)
+                        : (strcmp(part, "small") == 0) ? bench_small(reps, &err)
+                                                       : bench_all(reps, &err);
+  if (s != BASE_OK) {
     fprintf(stderr, "bench_lemke: %s\n", err.text);
     return 1;
   }

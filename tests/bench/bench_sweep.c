@@ -14,8 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { METHODS = 4, REPS_MAX = 101 };
-static const char *const names[METHODS] = {"batches", "one_by_one", "plain_rows", "plain_frames"};
+enum { METHODS = 3, REPS_MAX = 101 };
+static const char *const names[METHODS] = {"batches", "plain_rows", "plain_frames"};
 
 typedef struct bench {
   contact_bed bed;
@@ -72,18 +72,15 @@ static void bench_close(bench *b) {
 }
 
 static void sweeps(bench *b, int method, int count) {
-  const int n_full = b->fast.n_full;
-  b->fast.n_full = (method == 1) ? 0 : n_full;
   for (int k = 0; k < count; k++) {
-    if (method <= 1) {
+    if (method == 0) {
       lcp_contact_sweep_run(&b->fast, 1.0, 1);
-    } else if (method == 2) {
+    } else if (method == 1) {
       plain_rows_sweep(b->rows, b->bed.n_contact, b->v);
     } else {
       plain_frames_sweep(b->frames, b->bed.n_contact, b->body, b->v);
     }
   }
-  b->fast.n_full = n_full;
 }
 
 static int compare(const void *a, const void *b) {
@@ -96,11 +93,11 @@ static double measure(bench *b, int method, double *seconds, int reps, int count
   const double scale = 1e9 / ((double)count * b->bed.n_contact);
   qsort(seconds, (size_t)reps, sizeof *seconds, compare);
   const double median = seconds[reps / 2] * scale;
-  const int bytes[METHODS] = {200, 200, (int)sizeof(plain_contact_rows),
+  const int bytes[METHODS] = {200, (int)sizeof(plain_contact_rows),
                               (int)sizeof(plain_contact_frames)};
   printf("%s,%d,%d,%d,%d,%.2f,%.2f,%.2f,%.3f\n", names[method], b->bed.n_contact, b->bed.n_body,
          bytes[method], count, median, seconds[reps / 4] * scale, seconds[3 * reps / 4] * scale,
-         4.0 * b->fast.n_full / b->bed.n_contact);
+         b->bed.n_contact / (4.0 * b->fast.in.n_batch));
   (void)fflush(stdout);
   return median;
 }

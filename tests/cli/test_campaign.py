@@ -3,6 +3,7 @@ conventions."""
 
 import csv
 import json
+import lzma
 import re
 import shlex
 import shutil
@@ -171,7 +172,8 @@ def rows_are_whole_and_resumed(d):
 
 
 def manifest_is_complete(d):
-    run("run", campaign(d, SMALL), "--out", d / "o", "--quiet", "--filter", "solver=lemke")
+    words = (campaign(d, SMALL), "--out", d / "o", "--quiet", "--filter", "solver=lemke")
+    run("run", *words, OPENBLAS_NUM_THREADS="")  # one thread, though nobody says so
     m = json.loads((d / "o/manifest.json").read_text())
     assert m["campaign"]["seed"] == 3 and "stack:n={1,2}" in m["campaign"]["text"]
     for path in (
@@ -194,6 +196,7 @@ def manifest_is_complete(d):
         for key in path.split("/"):
             value = value[key]
         assert value not in (None, ""), path
+    assert m["libraries"]["openblas_threads"] == 1
     assert m["inputs_sha256"] and (d / "o/canary.csv").read_text().count("\n") >= 3
 
 
@@ -503,13 +506,39 @@ def paper_prints_its_plan(d):
     c = campaign(d, SMALL)
     run("run", c, "--out", d / "p", "--quiet", "--filter", "solver=lemke")
     m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
-    assert (m[1], m[2], m[3], m[4], m[7]) == ("18", "36", "18", "18", "18"), m[0]
-    lines = (d / "p/results.csv").read_text().splitlines(keepends=True)
-    (d / "p/results.csv").write_text(
-        "".join(x for i, x in enumerate(lines) if i == 0 or ",1," not in x[:90])
-    )
-    m = re.fullmatch(form, run("run", c, "--dry-run", "--out", d / "p").stdout.splitlines()[-1])
-    assert int(m[3]) < 18 and float(m[6]) > 0, m[0]
+    assert (m[1], m[2], m[3], m[4], m[7]) == ("18", "36", "18", "18", "0"), m[0]
+    one_line_error("run", c, "--like", d / "p", names=["--like", "--dry-run"])
+
+
+def rows_of_another_run_foretell_the_time(d):
+    """0.1 s an evaluation: a warm-up and two samples, the judge's share, the start; a killed one
+    takes the limit, a refused one nothing. Packed rows tell the same."""
+    c = campaign(d, SMALL)
+    run("run", c, "--out", d / "p", "--quiet")
+    known = rows(d / "p")
+
+    def about(name, *more, **of_all):
+        (d / name).mkdir()
+        changed = [{**r, "t_total_s": "0.1", "n_inner": "1", **of_all} for r in known]
+        with open(d / name / "results.csv", "w", newline="") as to:
+            out = csv.DictWriter(to, list(known[0]), lineterminator="\n")
+            out.writeheader()
+            out.writerows(changed)
+        words = ("--dry-run", "--out", d / "none", "--like", d / name, *more)
+        last = run("run", c, *words).stdout.splitlines()[-1]
+        return float(re.search(r"about (\d+) s", last)[1])
+
+    each = 0.005 + 1.3 * 3 * 0.1
+    assert about("plain") == round(36 * each)
+    assert about("one", "--filter", "solver=lemke") == round(18 * each)
+    killed = {"status": "timeout", "t_total_s": "", "t_limit_s": "10"}
+    assert about("killed", **killed) == 36 * 11
+    assert about("refused", t_total_s="", status="unsupported") == round(36 * 0.005)
+    text = (d / "plain/results.csv").read_bytes()
+    (d / "plain/results.csv.xz").write_bytes(lzma.compress(text))
+    (d / "plain/results.csv").unlink()
+    words = ("--dry-run", "--out", d / "none", "--like", d / "plain")
+    assert f"about {36 * each:.0f} s" in run("run", c, *words).stdout
 
 
 def merged_folders_keep_their_answers(d):
@@ -552,6 +581,7 @@ tap(
         status_counts,
         smoke_is_explained,
         paper_prints_its_plan,
+        rows_of_another_run_foretell_the_time,
         merged_folders_keep_their_answers,
         progress_is_plain_where_nobody_watches,
     ]

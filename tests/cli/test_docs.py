@@ -24,7 +24,7 @@ def copied(d):
     for entry in ROOT.iterdir():
         if (
             entry.is_dir()
-            and entry.name not in (".git", ".venv", "subprojects")
+            and entry.name not in (".git", ".venv", ".venv-check", ".venv-engines", "subprojects")
             and not (entry / "meson-private").exists()
         ):
             shutil.copytree(

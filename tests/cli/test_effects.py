@@ -1,21 +1,26 @@
-"""Effects chosen by a pilot: what it drops, what it keeps, and that the answer stays."""
+"""Effects that come in when the run calls for them: what stays out, and that the answer stays."""
 
 import json
-import math
+import pathlib
 import random
+import shlex
+import sys
 
 from support import one_line_error, run_json, tap
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from late_scenes import late_scene  # noqa: E402
 
 RUN = ("--formulation", "velocity", "--solver", "lemke")
 
 
-def simulate(scene, effects, **kw):
-    return run_json("simulate", scene, *RUN, "--effects", effects, **kw)
+def simulate(scene, effects, more=(), **kw):
+    return run_json("simulate", scene, *RUN, "--effects", effects, *more, **kw)
 
 
 def a_straight_slide_needs_neither_rotation_nor_space(_):
     whole, auto = simulate("slide", "declared"), simulate("slide", "auto:1e-6")
-    assert auto["effects_auto"]["dropped"] == "rotation spatial", auto["effects_auto"]
+    assert auto["effects_auto"]["dropped"] == "rotation gyroscopic spatial", auto["effects_auto"]
     assert (whole["n_dof"], auto["n_dof"]) == (6, 2) and auto["lcp_dim_max"] < whole["lcp_dim_max"]
     assert len(auto["predictions"]) == len(whole["predictions"]) > 0 and all(
         p["ok"] for p in auto["predictions"]
@@ -24,77 +29,59 @@ def a_straight_slide_needs_neither_rotation_nor_space(_):
     assert abs(error[0] - error[1]) < 1e-6, error
 
 
-def what_matters_stays(_):
+def what_matters_comes_in(_):
+    """Friction at the first step; restitution with the first impact, not before."""
     auto = simulate("spin", "auto:1e-6")
     assert (
         auto["effects_auto"]["dropped"] == ""
         and auto["effects_simulated"] == auto["effects_declared"]
     ), auto["effects_auto"]
+    late = simulate("bounce", "auto:1e-6")["effects_auto"]
+    first = int(late["repeat"].split("/")[1].split(":")[0])
+    assert late["repeat"].startswith("-restitution/") and first > 100, late
 
 
-def what_may_come_later_is_not_asked_of_a_pilot(_):
-    """The scenes' late contacts, loads, spins and joints: no pilot runs, nothing is left out."""
-    for scene, rule in (
-        ("bounce", "late"),
-        ("clatter", "late"),
-        ("sphere_pile", "late"),
-        ("push", "loads"),
-        ("top", "unstable"),
-        ("tip", "unstable"),
-        ("falling_rod", "unstable"),
-    ):
-        auto = simulate(scene, "auto:1e-6", code=None)["effects_auto"]
-        assert f"({rule})" in auto["why"] and auto["dropped"] == "", (scene, auto)
-        assert auto["pilot_steps"] == 0, (scene, auto)
-    assert "friction (acts)" in simulate("slide", "auto:1e-6")["effects_auto"]["why"]
+def a_velocity_at_the_start_keeps_its_effect(_):
+    auto = simulate("top", "auto:1e-2", code=None)["effects_auto"]
+    assert auto["dropped"] == "" and auto["steps_repeated"] == 0, auto
 
 
-def late_scene(rng):
-    """A block that slides or spins, and something that happens late: a second body lands, a wall
-    stands in the way, a load grows, a spin turns over."""
-    dim = rng.choice([2, 3])
-    up, half = dim - 1, [rng.uniform(0.1, 0.3) for _ in range(dim)]
-    pos = [0.0] * dim
-    pos[up] = half[up]
-    vel = [0.0] * dim
-    vel[0] = rng.uniform(0.5, 3)
-    box = {"type": "box", "half": half}
-    bodies = [{"name": "a", "shape": box, "mass": 1.0, "pos": pos, "vel": vel}]
-    floor = {"name": "floor", "normal": [0] * up + [1], "offset": 0}
-    gravity = [0.0] * up + [-9.81]
-    scene = {
-        "id": "late",
-        "dim": dim,
-        "T": 1.0,
-        "hs": [0.01],
-        "gravity": gravity,
-        "static": [floor],
-    }
-    scene["friction"] = {"default": 10 ** rng.uniform(-8, 0)}
-    scene["observe"] = ["a.x", "a.vx"]
-    kind = rng.choice(["lands", "wall", "load", "spin", "nothing"])
-    if kind == "lands":
-        above = [rng.uniform(-0.2, 0.5) for _ in range(dim)]
-        above[up] = 2 * half[up] + rng.uniform(0.5, 3)
-        bodies.append(dict(bodies[0], name="b", pos=above, vel=[0.0] * dim))
-    elif kind == "wall":
-        tilt = rng.uniform(-0.6, 0.6) if dim == 3 else 0.0
-        normal = [-math.cos(tilt), math.sin(tilt), 0.0] if dim == 3 else [-1.0, 0.0]
-        scene["static"].append({"name": "wall", "normal": normal, "offset": -rng.uniform(0.5, 2)})
-    elif kind == "load":
-        load = {
-            "type": "force_ramp",
-            "body": "a",
-            "dir": [1] + [0] * up,
-            "rate": rng.uniform(1, 20),
-        }
-        scene["loads"] = [load]
-    elif kind == "spin" and dim == 3:
-        pos[up] += 50
-        bodies[0]["omega"] = [1e-6, rng.uniform(3, 9), 1e-6]
-        scene["observe"] = ["a.omega.x", "a.omega.y"]
-    scene["bodies"] = bodies
-    return scene
+def the_run_can_be_repeated_without_auto(d):
+    """Bit for bit, by what the result says under `repeat`, files included."""
+    for scene in ("bounce", "slide", "stack:n=3", "spin", "clatter", "push"):
+        for form, solver in (("velocity", "lemke"), ("regularized", "lemke"), ("coulomb", "nsgs")):
+            run = ("simulate", scene, "--formulation", form, "--solver", solver)
+            auto = run_json(*run, "--effects", "auto:1e-4", code=None)
+            again = run_json(*run, "--effects", auto["effects_auto"]["repeat"], code=None)
+            assert auto["solution_hash"] == again["solution_hash"], (scene, form, auto)
+            assert auto["effects_simulated"] == again["effects_simulated"], (scene, form)
+    paths = [d / "auto.csv", d / "plan.csv"]
+    for path, effects in zip(paths, ("auto:1e-4", "-restitution/226:declared"), strict=True):
+        simulate("bounce", effects, more=("--trajectory", path))
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def nothing_given_is_lost_on_the_way(_):
+    """Where the program chooses everything, `repeat` is a whole command."""
+    words = ("--error", "2%", "--effects", "auto:1e-4", "--duration", "0.4", "--start", "previous")
+    auto = run_json("simulate", "slide", *words)
+    command = shlex.split(auto["choice"]["repeat"])
+    assert command[:2] == ["lcpbench", "simulate"] and not any("auto" in c for c in command)
+    assert run_json(*command[1:])["solution_hash"] == auto["solution_hash"], command
+
+
+def effects_change_in_the_run(d):
+    """Bodies go on from where they are: what slid freely for ten steps rubs for forty."""
+    h, v, mu, g = 0.01, 2.0, 0.3, 9.81
+    box = {"type": "box", "half": [0.1, 0.1]}
+    body = {"name": "a", "shape": box, "mass": 1.0, "pos": [0.0, 0.1], "vel": [v, 0.0]}
+    floor = {"name": "floor", "normal": [0, 1], "offset": 0}
+    scene = {"id": "block", "dim": 2, "T": 50 * h, "hs": [h], "gravity": [0, -g]}
+    scene |= {"static": [floor], "bodies": [body], "friction": {"default": mu}, "observe": ["a.vx"]}
+    (d / "block.json").write_text(json.dumps(scene))
+    for effects, steps in (("declared", 50), ("-friction/10:declared", 40), ("-friction", 0)):
+        speed = simulate(d / "block.json", effects)["observables"]["a.vx"]["value"]
+        assert abs(speed - (v - mu * g * h * steps)) < 1e-9, (effects, speed)
 
 
 def the_budget_is_kept_where_things_happen_late(d):
@@ -106,15 +93,37 @@ def the_budget_is_kept_where_things_happen_late(d):
         full, auto = (simulate(path, e, code=None) for e in ("declared", f"auto:{E:g}"))
         for name, a in full["observables"].items():
             b = auto["observables"][name]["value"]
-            assert abs(a["value"] - b) <= E * max(abs(a["value"]), 1.0), (
-                case,
-                name,
-                a,
-                b,
-                path.read_text(),
-            )
+            assert abs(a["value"] - b) <= E * max(abs(a["value"]), 1.0), (case, name, a, b)
         dropped += auto["effects_auto"]["dropped"] != ""
-    assert dropped > 3, dropped  # and something is left out where nothing happens
+    assert dropped > 20, dropped  # and something is left out where nothing happens
+
+
+def what_is_small_in_a_step_adds_up(d):
+    """mu g h is 1e-10 m/s a step, and 12 micrometres in the 50 s of the run: more than E."""
+    box = {"type": "box", "half": [0.1, 0.1]}
+    body = {"name": "a", "shape": box, "mass": 1.0, "pos": [0, 0.1], "vel": [2, 0]}
+    floor = {"name": "floor", "normal": [0, 1], "offset": 0}
+    scene = {"id": "ice", "dim": 2, "T": 50, "hs": [0.01], "gravity": [0, -9.81]}
+    scene |= {"static": [floor], "bodies": [body], "friction": {"default": 1e-9}}
+    (d / "ice.json").write_text(json.dumps(scene | {"observe": ["a.x"]}))
+    full, auto = (
+        simulate(d / "ice.json", e)["observables"]["a.x"]["value"]
+        for e in ("declared", "auto:1e-6")
+    )
+    assert abs(full - (100 - 0.5 * 1e-9 * 9.81 * 2500)) < 1e-7, full
+    assert abs(full - auto) <= 1e-6 * 0.14, (full, auto)
+
+
+def a_wrong_plan_is_named(_):
+    for text, culprit in (
+        ("-friction/5", "'5'"),
+        ("-friction/0:declared", "above 0"),
+        ("declared/7:-friction/7:declared", "above 7"),
+        ("-friction/9:-frictoin", "frictoin"),
+    ):
+        one_line_error("simulate", "slide", *RUN, "--effects", text, names=[culprit])
+    words = ("--effects", "-friction/9:declared", "--error", "1%")
+    one_line_error("simulate", "slide", *RUN, *words, names=["--error"])
 
 
 def loads_that_grow_are_not_judged_by_their_beginning(_):
@@ -165,8 +174,13 @@ def stiffness_stands_beside_the_result(d):
 tap(
     [
         a_straight_slide_needs_neither_rotation_nor_space,
-        what_matters_stays,
-        what_may_come_later_is_not_asked_of_a_pilot,
+        what_matters_comes_in,
+        a_velocity_at_the_start_keeps_its_effect,
+        the_run_can_be_repeated_without_auto,
+        nothing_given_is_lost_on_the_way,
+        effects_change_in_the_run,
+        what_is_small_in_a_step_adds_up,
+        a_wrong_plan_is_named,
         the_budget_is_kept_where_things_happen_late,
         loads_that_grow_are_not_judged_by_their_beginning,
         the_level_decides,

@@ -1,5 +1,6 @@
 """Every exit code that README.md lists occurs, and no other."""
 
+import json
 import pathlib
 import re
 import resource
@@ -72,6 +73,11 @@ def honest_failure_is_3(d):
     ends(("solve", d / "a.M.mtx", "--solver", "lemke", "--certificate", d / "proof"), 3)
     ends(("verify", "random_spd:n=1", "--certificate", d / "proof"), 3)
     ends(("solve", "random_spd:n=9", "--solver", "pgs:max_iter=1"), 3)
+    stack = ("simulate", "stack:n=10", "--formulation", "coulomb", "--start", "previous")
+    spent = json.loads(ends((*stack, "--solver", "nsgs:budget=5"), 3))
+    assert spent["status"] == spent["claimed"] == "budget" and not spent["verified"], spent
+    assert spent["n_iter"] == 5 * spent["n_solves"] == 5 * spent["steps"] > 0, spent
+    assert 0 < spent["res_ncp_rel_max"], spent
     c = campaign(
         d,
         "name: s\nsampling: {processes: 1, samples: 1, max_samples: 1}\n"

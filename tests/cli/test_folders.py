@@ -78,7 +78,7 @@ def the_noise_floor_is_of_this_machine(d):
     assert path.read_bytes() == first, "measured once"
     other = dict(
         ours,
-        cpu="another processor",
+        host_class="another processor",
         host="else/where",
         noise_floor=9.0,
         classes=[dict(x, noise_floor=9.0) for x in ours["classes"]],
@@ -86,7 +86,7 @@ def the_noise_floor_is_of_this_machine(d):
     path.write_text(json.dumps(other))
     run("run", c, "--out", d / "o", "--quiet")
     assert (
-        json.loads(path.read_text())["cpu"] == ours["cpu"]
+        json.loads(path.read_text())["host_class"] == ours["host_class"]
         and json.loads((d / "o/doctor.else_where.json").read_text()) == other
     )
     assert "noise floor 900.00 %" in run("compare", d / "o", d / "o").stdout

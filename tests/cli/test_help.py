@@ -32,6 +32,7 @@ def every_option_is_explained(_):
         told = options(verb)
         usage = run(verb, "--help").stdout.splitlines()[0]
         assert set(re.findall(r"--[a-z-]+", usage)) == set(told), (verb, usage)
+        assert told["--plugin"][0] == "FILE.so", (verb, told)
         for name, (_, sentence) in told.items():
             assert len(sentence) > 15 and not sentence.startswith("--"), (verb, name, sentence)
         assert run("help", verb).stdout == run(verb, "--help").stdout
@@ -61,7 +62,7 @@ def ranges_that_are_told_are_kept(d):
 
 def needed_options_are_told(_):
     one_line_error("solve", "murty:n=3", names=["--solver", "missing"])
-    one_line_error("export", "murty:n=3", names=["--format", "missing"])
+    one_line_error("export", "murty:n=3", names=["--out", "missing"])
     one_line_error("merge", "a", names=["--out", "missing"])
     assert run("solve", "--help").stdout.startswith("lcpbench solve PROBLEM --solver SOLVER")
 
@@ -163,6 +164,7 @@ def words_are_completed(_):
         assert [w for w in complete(*words) if w != "all"] == listed, words
     assert complete("simulate", "x", "--start", "") == ["cold", "previous"]
     assert complete("solve", "x", "--z", "") == []  # files are the shell's
+    assert complete("solve", "x", "--pl") == ["--plugin"] and complete("run", "--plugin", "") == []
     assert complete("nonsense", "") == []
     for kind in complete("list", ""):
         assert run("list", kind).stdout

@@ -498,8 +498,8 @@ def simulate_prints_one_object(d):
     for key in (
         "scene parameters formulation solver step_s steps status observables predictions"
         " lcp_dim_max n_contact_max n_solves n_pivot n_iter res_natural_max res_ncp_max"
-        " penetration_max_m energy_defect_J effects_declared effects_seen t_assemble_s t_solve_s"
-        " t_total_s"
+        " penetration_max_m approach_max_m energy_defect_J effects_declared effects_seen"
+        " t_assemble_s t_solve_s t_total_s"
     ).split():
         assert key in o, key
     assert o["status"] == "ok" and o["predictions"] and all(p["ok"] for p in o["predictions"])
@@ -723,6 +723,7 @@ def moments_are_refused_where_they_are_not_simulated(d: pathlib.Path) -> None:
         ball = ("simulate", "billiard", "--formulation", formulation, "--solver", "lemke")
         o = run_json(*ball, code=3)
         assert o["status"] == "unsupported", o["note"]
+        assert o["claimed"] == "unsupported" and o["verified"] is False, o
         assert "does not simulate rolling torsion" in o["note"], o["note"]
         free = (*ball, "--duration", "0.01", "--effects=-rolling,-torsion")
         o = run_json(*free, code=None)  # asked for: the ball without them

@@ -54,6 +54,8 @@ def a_good_one_is_a_solver_like_any_other(d):
         "plugin_good",
     )  # fmt: skip
     assert o["status"] == "ok", o
+    alone = run("list", "solvers", f"--plugin={plugin('plugin_good')}").stdout.split()
+    assert "plugin_good" in alone, alone
     env = {"LCPBENCH_PLUGINS": f"{plugin('plugin_good')}:{plugin('plugin_liar')}"}
     told = run("list", "solvers", **env).stdout.split()
     assert {"plugin_good", "plugin_liar"} <= set(told), told
@@ -117,6 +119,11 @@ def refused_in_one_line(d):
     (d / "text.so").write_text("not an object")
     one_line_error("--plugin", d / "text.so", *solve, names=("text.so",))
     one_line_error(*solve, "--plugin", names=("--plugin",))
+    one_line_error(*solve, "--plugin=", names=("--plugin",))
+    one_line_error(*solve, f"--plugin={FOLDER / 'gone.so'}", names=("gone.so",))
+    one_line_error(*solve, "--plugn", plugin("plugin_good"), names=("did you mean '--plugin'?",))
+    done = run(*solve, code=2, LCPBENCH_PLUGINS=str(FOLDER / "gone.so"))
+    assert "LCPBENCH_PLUGINS" in done.stderr and "gone.so" in done.stderr, done.stderr
     one_line_error("conform", "nobody", names=("nobody",))
 
 

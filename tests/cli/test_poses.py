@@ -64,6 +64,8 @@ def what_it_has_not_is_refused(_):
         ("modes=secant", "modes"),
         ("form=mass", "form"),
         ("factor=cholmod", "factor"),
+        ("prox=0", "prox"),
+        ("newton_iter=3", "newton_iter"),
     ):
         one_line_error(
             *("simulate", "slide", "--formulation", f"regularized:pose=cone,{option}"),

@@ -11,7 +11,7 @@ import shlex
 import statistics
 import time
 
-from support import FAULTY, campaign, diagonal, one_of, rows, run, run_json
+from support import FAULTY, QUIET, Inconclusive, campaign, diagonal, one_of, rows, run, run_json
 
 TEXT = """
 name: timing
@@ -29,71 +29,79 @@ def text_of(d, solvers):
     return TEXT % (diagonal(d, 10), solvers)
 
 
-def verdict(d, text, a, b, *more, column="t_solve_s"):
-    """The word of compare for b against a, its ratio, its line, and how often the samples were
-    interrupted."""
+DISTURBED = "inconclusive: disturbed"
+WRONG, TRIES = 3, 6  # wrong verdicts that are a fault; tries, of which some are undecided
+WIDE = 1.05  # an interval as wide as what is looked for decides nothing
+
+
+def verdict(d, text, b, *more):
+    """compare of b against faulty_steady: its word, the ratio, how wide that one's interval is
+    (high end over low end), and the line."""
     out = d / f"o{len(list(d.iterdir()))}"
     run("run", campaign(d, text), "--out", out, "--quiet", exe=FAULTY)
     done = run(
-        "compare", out, out, "--solver-a", a, "--solver-b", b, "--column", column, *more, exe=FAULTY
+        "compare", out, out, "--solver-a", "faulty_steady", "--solver-b", b, *more, exe=FAULTY
     )
     line = done.stdout.splitlines()[0]
-    ratio = float(re.search(r"ratio ([0-9.]+)", line).group(1))
     cut = statistics.mean(int(r["ctx_invol"]) > 0 for r in rows(out))
-    return ("no difference" if "no difference" in line else line.split()[-1]), ratio, line, cut
+    print(f"# {100 * cut:.0f} % of the samples interrupted: {line}")
+    ratio, low, high = map(
+        float, re.search(r"ratio ([0-9.]+) \[([0-9.]+), ([0-9.]+)\]", line).groups()
+    )
+    return line.rpartition("] ")[2], ratio, high / low, line
+
+
+def found(d, text, right, b, *more):
+    """Tries, each with a seed of its own, until right(word, ratio, width) is True. The interval
+    holds 95 times in a hundred, so a wrong one is looked at again: three are a fault. A run that
+    compare calls disturbed, or of which right() is None, decides nothing (test_compare.py holds
+    both to planted rows), and where too many are like that, the test does not either."""
+    wrong = 0
+    for attempt in range(TRIES):
+        word, ratio, width, line = verdict(
+            d, text.replace("seed: 2", f"seed: {2 + attempt}"), b, *more
+        )
+        told = None if word == DISTURBED else right(word, ratio, width)
+        if told:
+            return
+        wrong += told is False
+        assert wrong < WRONG, line
+    raise Inconclusive(f"{TRIES - wrong} of {TRIES} runs were disturbed, or their ratio is vague")
 
 
 def g1_same_work_has_no_winner(d):
-    """A/A against a floor of 3 %, and against the floor that the doctor measured on this machine.
-    The interval holds 95 times in a hundred, so one false winner is looked at again; two in a row
-    are a fault."""
+    """A/A against a floor of 3 %, and against the floor that the doctor measured here."""
     text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_twin:seconds=0.01']")
     for change, floor in (
         ("inner: 0.01s", ("--noise", 0.03)),
         ("inner: 0.01s, order: abba, doctor: 1s", ()),
     ):
-        for attempt in range(2):
-            again = text.replace("seed: 2", f"seed: {8 + attempt}").replace("inner: 0.01s", change)
-            word, _, line, _ = verdict(d, again, "faulty_steady", "faulty_twin", *floor)
-            print(f"# floor {floor or 'of the doctor'}: {line}")
-            if word == "no difference":
-                break
-        assert word == "no difference", line
+        found(
+            d,
+            text.replace("inner: 0.01s", change),
+            lambda word, *_: word == "no difference",
+            "faulty_twin",
+            *("--column", "t_solve_s", *floor),
+        )
+
+
+def five_per_cent(word, ratio, width):
+    if word == "slower" and 1.03 < ratio < 1.08:
+        return True
+    return False if word == "faster" or width < WIDE else None
 
 
 def g1_five_per_cent_are_found_by_wall_time(d):
-    """Within three tries."""
     text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_slower:seconds=0.01']").replace(
         "inner: 0.01s", "inner: 0.01s, order: abba"
     )
-    for attempt in range(3):
-        again = text.replace("seed: 2", f"seed: {2 + attempt}")
-        word, ratio, line, cut = verdict(
-            d, again, "faulty_steady", "faulty_slower", "--noise", 0.01
-        )
-        print(f"# {100 * cut:.0f} % of the samples interrupted: {line}")
-        if word == "slower" and 1.03 < ratio < 1.08:
-            return
-    raise AssertionError(line)
+    found(d, text, five_per_cent, "faulty_slower", "--column", "t_solve_s", "--noise", 0.01)
 
 
 def g1_five_per_cent_are_found_by_cpu_time(d):
     """The same whatever the load is."""
     text = text_of(d, "['faulty_steady:seconds=0.01', 'faulty_slower:seconds=0.01']")
-    for attempt in range(3):
-        word, ratio, line, _ = verdict(
-            d,
-            text.replace("seed: 2", f"seed: {5 + attempt}"),
-            "faulty_steady",
-            "faulty_slower",
-            "--noise",
-            0.01,
-            column="t_cpu_s",
-        )
-        print(f"# {line}")
-        if word == "slower" and 1.03 < ratio < 1.08:
-            return
-    raise AssertionError(line)
+    found(d, text, five_per_cent, "faulty_slower", "--column", "t_cpu_s", "--noise", 0.01)
 
 
 def g1_sleep_lands_in_its_column(d):
@@ -250,18 +258,15 @@ parts:
 def large_tables_are_compared_at_once(d):
     """Ten thousand rows paired and judged in seconds (it took time cubic in the cells)."""
     run("run", campaign(d, PAIRS), "--out", d / "o", "--quiet")
-    header, *lines = (d / "o/results.csv").read_text().splitlines()
+    lines = rows(d / "o")
     (d / "big").mkdir()
-    with open(d / "big/results.csv", "w") as to:
-        to.write(header + "\n")
+    with open(d / "big/results.csv", "w", newline="") as file:
+        to = csv.DictWriter(file, list(lines[0]), lineterminator="\n")
+        to.writeheader()
         for k in range(140):
-            for line, r in zip(lines, csv.DictReader([header, *lines]), strict=True):
-                to.write(
-                    line.replace(r["cell_id"], f"{k:04d}{r['cell_id'][4:]}").replace(
-                        r["problem"], f"{r['problem']}+{k}"
-                    )
-                    + "\n"
-                )
+            for r in lines:
+                new = {"cell_id": f"{k:04d}{r['cell_id'][4:]}", "problem": f"{r['problem']}+{k}"}
+                to.writerow(r | new | QUIET)
     from_ = time.time()
     out = run("compare", d / "big", d / "big").stdout.splitlines()
     took = time.time() - from_

@@ -41,6 +41,8 @@ def cell(part, formulation, step, end, seconds=1e-3, **more):
         "t_total_s": seconds,
         "t_total_s_low": seconds,
         "t_total_s_high": seconds,
+        "noise": 1.05,
+        "disturbed": "",
         "command": "lcpbench simulate pile",
     } | more
 

@@ -135,6 +135,15 @@ class Recommended(unittest.TestCase):
         worst = self.cells[self.cells["formulation_options"] == "facets=4"]["err_ref"].max()
         self.assertGreater(worst, 0.01)
 
+    def test_an_error_may_be_a_share(self):
+        """Of the size of the predicted value; the line says of what."""
+        size = self.cells[self.cells["problem_family"] == "slide"]["err_predicted"].abs().median()
+        _, share, _ = self.asked("--scene", "slide", "--error", "4%")
+        first, _, rest = share.partition("\n")
+        self.assertRegex(first, rf"slide\S*: 0.04 of {size:.3g} \(")
+        _, unit, _ = self.asked("--scene", "slide", "--error", f"{0.04 * size:.17g}")
+        self.assertEqual(rest, unit)
+
     def test_out_of_reach_and_unknown_are_said(self):
         code, text, _ = self.asked("--scene", "bounce", "--error", "1e-12")
         self.assertEqual(code, 3)

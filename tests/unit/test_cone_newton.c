@@ -41,15 +41,15 @@ static void derivatives_are_those_of_the_map(void **state) {
     double *x = v, *y = v + N;
     const bool interval = b->set != LCP_CONE;
     draw(&r, 2 * N, v);
-    lcp_cone_map(map, b, lo, hi, x, y, F, X, Y);
+    lcp_cone_map(map, b, NULL, lo, hi, x, y, F, X, Y);
     for (int j = 0; j < 2 * b->size; j++) {
       double *moved = (j < b->size) ? &x[j] : &y[j - b->size];
       const double *column = (j < b->size) ? X + j * b->size : Y + (j - b->size) * b->size;
       const double old = *moved;
       *moved = old + h;
-      lcp_cone_map(map, b, lo, interval ? hi : 0, x, y, up, NULL, NULL);
+      lcp_cone_map(map, b, NULL, lo, interval ? hi : 0, x, y, up, NULL, NULL);
       *moved = old - h;
-      lcp_cone_map(map, b, lo, interval ? hi : 0, x, y, down, NULL, NULL);
+      lcp_cone_map(map, b, NULL, lo, interval ? hi : 0, x, y, down, NULL, NULL);
       *moved = old;
       for (int i = 0; i < b->size; i++) {
         check_close(column[i], (up[i] - down[i]) / (2 * h), 1e-6);
@@ -84,13 +84,13 @@ static void maps_vanish_at_contact_solutions_only(void **state) {
     }
     for (int map = 0; map < 2; map++) {
       double off = 0;
-      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, 0, 0, z, w, F, NULL, NULL);
+      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, NULL, 0, 0, z, w, F, NULL, NULL);
       for (int i = 0; i < n; i++) {
         check_close(F[i], 0.0, 1e-6); /* Fischer-Burmeister: the root of what rounding leaves */
       }
       w[0] -= 0.1;
       z[0] += 0.1;
-      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, 0, 0, z, w, F, NULL, NULL);
+      lcp_cone_map((map == 0) ? LCP_MAP_MIN : LCP_MAP_FISCHER, k, NULL, 0, 0, z, w, F, NULL, NULL);
       for (int i = 0; i < n; i++) {
         off = fmax(off, fabs(F[i]));
       }

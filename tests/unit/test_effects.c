@@ -1,6 +1,9 @@
 #include "tests/support/check.h"
 
-#include "problems/spec/effects.h"
+#include "harness/measure/effects_plan.h"
+
+#include <stdio.h>
+#include <string.h>
 
 static void override_adds_and_removes(void **state) {
   (void)state;
@@ -15,7 +18,52 @@ static void override_adds_and_removes(void **state) {
   assert_int_equal(effects_override(0, "-frictoin", &out, &err), BASE_EINVAL);
 }
 
+static void a_plan_is_printed_as_it_is_read(void **state) {
+  (void)state;
+  const unsigned declared = EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION;
+  base_error err = {0};
+  effects_plan p;
+  char text[EFFECTS_TEXT];
+  const char *const plans[] = {"declared", "-friction,-rotation", "-friction/12:declared",
+                               "-friction,-rotation/1:-rotation/900:declared",
+                               "+rolling/3:-contact,+torsion"};
+  for (int i = 0; i < BASE_COUNT(plans); i++) {
+    check_ok(effects_plan_parse(declared, plans[i], &p, &err), &err);
+    effects_plan_print(&p, declared, text);
+    assert_string_equal(text, plans[i]);
+  }
+  check_ok(effects_plan_parse(declared, plans[3], &p, &err), &err);
+  assert_int_equal(effects_plan_at(&p, 0), EFFECT_CONTACT);
+  assert_int_equal(effects_plan_at(&p, 1), EFFECT_CONTACT | EFFECT_FRICTION);
+  assert_int_equal(effects_plan_at(&p, 899), EFFECT_CONTACT | EFFECT_FRICTION);
+  assert_int_equal(effects_plan_at(&p, 900), declared);
+  assert_int_equal(effects_plan_union(&p), declared);
+}
+
+static void a_wrong_plan_is_refused(void **state) {
+  (void)state;
+  base_error err = {0};
+  effects_plan p;
+  char many[EFFECTS_TEXT] = "declared";
+  for (int i = 1; i <= EFFECTS_SPANS; i++) {
+    const size_t used = strlen(many);
+    (void)snprintf(many + used, sizeof many - used, "/%d:all", i);
+  }
+  const char *const wrong[] = {"declared/",
+                               "declared/x:all",
+                               "declared/0:all",
+                               "declared/2:all/2:all",
+                               "declared/2",
+                               "-nothing",
+                               many};
+  for (int i = 0; i < BASE_COUNT(wrong); i++) {
+    assert_int_equal(effects_plan_parse(0, wrong[i], &p, &err), BASE_EINVAL);
+  }
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(override_adds_and_removes)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(a_plan_is_printed_as_it_is_read),
+                                     cmocka_unit_test(a_wrong_plan_is_refused),
+                                     cmocka_unit_test(override_adds_and_removes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -44,7 +44,10 @@ static void cold_steps_are_fresh(void **state) {
              {"acceleration", ""},
              {"regularized", "model=viscous"},
              {"regularized", "model=viscous,form=mass"},
-             {"regularized", "model=viscous,modes=secant"}};
+             {"regularized", "model=viscous,modes=secant"},
+             {"regularized", "model=viscous,pose=cone"},
+             {"velocity", "restitution=poisson"},
+             {"position", "restitution=two_steps"}};
   for (int f = 0; f < BASE_COUNT(all); f++) {
     rig *old = sliding_box();
     formulation_run *past = rig_open(all[f].form, all[f].opt);
@@ -114,12 +117,13 @@ static void cold_bristles_keep_deflections_alone(void **state) {
     for (int i = 0; i < young->set.n_contact; i++) {
       const double *from = contact_memory_now(&past->memory, i);
       double *to = contact_memory_now(&fresh->memory, i);
-      to[0] = from[0]; /* closed */
+      to[PAST_CLOSED] = from[PAST_CLOSED];
+      to[PAST_SLIDES] = from[PAST_SLIDES];
+      to[PAST_SPRUNG] = from[PAST_SPRUNG];
       for (int k = 0; k < REG_KINDS; k++) {
-        const int at = REG_PAST_PARTS + k * REG_PAST_PART;
-        to[at + REG_PAST_SLIDING] = from[at + REG_PAST_SLIDING];
-        memcpy(to + at + REG_PAST_S, from + at + REG_PAST_S, 3 * sizeof *to);
-        deflection += fabs(from[at + REG_PAST_S]);
+        const int at = PAST_PULL + 3 * k;
+        memcpy(to + at, from + at, 3 * sizeof *to);
+        deflection += fabs(from[at]);
       }
     }
     assert_true(deflection > 0.0);

@@ -147,7 +147,8 @@ static void open_box(fixture *x, const double *half, double mass, double mu, con
 
 /* A box on four corners under a lateral load between two facets of a four-sided cone, of which 0.707
  * would be felt: below the circle it stays, above it it slides straight, each with a handful of
- * problems although the corners share their forces in many ways. */
+ * problems a step although the corners share their forces in many ways: 15 in ten steps by the arithmetic of some
+ * processors, 34 by that of others. */
 static void redundant_corners_feel_the_circle(void **state) {
   (void)state;
   const double mu = 0.5, g = 9.81;
@@ -161,7 +162,7 @@ static void redundant_corners_feel_the_circle(void **state) {
     const double travel = slips ? 0.5 * 0.05 * mu * g * 0.25 * sqrt(0.5) : 0.0;
     check_close(observe(&x, "body.x"), travel, 1e-8);
     check_close(observe(&x, "body.y"), travel, 1e-8);
-    assert_true(x.solves <= 30);
+    assert_true(x.solves <= 60);
     close_scene(&x);
   }
 }

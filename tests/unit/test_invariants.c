@@ -179,14 +179,15 @@ static void batches_are_a_partition_without_shared_bodies(void **state) {
   a = base_arena_over(mem, a.used);
   carve(&f, &a);
   check_ok(lcp_gs_prepare(&f.gs, &f.bed.p, &err), &err);
-  assert_true(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p) && f.fast.n_full > 1);
+  assert_true(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p) && f.fast.in.n_batch > 1);
   ASSERT_DOES_NOT_ABORT(import_zero, &f);
-  const int first = f.fast.order[0];
-  f.fast.order[0] = f.fast.order[1];
+  const int first = f.fast.in.order[0];
+  f.fast.in.order[0] = f.fast.in.order[1];
   ASSERT_ABORTS(import_zero, &f);
-  f.fast.order[0] = first;
-  f.fast.n_full = (f.fast.n_contact + 3) / 4; /* what is left over does share bodies */
+  f.fast.in.order[0] = first;
+  const int count = f.fast.in.n_batch--; /* a contact without a place */
   ASSERT_ABORTS(import_zero, &f);
+  f.fast.in.n_batch = count;
   free(mem);
   contact_bed_close(&f.bed);
 }

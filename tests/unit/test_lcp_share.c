@@ -4,7 +4,7 @@
 
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
-#include "lcp/lcp_share.h"
+#include "lcp/share/lcp_share.h"
 #include "tests/support/random_cones.h"
 
 #include <stdlib.h>
@@ -113,7 +113,7 @@ static lcp_share_result shared(const lcp_problem *p, double *z) {
   lcp_share *s;
   lcp_share_result r;
   assert_int_equal(lcp_share_open(&s, &err), BASE_OK);
-  assert_int_equal(lcp_share_apply(s, p, z, &r, &err), BASE_OK);
+  assert_int_equal(lcp_share_apply(s, p, NULL, z, &r, &err), BASE_OK);
   lcp_share_close(s);
   return r;
 }
@@ -235,6 +235,69 @@ static void tension_carries_nothing(void **state) {
   assert_int_equal(r.outcome, LCP_SHARE_MADE);
   assert_true(z[0] == 0);
   follows_the_plate(&t, z);
+}
+
+/* Corners 2, 6 and 8 hold the weight of a plate of nine contacts, over `far` of the way from the middle to the right edge. */
+static void far_out(plate *t, double far, double *z) {
+  const double w0 = 1 / weight[0];
+  pose(t, (double[]){-1, -far * weight[1] / weight[0], -0.2 * weight[2] / weight[0]});
+  memset(z, 0, 9 * sizeof *z);
+  z[6] = (1 - far) / 2 * w0;
+  z[8] = (0.4 * w0 + w0) / 2 - z[6];
+  z[2] = w0 - z[6] - z[8];
+}
+
+/* What the last step chose makes the search shorter, and does not enter the answer; without it nothing does that a
+ * workspace has seen before. */
+static void the_last_step_is_a_start(void **state) {
+  (void)state;
+  base_error err = {0};
+  lcp_share *s;
+  lcp_share_result first, warm, cold, fresh;
+  plate t = grid();
+  double last[9], z[9], again[9], alone[9];
+  assert_int_equal(lcp_share_open(&s, &err), BASE_OK);
+  far_out(&t, 0.7, last);
+  assert_int_equal(lcp_share_apply(s, &t.p, NULL, last, &first, &err), BASE_OK);
+  far_out(&t, 0.71, z);
+  memcpy(again, z, sizeof z);
+  memcpy(alone, z, sizeof z);
+  assert_int_equal(lcp_share_apply(s, &t.p, last, z, &warm, &err), BASE_OK);
+  assert_int_equal(lcp_share_apply(s, &t.p, NULL, again, &cold, &err), BASE_OK);
+  lcp_share_close(s);
+  fresh = shared(&t.p, alone);
+  assert_int_equal(first.outcome, LCP_SHARE_MADE);
+  assert_int_equal(warm.outcome, LCP_SHARE_MADE);
+  assert_true(warm.rounds < cold.rounds);
+  assert_int_equal(cold.rounds, fresh.rounds);
+  assert_memory_equal(again, alone, sizeof again);
+  for (int i = 0; i < 9; i++) {
+    check_close(z[i], again[i], 1e-8);
+  }
+  follows_the_plate(&t, z);
+}
+
+/* A start that is wrong in every contact. */
+static void a_wrong_start_is_left(void **state) {
+  (void)state;
+  base_error err = {0};
+  lcp_share *s;
+  lcp_share_result r;
+  plate t = grid();
+  double z[9], start[9], right[9];
+  far_out(&t, 0.7, z);
+  memcpy(right, z, sizeof z);
+  (void)shared(&t.p, right);
+  for (int i = 0; i < 9; i++) {
+    start[i] = (right[i] > 0) ? 0 : 1;
+  }
+  assert_int_equal(lcp_share_open(&s, &err), BASE_OK);
+  assert_int_equal(lcp_share_apply(s, &t.p, start, z, &r, &err), BASE_OK);
+  lcp_share_close(s);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  for (int i = 0; i < 9; i++) {
+    check_close(z[i], right[i], 1e-8);
+  }
 }
 
 /* With friction the null vectors of M and of M' differ, and only the plate's law tells which of the two is meant. */
@@ -376,6 +439,8 @@ int main(void) {
       cmocka_unit_test(corners_share_a_weight),
       cmocka_unit_test(softer_contacts_carry_less),
       cmocka_unit_test(tension_carries_nothing),
+      cmocka_unit_test(the_last_step_is_a_start),
+      cmocka_unit_test(a_wrong_start_is_left),
       cmocka_unit_test(sliding_contacts_follow_the_plate),
       cmocka_unit_test(one_answer_is_left_alone),
       cmocka_unit_test(no_answer_is_made_up),

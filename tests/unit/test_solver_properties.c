@@ -11,8 +11,8 @@
 
 enum { N = 24, OPT_MAX = 256 };
 static const char *const names[] = {
-    "pgs",    "projected_gradient", "jacobi", "apgd",       "nncg", "nsgs", "prox", "newton",
-    "pgs_sm", "interior_point",     "sqp",    "cone_newton"};
+    "pgs",    "projected_gradient", "jacobi", "apgd",        "nncg", "nsgs",    "prox", "newton",
+    "pgs_sm", "interior_point",     "sqp",    "cone_newton", "admm", "cone_ipm"};
 
 /* M = B'B / N + I/5 (+ K - K'), 8 orthant, 8 box and 8 free rows. The solution is chosen first: a third
  * of the orthant and box rows inside, the rest on a bound with w of the right sign. */

@@ -120,7 +120,7 @@ typedef struct outcome {
   step_account account;
 } outcome;
 
-static outcome controlled(const char *scene, double tolerance) {
+static outcome controlled_by(const char *scene, double duration, step_rule rule) {
   simulation *k = opened(scene, "coulomb", "nsgs", false);
   series record;
   sim_result out;
@@ -129,14 +129,14 @@ static outcome controlled(const char *scene, double tolerance) {
   outcome o;
   base_error err = {0};
   prediction_summary p;
+  k->request.duration = (duration > 0.0) ? duration : k->request.duration;
   const double end = k->request.duration;
-  const step_rule rule = {.tolerance = tolerance,
-                          .first = 0.1 * end,
-                          .least = 1e-9 * end,
-                          .most = end,
-                          .stop = &end,
-                          .n_stop = 1,
-                          .limit = 1000000};
+  rule.first *= end;
+  rule.most *= end;
+  rule.least = 1e-9 * end;
+  rule.stop = &end;
+  rule.n_stop = 1;
+  rule.limit = 1000000;
   check_ok(simulate_controlled(&k->request, &rule, &record, &out, &kept, &places, &o.account, &err),
            &err);
   assert_true(o.account.ended && out.status == RUN_OK && out.steps == kept.n);
@@ -153,6 +153,18 @@ static outcome controlled(const char *scene, double tolerance) {
   series_close(&record);
   closed(k);
   return o;
+}
+
+/* Plain steps of this tolerance [m]. */
+static outcome controlled(const char *scene, double tolerance) {
+  return controlled_by(scene, 0.0, (step_rule){.tolerance = tolerance, .first = 0.1, .most = 1.0});
+}
+
+/* Extrapolated steps of at most this share of the run, whatever they are off by. */
+static outcome extrapolated(const char *scene, double share) {
+  return controlled_by(
+      scene, 0.0,
+      (step_rule){.tolerance = 1e3, .first = share, .most = share, .extrapolate = true});
 }
 
 /* x = v t + a t^2 / 2 down a slope: a quarter of the tolerance gives a quarter of the error in four times the steps. */
@@ -190,6 +202,89 @@ static void impacts_are_located(void **state) {
   }
 }
 
+/* A constant acceleration is what one step and two halves agree on; other smooth motion is of second order. */
+static void extrapolated_steps_are_of_second_order(void **state) {
+  (void)state;
+  const outcome slope = extrapolated("incline:theta_deg=40", 0.5);
+  assert_true(slope.error < 1e-12 && slope.account.solved == 6 && slope.account.off < 1e-12);
+  static const char *const smooth[] = {"oscillator:mu=1e-6", "top"}; /* a spring; a turning body */
+  for (int k = 0; k < BASE_COUNT(smooth); k++) {
+    outcome last = {0};
+    for (int i = 0; i < 4; i++) {
+      const outcome o = extrapolated(smooth[k], 1.0 / (64 << i));
+      const double ratio = last.error / o.error;
+      assert_true(i == 0 || (ratio > 3.0 && ratio < 5.5));
+      assert_true(i == 0 || last.account.off > 3.0 * o.account.off);
+      last = o;
+    }
+  }
+}
+
+/* What stops in the first half of a step does so on both of its ways: only the acceleration before tells. */
+static void what_ends_inside_a_half_is_seen(void **state) {
+  (void)state;
+  const outcome o =
+      controlled_by("slide:speed=1", 4.0,
+                    (step_rule){.tolerance = 1e-3, .first = 0.5, .most = 0.5, .extrapolate = true});
+  assert_true(o.account.rejected > 0 && o.error < 2e-3);
+}
+
+/* Behind an impact the steps are as long as before. */
+static void impacts_cost_their_location(void **state) {
+  (void)state;
+  const outcome o = controlled_by(
+      "bounce", 0.0,
+      (step_rule){.tolerance = 1e-3, .first = 0.05, .most = 0.05, .extrapolate = true});
+  const outcome plain = controlled("bounce", 1e-3);
+  assert_int_equal(o.account.forced, 0);
+  assert_true(o.account.located <= 1e-3 / 16.0 && o.account.located > 0.0);
+  assert_true(o.account.solved < plain.account.solved / 10 &&
+              o.account.most > 1e4 * o.account.least);
+}
+
+static error_result to_error(simulation *k, double E) {
+  const error_asked asked = {.E = E, .limit = ERROR_LIMIT};
+  series record;
+  sim_result out;
+  step_list steps;
+  error_result r;
+  base_error err = {0};
+  check_ok(error_run(&k->request, &asked, &record, &out, &steps, &r, &err), &err);
+  assert_true(r.promised);
+  series_close(&record);
+  step_list_close(&steps);
+  return r;
+}
+
+/* What a window looks at between states is known where nothing leaves its chord by more than the error; a throw does. */
+static void a_window_is_seen_between_states(void **state) {
+  (void)state;
+  simulation *k = opened("stack:n=3", "velocity", "lemke", false);
+  assert_int_equal(to_error(k, 1e-6).n_level, 1);
+  closed(k);
+  k = opened("projectile:duration=1.1,speed_up=5", "velocity", "lemke", false);
+  spec_check *c;
+  base_error err = {0};
+  check_ok(spec_add_check(&k->spec, CHECK_WINDOW_MAX, "ball.y", &c, &err), &err);
+  c->t1 = 1.1;
+  const double apex = 5.0 * 5.0 / (2.0 * 9.81);
+  for (double E = 0.1; E > 1e-5; E *= 0.1) {
+    const error_result r = to_error(k, E);
+    int windows = 0;
+    for (int i = 0; i < r.n_quantity; i++) {
+      const error_quantity *q = &r.quantity[i];
+      const bool window = strstr(q->name, "window") != NULL;
+      windows += window;
+      if (window && !(fabs(q->value - apex) <= E * q->scale)) {
+        fail_msg("E = %g: the highest is %g m, need %g m", E, q->value, apex);
+      }
+    }
+    assert_true(windows == 1);
+    assert_true(r.n_level > 1 || E > 0.01);
+  }
+  closed(k);
+}
+
 /* ---- what is asked ----------------------------------------------------------------------------*/
 
 static void what_is_asked_has_a_unit_or_a_scale(void **state) {
@@ -222,6 +317,10 @@ int main(void) {
       cmocka_unit_test(who_remembers_more_cannot_come_back),
       cmocka_unit_test(smooth_motion_is_of_first_order),
       cmocka_unit_test(impacts_are_located),
+      cmocka_unit_test(extrapolated_steps_are_of_second_order),
+      cmocka_unit_test(what_ends_inside_a_half_is_seen),
+      cmocka_unit_test(impacts_cost_their_location),
+      cmocka_unit_test(a_window_is_seen_between_states),
       cmocka_unit_test(what_is_asked_has_a_unit_or_a_scale),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -217,6 +217,35 @@ static void margin_follows_the_speeds(void **state) {
   spec_free(&s);
 }
 
+/* Motion in the x-z plane of space: friction acts in that plane, on a floor, a wall and a slope. */
+static void tangents_of_plane_motion_lie_in_the_plane(void **state) {
+  (void)state;
+  static const double normal[][3] = {{0, 0, 1}, {1, 0, 0}, {-1, 0, 0}, {0.6, 0, -0.8}};
+  for (int i = 0; i < BASE_COUNT(normal); i++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    spec_static *wall;
+    spec_init(&s);
+    s.dim = 3;
+    s.duration = 1.0;
+    s.friction.dflt = 0.5;
+    spec_body *ball = add_body(&s, "ball", SPEC_SPHERE, 0.1);
+    v3_scale(0.1, normal[i], ball->pos);
+    check_ok(spec_add_static(&s, "wall", normal[i], 0.0, &wall, &err), &err);
+    check_ok(world_open(&w, &s, ~0u & ~(unsigned)EFFECT_SPATIAL, &err), &err);
+    check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+    assert_int_equal(c.n_contact, 1);
+    assert_int_equal(c.rows[0].tangent, 1);
+    check_close(c.frame[3 + 1], 0.0, 1e-15);
+    check_close(v3_dot(c.frame + 3, normal[i]), 0.0, 1e-15);
+    check_close(v3_norm(c.frame + 3), 1.0, 1e-15);
+    check_close(fabs(c.frame[6 + 1]), 1.0, 1e-15); /* about which it rolls */
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(two_bodies_exchange_momentum_through_rows),
@@ -225,6 +254,7 @@ int main(void) {
       cmocka_unit_test(pairs_multiplicity_and_no_collision_are_honoured),
       cmocka_unit_test(compounds_touch_with_every_piece),
       cmocka_unit_test(margin_follows_the_speeds),
+      cmocka_unit_test(tangents_of_plane_motion_lie_in_the_plane),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

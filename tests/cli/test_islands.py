@@ -1,0 +1,116 @@
+"""--islands, --threads: columns that stand apart are solved one by one, by any number of threads,
+with the answers of the whole and the same bits."""
+
+import json
+import pathlib
+
+from support import one_line_error, run, run_json, tap
+
+COLUMNS, HEIGHT = 7, 3
+# of each storage one: dense, sparse, factors, and the reduced problem of one normal a contact
+PAIRS = (
+    ("velocity:storage=dense", "lemke"),
+    ("velocity:storage=csc", "lemke"),
+    ("velocity", "cone_newton"),
+    ("coulomb:storage=csc", "cone_newton"),
+    ("coulomb:storage=factored", "nsgs"),
+    ("normal:storage=csc", "pgs"),
+    ("regularized", "newton"),
+    ("normal", "ppm"),
+)
+
+
+def columns(d: pathlib.Path, joined: bool = False) -> pathlib.Path:
+    """Stacks of boxes, no two alike, side by side on one floor; joined: a plank on all of them."""
+    bodies, loads = [], []
+    for c in range(COLUMNS):
+        for k in range(HEIGHT):
+            name = f"b{c}_{k}"
+            shape = {"type": "box", "half": [0.5, 0.5, 0.5]}
+            place = {"pos": [3.0 * c, 0, 0.5 + k], "quat": [1, 0, 0, 0]}
+            bodies.append({"name": name, "shape": shape, "mass": 1 + 0.1 * c} | place)
+        push = {"type": "force_ramp", "body": f"b{c}_{HEIGHT - 1}", "dir": [0.8, 0.6, 0]}
+        loads.append(push | {"rate": 20.0 + 10 * c})
+    if joined:
+        middle = {"pos": [1.5 * (COLUMNS - 1), 0, HEIGHT + 0.1], "quat": [1, 0, 0, 0]}
+        plank = {"type": "box", "half": [1.5 * COLUMNS, 0.5, 0.1]}
+        bodies.append({"name": "plank", "shape": plank, "mass": 2} | middle)
+    checks = [{"type": "finite"}]
+    scene = {"id": "columns", "dim": 3, "T": 0.1, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene |= {"friction": {"default": 0.5}, "restitution": {"default": 0.0}, "bodies": bodies}
+    scene |= {"loads": loads, "static": [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]}
+    scene |= {"observe": [f"b{c}_{HEIGHT - 1}.pos" for c in range(COLUMNS)], "checks": checks}
+    path = d / ("joined.json" if joined else "columns.json")
+    path.write_text(json.dumps(scene), encoding="utf-8")
+    return path
+
+
+def words(scene: pathlib.Path, formulation: str, solver: str, *more: str) -> tuple:
+    pair = ("--formulation", formulation, "--solver", solver, "--start", "previous")
+    return ("simulate", scene, *pair, *more)
+
+
+def seen(o: dict) -> list[float]:
+    return [o["observables"]["energy"]["value"], *(v["value"] for v in o["observables"].values())]
+
+
+def answers_are_those_of_the_whole(d: pathlib.Path) -> None:
+    scene = columns(d)
+    for pair in PAIRS:
+        whole, parts = (run_json(*words(scene, *pair, "--islands", i)) for i in ("off", "on"))
+        assert "n_island" not in whole and whole["verified"] and parts["verified"], pair
+        assert parts["n_island"] == COLUMNS, (pair, parts["n_island"])
+        assert parts["largest_island"] * COLUMNS == whole["lcp_dim_max"] == parts["lcp_dim_max"]
+        for a, b in zip(seen(whole), seen(parts), strict=True):
+            assert abs(a - b) <= 1e-8 * (1 + abs(a)), (pair, a, b)
+
+
+def bits_do_not_depend_on_threads(d: pathlib.Path) -> None:
+    scene = columns(d)
+    for pair in PAIRS:
+        on = words(scene, *pair, "--islands", "on", "--threads")
+        made = [run_json(*on, str(n)) for n in (1, 2, 3, 4)]
+        assert [o["threads"] for o in made] == [1, 2, 3, 4]
+        assert len({(o["solution_hash"], o["n_iter"], o["n_pivot"]) for o in made}) == 1, pair
+
+
+def order_of_contacts_moves_no_island(d: pathlib.Path) -> None:
+    scene = columns(d)
+    on = words(scene, "regularized", "newton", "--islands", "on", "--contact-order")
+    given = run_json(*on, "given")
+    for seed in range(1, 11):
+        other = run_json(*on, f"random:{seed}")
+        assert other["n_island"] == COLUMNS and other["verified"]
+        for a, b in zip(seen(given), seen(other), strict=True):
+            assert abs(a - b) <= 1e-8 * (1 + abs(a)), seed
+
+
+def what_is_joined_is_one_island(d: pathlib.Path) -> None:
+    scene = columns(d, joined=True)
+    for pair in PAIRS:
+        asked = (words(scene, *pair, "--islands", i) for i in ("off", "on"))
+        whole, parts = (run_json(*w, code=None) for w in asked)
+        assert parts["n_island"] == 1 and parts["largest_island"] == whole["lcp_dim_max"]
+        assert parts["solution_hash"] == whole["solution_hash"], pair
+
+
+def what_cannot_be_is_said(d: pathlib.Path) -> None:
+    on = words(columns(d), "regularized", "newton", "--islands", "on")
+    off = words(columns(d), "regularized", "newton")
+    one_line_error(*on[:-1], "yes", names=["--islands yes", "on or off"])
+    one_line_error(*off, "--threads", "2", names=["--threads 2", "--islands on"])
+    one_line_error(*on, "--threads", "0", names=["--threads"])
+    one_line_error(*on, "--threads", "two", names=["--threads", "two"])
+    one_line_error(*on, "--trace", d / "t.csv", names=["--trace", "--islands off"])
+    assert run(*on, "--threads", "1").returncode == 0
+
+
+tap(
+    [
+        answers_are_those_of_the_whole,
+        bits_do_not_depend_on_threads,
+        order_of_contacts_moves_no_island,
+        what_is_joined_is_one_island,
+        what_cannot_be_is_said,
+    ]
+)

@@ -1,0 +1,118 @@
+"""The four readings of the headline on planted rows: a tie is a tie, a start and a tuned setting
+can turn the order round, and nothing is left out."""
+
+import pathlib
+import sys
+import unittest
+from unittest import mock
+
+import pandas as pd
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+from bench import headline  # noqa: E402
+from bench import rows as rows_  # noqa: E402
+
+DEFAULTS = {("velocity", "facets=8"), ("coulomb", "")}
+
+
+def row(form, options, cost, **more):
+    return {
+        "campaign": "accuracy",
+        "part": "x",
+        "problem": "slide",
+        "problem_family": "slide",
+        "formulation": form,
+        "formulation_options": options,
+        "solver": "lemke",
+        "solver_options": "",
+        "combination": rows_.combination(form, options, "lemke", ""),
+        "tol": 1e-9,
+        "step_s": 0.01,
+        "start": "cold",
+        "duration_s": 1.0,
+        "effects": "",
+        "command": "lcpbench simulate",
+        "status": "ok",
+        "t_total_s": cost,
+        "t_total_s_low": cost,
+        "t_total_s_high": cost,
+        "noise": 1.05,
+        "err_ref": 1e-3,
+        "err_floor": 1e-12,
+        **more,
+    }
+
+
+def cells(*rows):
+    return pd.DataFrame(rows)
+
+
+class Readings(unittest.TestCase):
+    def setUp(self):
+        patched = mock.patch.object(headline, "declared", lambda: DEFAULTS)
+        patched.start()
+        self.addCleanup(patched.stop)
+        self.rows = [
+            row("velocity", "facets=8", 1.0),
+            row("coulomb", "", 2.0),
+            row("coulomb", "outer=9", 0.5),
+            row("velocity", "facets=8", 0.9, start="previous"),
+            row("coulomb", "", 0.1, start="previous"),
+        ]
+
+    def read(self, rows, start, setting):
+        some = headline.accuracy.confirmed(cells(*rows))
+        found = headline.read(headline.scenes_of(some, start, setting), 1e-2)
+        return dict(found.alone), dict(found.tied)
+
+    def test_each_reading_has_its_winner(self):
+        self.assertEqual(self.read(self.rows, "cold", "default"), ({"velocity": 1}, {}))
+        self.assertEqual(self.read(self.rows, "cold", "tuned"), ({"coulomb": 1}, {}))
+        self.assertEqual(self.read(self.rows, "previous", "default"), ({"coulomb": 1}, {}))
+
+    def test_a_tie_is_nobodys_win(self):
+        close = [row("velocity", "facets=8", 1.0), row("coulomb", "", 1.04)]
+        both = {"velocity": 1, "coulomb": 1}
+        self.assertEqual(self.read(close, "cold", "default"), ({}, both))
+        noisy = [{**r, "noise": 1.4} for r in self.rows]
+        noisy[1].update(t_total_s=1.3, t_total_s_low=1.3, t_total_s_high=1.3)
+        self.assertEqual(self.read(noisy, "cold", "default"), ({}, both))
+
+    def test_a_loose_tolerance_is_no_default(self):
+        loose = [
+            row("velocity", "facets=8", 1.0),
+            row("coulomb", "", 0.1, command="x --tol '1e-2'"),
+        ]
+        more = [row("coulomb", "", 2.0)]
+        self.assertEqual(self.read(loose + more, "cold", "default")[0], {"velocity": 1})
+
+    def test_every_reading_stands_in_the_table(self):
+        """A start that was not measured says so; it is not left out."""
+        made = headline.table(cells(*self.rows[:3]))
+        self.assertEqual(len(made.rows), len(headline.LEVELS) * 4)
+        unmeasured = [r for r in made.rows if r[1] == "previous step"]
+        self.assertEqual({r[3].text for r in unmeasured}, {"not measured"})
+        self.assertEqual({r[4] for r in unmeasured}, {""})
+
+    def test_the_words_do_not_crown_who_leads_in_one_reading(self):
+        self.assertIn("Nobody leads in all of the 4 measured", headline.words(cells(*self.rows)))
+        once = [r for r in self.rows if r["formulation_options"] == "facets=8"]
+        slow = {"formulation": "coulomb", "formulation_options": "", "t_total_s": 9.0}
+        other = [{**r, **slow, "t_total_s_low": 9.0} for r in once]
+        said = headline.words(cells(*once, *other))
+        self.assertIn("`velocity` leads in every reading", said)
+
+    def test_readings_that_were_not_measured_are_counted(self):
+        said = headline.words(cells(row("velocity", "facets=8", 1.0), row("coulomb", "", 9.0)))
+        self.assertIn("`velocity` leads in the 2 of 4 measured readings", said)
+
+    def test_the_price_of_tuning_is_told(self):
+        spent, gained = headline.price_of_tuning(
+            headline.accuracy.confirmed(cells(*self.rows)), "cold", 1e-2
+        )
+        self.assertEqual((spent, gained), (5.0, 4.0))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,151 @@
+/* What effects that are left out would have done in a step, against closed forms. */
+#include "problems/vec.h"
+#include "tests/support/small_world.h"
+
+#include <string.h>
+
+static base_error err;
+static const double g = 9.81, h = 0.01;
+
+/* A box of edge 0.2 and mass 1 on a floor, with a speed along x. */
+static void box_on_floor(scene_spec *s, int dim, double speed) {
+  spec_init(s);
+  s->dim = dim;
+  s->gravity[dim - 1] = -g;
+  s->duration = 1.0;
+  s->friction.dflt = 0.5;
+  s->restitution.dflt = 0.4;
+  spec_body *b = add_body(s, "box", SPEC_BOX, 0.1);
+  b->pos[dim - 1] = 0.1;
+  b->vel[0] = speed;
+  add_floor(s, dim);
+}
+
+/* One step without `without` in which `share` of the weight goes to each contact with a normal row; tangents carry nothing. */
+static void step_without(const scene_spec *s, unsigned without, const double *share,
+                         double change[EFFECT_COUNT]) {
+  world *w;
+  contact_set c;
+  const unsigned all = s->present;
+  check_ok(world_open(&w, s, all & ~without, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  double impulse[64] = {0}, v[6] = {0};
+  assert_true(c.n_row <= 64 && c.n_dof <= 6);
+  for (int i = 0; i < c.n_contact; i++) {
+    impulse[c.row_start[i]] = share[i] * s->body[0].mass * g * h;
+  }
+  memcpy(v, c.v, (size_t)c.n_dof * sizeof *v);
+  world_omitted(w, all, v, impulse, change);
+  world_close(w);
+}
+
+static const double even[] = {0.25, 0.25, 0.25, 0.25}, pair[] = {0.5, 0.5};
+
+static void a_box_at_rest_needs_nothing(void **state) {
+  (void)state;
+  for (int dim = 2; dim <= 3; dim++) {
+    scene_spec s;
+    double change[EFFECT_COUNT];
+    box_on_floor(&s, dim, 0.0);
+    check_ok(spec_check_all(&s, &err), &err);
+    step_without(&s, EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_ROTATION | EFFECT_SPATIAL,
+                 (dim == 2) ? pair : even, change);
+    for (int e = 0; e < EFFECT_COUNT; e++) {
+      check_close(change[e], 0.0, 1e-15);
+    }
+    spec_free(&s);
+  }
+}
+
+/* Sliding: at most mu g h on the centre, and on a point at the corner what the moment about the centre adds. */
+static void friction_left_out_is_bounded_by_the_weight(void **state) {
+  (void)state;
+  scene_spec s;
+  double change[EFFECT_COUNT];
+  box_on_floor(&s, 2, 3.0);
+  check_ok(spec_check_all(&s, &err), &err);
+  step_without(&s, EFFECT_FRICTION | EFFECT_ROTATION, pair, change);
+  const double mu = 0.5, corner = 0.1 * sqrt(2.0);
+  const double more = corner * corner * s.body[0].mass / s.body[0].inertia[0];
+  check_close(change[EFFECT_FRICTION_BIT], mu * g * h * (1.0 + more), 1e-12);
+  spec_free(&s);
+  /* slower than what friction would take away: it stops */
+  box_on_floor(&s, 2, 1e-4);
+  check_ok(spec_check_all(&s, &err), &err);
+  step_without(&s, EFFECT_FRICTION, pair, change);
+  check_close(change[EFFECT_FRICTION_BIT], 2 * 1e-4 * (1.0 + more), 1e-12);
+  spec_free(&s);
+}
+
+/* A ball whose centre of mass is where its contact pushes past it: a moment, and no feet to share it. */
+static void a_moment_needs_rotation(void **state) {
+  (void)state;
+  scene_spec s;
+  double change[EFFECT_COUNT];
+  box_on_floor(&s, 2, 0.0);
+  check_ok(spec_check_all(&s, &err), &err);
+  static const double one_side[] = {1.0, 0.0};
+  step_without(&s, EFFECT_ROTATION, one_side, change);
+  check_close(change[EFFECT_ROTATION_BIT], 0.0, 1e-15); /* two feet: they may share it */
+  s.body[0].angle = 0.3;                                /* on one corner */
+  s.body[0].pos[1] = 0.1 * (sin(0.3) + cos(0.3));
+  static const double corner[] = {1.0};
+  step_without(&s, EFFECT_ROTATION, corner, change);
+  const double arm = 0.1 * (cos(0.3) - sin(0.3)), reach = 0.1 * sqrt(2.0);
+  const double moment = s.body[0].mass * g * h * arm;
+  check_close(change[EFFECT_ROTATION_BIT], moment * reach / s.body[0].inertia[0], 1e-12);
+  spec_free(&s);
+}
+
+static void a_force_across_needs_space(void **state) {
+  (void)state;
+  scene_spec s;
+  double change[EFFECT_COUNT];
+  box_on_floor(&s, 3, 0.0);
+  s.gravity[1] = 2.0;
+  check_ok(spec_check_all(&s, &err), &err);
+  step_without(&s, EFFECT_SPATIAL, even, change);
+  check_close(change[EFFECT_SPATIAL_BIT], 2.0 * h, 1e-12);
+  spec_free(&s);
+}
+
+static void an_impact_needs_restitution(void **state) {
+  (void)state;
+  scene_spec s;
+  double change[EFFECT_COUNT];
+  box_on_floor(&s, 2, 0.0);
+  s.body[0].vel[1] = -2.0;
+  check_ok(spec_check_all(&s, &err), &err);
+  step_without(&s, EFFECT_RESTITUTION, pair, change);
+  check_close(change[EFFECT_RESTITUTION_BIT], 2 * (0.4 * 2.0 * 2), 1e-12); /* both corners */
+  spec_free(&s);
+}
+
+static void motion_at_the_start_is_seen(void **state) {
+  (void)state;
+  scene_spec s;
+  box_on_floor(&s, 3, 1.0);
+  check_ok(spec_check_all(&s, &err), &err);
+  assert_int_equal(world_moved_by(&s, ~0u), 0);
+  s.body[0].omega[1] = 1.0; /* in the plane of motion */
+  assert_int_equal(world_moved_by(&s, ~0u), EFFECT_ROTATION);
+  s.body[0].omega[0] = 1.0;
+  assert_int_equal(world_moved_by(&s, ~0u), EFFECT_ROTATION | EFFECT_SPATIAL);
+  s.body[0].omega[0] = s.body[0].omega[1] = 0.0;
+  s.body[0].vel[1] = 1.0;
+  assert_int_equal(world_moved_by(&s, ~0u), EFFECT_SPATIAL);
+  assert_int_equal(world_moved_by(&s, EFFECT_FRICTION), 0);
+  spec_free(&s);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_box_at_rest_needs_nothing),
+      cmocka_unit_test(friction_left_out_is_bounded_by_the_weight),
+      cmocka_unit_test(a_moment_needs_rotation),
+      cmocka_unit_test(a_force_across_needs_space),
+      cmocka_unit_test(an_impact_needs_restitution),
+      cmocka_unit_test(motion_at_the_start_is_seen),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
