@@ -226,6 +226,12 @@ static inline int form_storage_without_joints(int storage, int factored, const c
  * mass in these directions. */
 double form_mobility(const form_assembly *a, int i, int at, int dim);
 
+/* Does active contact i slide in the motion that form_assembly_answer wrote? Impulses at their bound [N s], mu lambda_n, do not
+ * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, which form_still_speed reckons once
+ * a step [m/s], and than a millionth of what the bound changes. */
+bool form_slides(const form_assembly *a, int i, double bound, double still);
+double form_still_speed(const form_assembly *a);
+
 /* u = r + C lambda over the rows in use. */
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);
 /* The same as r + J W J' lambda, where C is known on its diagonal only and joints were not eliminated; writes the answer of

@@ -168,3 +168,30 @@ void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u
     add_velocity(c, a->group[i], form_rows_of(a, i), a->force, u + a->row[i]);
   }
 }
+
+/* Shares of a speed that is no sliding: of what friction can change in a step, and of the largest velocity without contacts,
+ * which solvers answer to about 1e-9. */
+static const double of_friction = 1e-6, of_largest = 1e-8;
+
+double form_still_speed(const form_assembly *a) {
+  double largest = 0;
+  for (int r = 0; r < a->row[a->n_contact]; r++) {
+    largest = fmax(largest, fabs(a->r[r]));
+  }
+  return of_largest * largest;
+}
+
+bool form_slides(const form_assembly *a, int i, double bound, double still) {
+  const contact_set *c = a->set;
+  const int g = a->group[i], tangent = a->rows[i].tangent;
+  double u[6], used[6];
+  if (tangent == 0) {
+    return false;
+  }
+  memcpy(u, c->u_drift + c->row_start[g],
+         (size_t)(c->row_start[g + 1] - c->row_start[g]) * sizeof *u);
+  add_velocity(c, g, c->row_start[g + 1] - c->row_start[g], a->v_next, u);
+  form_to_rows(a, i, u, used);
+  const double speed = (tangent == 1) ? fabs(used[1]) : hypot(used[1], used[2]);
+  return speed > still && speed > of_friction * form_mobility(a, i, 1, tangent) * bound;
+}

@@ -332,15 +332,18 @@ static double approach_met(const polyhedral *s, int i) {
 
 /* 0 open, 1 stick, 2 slip; and the memory of the next step. */
 static void note_modes(polyhedral *s, const double *z) {
+  const double still = form_still_speed(&s->a);
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i];
     const double *zi = z + s->first[i];
     const poly_shape *shape = s->shape_of[i];
     double *now = contact_memory_now(&s->memory, g);
     const bool friction = shape->n_part > 0 && shape->part_kind[0] == 0;
-    const bool slips = friction && zi[shape->n_column] > 0;
-    s->a.mode[g] = (unsigned char)((s->base[s->a.row[i]] > 0) ? (slips || !friction) + 1 : 0);
-    now[PAST_SLIDES] = slips;
+    const double normal = s->base[s->a.row[i]];
+    const bool slides = friction && zi[shape->n_column] > 0 &&
+                        form_slides(&s->a, i, s->bound[POLY_PARTS * i] * normal, still);
+    s->a.mode[g] = (unsigned char)((normal > 0) ? (slides || !friction) + 1 : 0);
+    now[PAST_SLIDES] = slides;
     memset(now + PAST_IMPULSE, 0, 6 * sizeof *now);
     form_to_set(&s->a, i, s->base + s->a.row[i], now + PAST_IMPULSE);
     if (s->opt.restitution == POLY_TWO_STEPS) {
@@ -376,12 +379,10 @@ base_status poly_recover(void *state, const double *z, lcp_outcome claimed, base
   s->answer.solved = s->answer.solved && claimed == LCP_SOLVED;
   const bool poisson = s->phase == POLY_MOTION && s->opt.restitution == POLY_POISSON &&
                        s->a.set->restitution != NULL;
+  form_assembly_answer(&s->a, s->base);
   note_modes(s, z);
   s->phase = (s->phase == POLY_STILL && s->answer.solved) ? POLY_PUSH : POLY_DONE;
   s->phase = (poisson && s->answer.solved && decompress(s)) ? POLY_DECOMPRESSION : s->phase;
-  if (s->phase != POLY_DECOMPRESSION) {
-    form_assembly_answer(&s->a, s->base);
-  }
   return (s->phase == POLY_PUSH) ? begin_push(s, err) : BASE_OK;
 }
 

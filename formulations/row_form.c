@@ -124,25 +124,26 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   return BASE_OK;
 }
 
-static double norm(const double *x, int n) {
-  return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
-}
-
 void row_form_finish(row_form *s, const double *lambda, bool solved) {
   s->done = true;
   s->answer.solved = solved;
+  form_assembly_answer(&s->a, lambda);
+  const double still = form_still_speed(&s->a);
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i];
-    const int tangent = s->a.rows[i].tangent;
     const double *l = lambda + s->a.row[i];
     double *now = contact_memory_now(&s->memory, g);
-    const double limit = (1 - 1e-6) * friction_of(s, i) * l[0]; /* on the cone, to rounding */
-    const bool slips = tangent == 0 || norm(l + 1, tangent) >= limit;
-    now[PAST_SLIDES] = tangent > 0 && l[0] > 0 && slips;
+    const int tangent = s->a.rows[i].tangent;
+    const double bound = friction_of(s, i) * l[0];
+    const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
+    const bool on_cone =
+        pull >=
+        (1 - 1e-6) * bound; /* to rounding; what bristles let creep inside it does not slide */
+    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, still);
+    now[PAST_SLIDES] = slides;
     form_to_set(&s->a, i, l, now + PAST_IMPULSE);
-    s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + slips : 0);
+    s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + (slides || tangent == 0) : 0);
   }
-  form_assembly_answer(&s->a, lambda);
 }
 
 void row_form_rows(const void *state, formulation_rows *out) {

@@ -46,7 +46,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     return kit_finite(s, err);
   }
   static const spec_check_kind kinds[] = {CHECK_WINDOW_MAX, CHECK_WINDOW_MIN};
-  for (int i = 0; i < 2; i++) { /* friction with two coefficients: the regularised law only */
+  static const char *const two_coefficients[] = {"velocity", "position",     "boxed",
+                                                 "coulomb",  "acceleration", "regularized"};
+  for (int i = 0; i < 2; i++) {
     spec_check *c;
     BASE_TRY(spec_add_check(s, kinds[i], "block.x", &c, err));
     c->t0 = first;
@@ -55,7 +57,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     c->tol.h = 2.0 * p->speed;
     c->tol.reg_d = 2.0;
     kit_source(c, "mu_k N/K +- sqrt(D^2 + (v_b/w)^2)");
-    BASE_TRY(spec_check_only(c, "regularized", err));
+    for (int k = 0; k < BASE_COUNT(two_coefficients); k++) {
+      BASE_TRY(spec_check_only(c, two_coefficients[k], err));
+    }
   }
   return kit_finite(s, err);
 }

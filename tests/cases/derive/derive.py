@@ -315,6 +315,15 @@ def plates() -> Iterator[Answer]:
     yield "crates40", "state c004.z", (2 * 4 + 1) * 0.1
 
 
+def belts() -> Iterator[Answer]:
+    """A mass m on a spring k is dragged to mu_s N / k and swings about mu_k N / k from there."""
+    g, k, speed, static, kinetic = 9.81, 20.0, 0.1, 0.4, 0.3
+    swing = math.hypot((static - kinetic) * g / k, speed / math.sqrt(k))
+    for scene in ("stick_slip_twice", "stick_slip_on_four"):
+        yield scene, "window_max block.x", kinetic * g / k + swing
+        yield scene, "window_min block.x", kinetic * g / k - swing
+
+
 def arches_are_at_their_limit(scenes: dict[str, dict]) -> bool:
     """Joint k of a semicircular arch of n equal stones is radial at phi = pi k/n and carries
     V = n/2 - k weights beside the thrust H, which is the same everywhere. Friction holds where
@@ -366,6 +375,7 @@ def main() -> int:
         late_oblique,
         balls,
         plates,
+        belts,
     )
     wrong += not arches_are_at_their_limit(scenes)
     for scene, name, value in (answer for family in families for answer in family()):
