@@ -100,11 +100,12 @@ static void read_set(arc *a) {
     k->present = true;
     k->at = taking_part++;
     k->gap = c->gap[g];
-    k->mu = (c->rows[g].tangent > 0) ? (k->stick ? c->mu_static[g] : c->mu_kinetic[g]) : 0.0;
     for (int r = 0; r < 3; r++) {
       k->u[r] = (r <= c->rows[g].tangent) ? u[r] : 0.0;
     }
     const double slip = hypot(k->u[1], k->u[2]);
+    const bool rests = k->stick || (k->held && slip <= a->slow);
+    k->mu = (c->rows[g].tangent > 0) ? (rests ? c->mu_static[g] : c->mu_kinetic[g]) : 0.0;
     const double along = k->u[1] * k->direction[0] + k->u[2] * k->direction[1];
     /* beyond the instant at which it turns round, which is an event, it keeps its side */
     if (!k->stick && slip > a->slow && along > 0.0) {

@@ -22,6 +22,8 @@ typedef struct arc_contact {
   uint64_t id;
   bool stick;
   bool starts;         /* slides from rest: its tangential speed at the start of the arc is none */
+  bool edge;           /* at rest on the edge of its cone, and its kinetic coefficient is smaller */
+  bool held;           /* there, by its neighbours */
   double direction[2]; /* of sliding: at the start of the arc, then of the last accepted state */
   double start[3];     /* force at the start of the arc, contact frame [N] */
   /* written by arc_forces */

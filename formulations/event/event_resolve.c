@@ -166,6 +166,7 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   const double size = hypot(along[0], along[1]), friction = hypot(f[1], f[2]);
   if (k->stick && saturated(s, i, f)) {
     k->stick = false;
+    k->edge = c->mu_static[s->space.a.group[i]] > c->mu_kinetic[s->space.a.group[i]];
     k->direction[0] = -f[1] / friction;
     k->direction[1] = -f[2] / friction;
   } else if (k->stick && size > 1e-9 * scale_of(s, u0)) {
@@ -238,6 +239,34 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   return BASE_OK;
 }
 
+static double along_of(const arc_contact *k) {
+  return k->rate[0] * k->direction[0] + k->rate[1] * k->direction[1];
+}
+
+/* Contacts on the edges of their cones slide together or not at all: with kinetic friction on all of them, one that is not
+ * accelerated is held by its neighbours and keeps its static coefficient. */
+static base_status hold_on_edge(event_run *s, base_error *err) {
+  bool found = true;
+  for (int round = 0; found && round <= s->arc.n; round++) {
+    bool asked = false;
+    found = false;
+    for (int i = 0; i < s->arc.n; i++) {
+      asked = asked || (s->arc.contact[i].edge && !s->arc.contact[i].held);
+    }
+    if (!asked) {
+      return BASE_OK;
+    }
+    BASE_TRY(arc_forces(&s->arc, s->acc, err));
+    for (int i = 0; i < s->arc.n; i++) {
+      arc_contact *k = &s->arc.contact[i];
+      const bool stays = k->edge && !k->held && along_of(k) <= 1e-9 * s->pull;
+      k->held = k->held || stays;
+      found = found || stays;
+    }
+  }
+  return BASE_OK;
+}
+
 /* A contact on the edge of its cone that starts to slide and is accelerated against that direction at once
  * does not slide: redundant neighbours hold it. It sticks, with the force that it has. */
 static base_status hold_what_turns_back(event_run *s, base_error *err) {
@@ -247,8 +276,7 @@ static base_status hold_what_turns_back(event_run *s, base_error *err) {
     BASE_TRY(arc_forces(&s->arc, s->acc, err));
     for (int i = 0; i < s->arc.n; i++) {
       arc_contact *k = &s->arc.contact[i];
-      const double along = k->rate[0] * k->direction[0] + k->rate[1] * k->direction[1];
-      if (k->starts && !k->stick && k->mu > 0.0 && along < -1e-9 * s->pull) {
+      if (k->starts && !k->stick && k->mu > 0.0 && along_of(k) < -1e-9 * s->pull) {
         k->stick = turned = true;
       }
     }
@@ -261,6 +289,7 @@ static base_status hold_what_turns_back(event_run *s, base_error *err) {
  * contact on the edge of its cone was let slide that its neighbours hold: all such stick. Both count. */
 static base_status begin_forces(event_run *s, base_error *err) {
   s->arc.distribution = s->opt->distribution;
+  BASE_TRY(hold_on_edge(s, err));
   BASE_TRY(hold_what_turns_back(s, err));
   if (s->arc.distribution != FORM_EXTREME && !arc_carries(&s->arc)) {
     s->arc.distribution = FORM_EXTREME;

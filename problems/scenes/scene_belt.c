@@ -46,8 +46,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     return kit_finite(s, err);
   }
   static const spec_check_kind kinds[] = {CHECK_WINDOW_MAX, CHECK_WINDOW_MIN};
-  static const char *const two_coefficients[] = {"velocity", "position",     "boxed",
-                                                 "coulomb",  "acceleration", "regularized"};
+  static const char *const two_coefficients[] = {
+      "velocity", "position", "boxed", "coulomb", "acceleration", "event", "regularized"};
   for (int i = 0; i < 2; i++) {
     spec_check *c;
     BASE_TRY(spec_add_check(s, kinds[i], "block.x", &c, err));
