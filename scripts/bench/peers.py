@@ -12,7 +12,7 @@ are those of the campaigns `library` (its contacts) and `families`.
 Each group of the table ends with a referee: the faster of the best solver here and the best peer,
 and whether it stays so under other shifts, other charges, and on the larger problems alone.
 Rows: DIR (results/runs/bench_peers), --rows only reads them. A full run writes its table into
-peers/README.md, a quick one with --write.
+peers/README.md and who leads into README.md, a quick one with --write.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ PARTS = {"contact": "library", "families": "families"}  # of which campaign
 LIMIT = {False: 5, True: 1}  # s a process; quick
 BELIEVED = "claim=checked|library"
 BEGIN, END = "<!-- begin: scripts/bench_peers -->\n", "<!-- end: scripts/bench_peers -->\n"
-README = ROOT / "peers" / "README.md"
+TABLE, SHORT = ROOT / "peers" / "README.md", ROOT / "README.md"
 
 
 class Key(NamedTuple):
@@ -254,8 +254,46 @@ def best(costs: dict[str, list[float]], limit: float, shift: float, charge: floa
     return min(costs, key=lambda s: mean(costs[s], limit, shift, charge))
 
 
-def referee(found: Cells, group: Group, peers: dict[str, bool], limit: float) -> str:
-    """Who leads, by what factor, and whether every other setting agrees."""
+def plain(x: float, digits: int = 3) -> str:
+    """x to so many digits, without an exponent."""
+    return f"{float(f'{x:.{digits}g}'):.15g}"
+
+
+class Lead(NamedTuple):
+    """The best solver of ours and the best peer on a group, and the ratio of their times."""
+
+    title: str
+    problems: int
+    ours: str
+    theirs: str
+    solved: tuple[int, int]  # ours, theirs
+    mean_s: tuple[float, float]
+    ratio: float  # theirs over ours
+    low: float  # over all settings
+    high: float
+    settings: int
+
+    def verdict(self) -> str:
+        same = (self.low > 1) == (self.high > 1)
+        return "holds under every setting" if same else "depends on the setting"
+
+    def words(self) -> str:
+        return (
+            f"{self.title}: `{self.theirs}`, the best peer, takes {self.ratio:.2g} times the time"
+            f" of `{self.ours}` ({self.low:.2g} to {self.high:.2g} over {self.settings} settings;"
+            f" who leads {self.verdict()})."
+        )
+
+    def row(self) -> str:
+        side = [f"{n}, {plain(1e3 * t)} ms" for n, t in zip(self.solved, self.mean_s, strict=True)]
+        return (
+            f"| {self.title} ({self.problems}) | `{self.ours}`: {side[0]} | `{self.theirs}`:"
+            f" {side[1]} | {plain(self.ratio, 2)} [{plain(self.low, 2)}, {plain(self.high, 2)}] |"
+        )
+
+
+def referee(found: Cells, group: Group, peers: dict[str, bool], limit: float) -> Lead | None:
+    """Who leads, by what factor, and whether every other setting agrees; None: one side alone."""
     settings = [(s, c, 0) for s in SHIFTS for c in CHARGES]
     if any(n >= LARGE for n in group.rows):
         settings += [(SHIFT, 1.0, LARGE)]
@@ -266,17 +304,23 @@ def referee(found: Cells, group: Group, peers: dict[str, bool], limit: float) ->
         costs = {s: [c[i] for i in keep] for s, c in costs.items() if c}
         sides = [{s: c for s, c in costs.items() if peers[s] == side} for side in (False, True)]
         if not all(sides):
-            return f"{group.title}: only one side takes these."
+            return None
         ours, theirs = (best(side, limit, shift, charge) for side in sides)
         ratio = mean(costs[theirs], limit, shift, charge) / mean(costs[ours], limit, shift, charge)
         ratios.append((ratio, ours, theirs))
-    at = settings.index((SHIFT, 1.0, 0))
-    ratio, ours, theirs = ratios[at]
-    low, high = min(r[0] for r in ratios), max(r[0] for r in ratios)
-    verdict = "holds under every setting" if (low > 1) == (high > 1) else "depends on the setting"
-    return (
-        f"{group.title}: `{theirs}`, the best peer, takes {ratio:.2g} times the time of `{ours}`"
-        f" ({low:.2g} to {high:.2g} over {len(settings)} settings; who leads {verdict})."
+    ratio, ours, theirs = ratios[settings.index((SHIFT, 1.0, 0))]
+    cost = [times(found, group, s) for s in (ours, theirs)]
+    return Lead(
+        title=group.title,
+        problems=len(group.members),
+        ours=ours,
+        theirs=theirs,
+        solved=tuple(sum(math.isfinite(t) for t in c) for c in cost),
+        mean_s=tuple(mean(c, limit) for c in cost),
+        ratio=ratio,
+        low=min(r[0] for r in ratios),
+        high=max(r[0] for r in ratios),
+        settings=len(settings),
     )
 
 
@@ -301,43 +345,79 @@ def table(found: Cells, groups: list[Group], peers: dict[str, bool], limit: floa
     return lines
 
 
-def words_of(found: Cells, out: pathlib.Path, peers: dict[str, bool], plan: dict) -> str:
+class Study(NamedTuple):
+    """What the two blocks are written from."""
+
+    groups: list[Group]
+    leads: list[Lead]
+    measured: str  # by what, where
+    left_out: int  # problems that nobody solves
+
+
+def study(found: Cells, out: pathlib.Path, peers: dict[str, bool], plan: dict) -> Study:
     kinds = problems(out)
     groups = grouped(kinds, found)
     first = out / f"tol_{TOLERANCES[0]:.0e}"
     manifest = json.loads((first / "manifest.json").read_text())
     loads = [number(r, "load1") for rows in read(first).values() for r in rows]
-    missing = len(kinds) - sum(len(g.members) for g in groups)
-    left_out = f" Left out: {missing} problems that nobody solves." if missing else ""
+    leads = [referee(found, g, peers, plan["limit"]) for g in groups]
+    measured = (
+        f"Measured by `scripts/bench_peers{' --quick' if plan['quick'] else ''}`, commit"
+        f" {manifest['build']['commit']}, {manifest['machine']['cpu']}, one thread, at a load of"
+        f" {statistics.median(loads):.1f}."
+    )
+    left_out = len(kinds) - sum(len(g.members) for g in groups)
+    return Study(groups, [lead for lead in leads if lead], measured, left_out)
+
+
+def table_words(s: Study, found: Cells, peers: dict[str, bool], limit: float) -> str:
+    """The block of peers/README.md."""
+    left_out = f" Left out: {s.left_out} problems that nobody solves." if s.left_out else ""
     lies = [f.false for f in found.values() if f.false != 0]
     gross = sum(not rho <= GROSS for rho in lies)
     lines = [
         f"Solved to rho <= {RHO:.0e}, and the shifted geometric mean (shift {1e3 * SHIFT:g} ms) of"
-        f" the time, a failure charged {plan['limit']:g} s; peers in italics; - where a solver"
+        f" the time, a failure charged {limit:g} s; peers in italics; - where a solver"
         f" takes none of a group.{left_out}",
         "",
-        *table(found, groups, peers, plan["limit"]),
+        *table(found, s.groups, peers, limit),
         "",
-        *(f"- {referee(found, g, peers, plan['limit'])}" for g in groups),
+        *(f"- {lead.words()}" for lead in s.leads),
         f"- False claims: {len(lies)}, {gross} of them with rho > {GROSS:.0e} or no number.",
         "",
-        f"Measured by `scripts/bench_peers{' --quick' if plan['quick'] else ''}`, commit"
-        f" {manifest['build']['commit']}, {manifest['machine']['cpu']}, one thread, at a load of"
-        f" {statistics.median(loads):.1f}. Settings of the referee: shifts of"
-        f" {', '.join(f'{1e3 * s:g}' for s in SHIFTS)} ms, failures charged"
+        f"{s.measured} Settings of the referee: shifts of"
+        f" {', '.join(f'{1e3 * shift:g}' for shift in SHIFTS)} ms, failures charged"
         f" {' and '.join(f'{c:g}' for c in CHARGES)} times the limit, and the problems of at least"
         f" {LARGE} rows alone.",
     ]
     return "\n".join(lines) + "\n"
 
 
-def write(text: str) -> None:
-    """The block of peers/README.md between its markers."""
-    old = README.read_text(encoding="utf-8")
+def short_words(s: Study, found: Cells, peers: dict[str, bool], limit: float) -> str:
+    """The block of README.md."""
+    false = [
+        sum(f.false != 0 for k, f in found.items() if peers[k.solver] is side)
+        for side in (False, True)
+    ]
+    lines = [
+        "| problems | the best of ours: solved, time | the best peer: solved, time |"
+        " factor [over all settings] |",
+        "|---|---|---|---|",
+        *(lead.row() for lead in s.leads),
+        "",
+        f"Solved to rho <= {RHO:.0e}; shifted geometric means, a failure charged {limit:g} s. False"
+        f" claims: {false[0]} of ours, {false[1]} of theirs. {s.measured}",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def write(file: pathlib.Path, text: str) -> None:
+    """The block of a file between its markers."""
+    old = file.read_text(encoding="utf-8")
     if BEGIN not in old or END not in old:
-        sys.exit(f"bench_peers: {README}: its markers are gone")
+        sys.exit(f"bench_peers: {file}: its markers are gone")
     before, rest = old.split(BEGIN)
-    README.write_text(before + BEGIN + text + END + rest.split(END)[1], encoding="utf-8")
+    file.write_text(before + BEGIN + text + END + rest.split(END)[1], encoding="utf-8")
 
 
 def main() -> int:
@@ -360,10 +440,12 @@ def main() -> int:
     found = cells(out)
     if not found:
         sys.exit(f"bench_peers: no rows in {out}")
-    text = words_of(found, out, peers, plan)
+    what = study(found, out, peers, plan)
+    text = table_words(what, found, peers, plan["limit"])
     print(text)
     if args.write or not args.quick:
-        write(text)
+        write(TABLE, text)
+        write(SHORT, short_words(what, found, peers, plan["limit"]))
     return 0
 
 
