@@ -136,9 +136,8 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
     const int tangent = s->a.rows[i].tangent;
     const double bound = friction_of(s, i) * l[0];
     const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
-    const bool on_cone =
-        pull >=
-        (1 - 1e-6) * bound; /* to rounding; what bristles let creep inside it does not slide */
+    /* to rounding; what bristles let creep inside the cone does not slide */
+    const bool on_cone = pull >= (1 - 1e-6) * bound;
     const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, still);
     now[PAST_SLIDES] = slides;
     form_to_set(&s->a, i, l, now + PAST_IMPULSE);
