@@ -87,11 +87,13 @@ typedef struct form_blocked {
   double noise, u, u_noise;
 } form_blocked;
 
-/* One row in use of a contact that lost some: sum of c_k times the rows row .. row+n-1 of the set's contact. */
+/* One row in use of a contact that lost some: sum of c_k times the rows row .. row+n-1 of the set's contact. A tied one moves
+ * only with the contact's normal: its row of C is `share` times the normal's, and zero where it cannot move at all. */
 typedef struct form_direction {
   int row, n;
   double c[2];
-  bool still; /* cannot move and has a velocity: a zero row of C */
+  bool tied;
+  double share;
 } form_direction;
 
 /* assembly_joint.c: the joints that were eliminated, and C' in their place. */

@@ -5,6 +5,10 @@
  * (form_blocked), and taken out of the contact's rows: no unknown, no impulse. Where two tangents, or two rolling
  * directions, can move along one line only, the rows are turned so that one of them is that line.
  *
+ * Where normal and tangent move together along one line (a pendulum's end on a wall), both stay rows, and C of the two is
+ * singular. Computed, it is singular to rounding, and an impulse of any size solves what has no solution. The tangent's
+ * row and column of C are therefore written as a multiple of the normal's.
+ *
  * Two things stay as exact zero rows, since their velocity says something: a tangent that cannot move and is moved
  * all the same (a belt under a locked body), which rubs, and a normal that cannot move and approaches, for which no impulse
  * exists: the problem has no solution, and says so. Any other contact whose normal cannot move carries nothing. */
@@ -26,7 +30,7 @@ typedef struct remains {
   contact_rows rows;
   int n;
   form_direction direction[MOST_ROWS];
-  double u[MOST_ROWS]; /* of a row that is `still` [m/s] */
+  double u[MOST_ROWS]; /* of a tied row, beside its share of the normal's [m/s] */
 } remains;
 
 void form_assembly_know_locks(form_assembly *a) {
@@ -54,12 +58,17 @@ static void keep(remains *out, int row, int n, double c0, double c1) {
   out->direction[out->n++] = (form_direction){.row = row, .n = n, .c = {c0, c1}};
 }
 
+static void tie(remains *out, int p, double share, double u, double noise) {
+  out->direction[p].tied = true;
+  out->direction[p].share = share;
+  out->u[p] = (fabs(u) > noise) ? u : 0;
+}
+
 /* A row that cannot move stays where it has a velocity. */
 static void keep_still(remains *out, int row, int n, double c0, double c1, double u, double noise) {
   if (fabs(u) > noise) {
     keep(out, row, n, c0, c1);
-    out->direction[out->n - 1].still = true;
-    out->u[out->n - 1] = u;
+    tie(out, out->n - 1, 0, u, noise);
   }
 }
 
@@ -110,6 +119,89 @@ static int keep_part(const form_assembly *a, int i, int first, int n, remains *o
   return out->n - before;
 }
 
+/* A row of C, or of any block with the contact's rows, along d; x: the contact's first row, its rows `stride` apart. */
+static double along(const form_direction *d, const double *x, ptrdiff_t stride) {
+  const double *at = x + d->row * stride;
+  return d->tied ? d->share * x[0] : d->c[0] * at[0] + ((d->n == 2) ? d->c[1] * at[stride] : 0);
+}
+
+/* to = D_i from D_j', row-major; `columns` of `from`. */
+static void turn_block(const double *from, int columns, const form_direction *di, int ni,
+                       const form_direction *dj, int nj, double *to) {
+  double half[MOST_ROWS * MOST_ROWS];
+  double whole[MOST_ROWS * MOST_ROWS];
+  for (int p = 0; p < ni; p++) {
+    for (int q = 0; q < columns; q++) {
+      half[p * columns + q] = along(&di[p], from + q, columns);
+    }
+  }
+  for (int p = 0; p < ni; p++) {
+    for (int q = 0; q < nj; q++) {
+      whole[p * nj + q] = along(&dj[q], half + (ptrdiff_t)p * columns, 1);
+    }
+  }
+  memcpy(to, whole, (size_t)ni * (size_t)nj * sizeof *to); /* `to` may begin inside `from` */
+}
+
+/* Of tangent p, whose row of C is `row`: the share of the normal's motion that it has, and what it moves beside that where
+ * joints alone move it; *noise, *u_noise: of its diagonal without that share, and of u. */
+static double share_of_normal(const form_direction *d, const form_blocked *known, double c_nn,
+                              double c_tn, double *u, double *noise, double *u_noise) {
+  const double share = c_tn / c_nn;
+  double t_noise = 0;
+  *u = -share * known[0].u;
+  *u_noise = fabs(share) * known[0].u_noise;
+  for (int k = 0; k < d->n; k++) {
+    t_noise = fmax(t_noise, known[d->row + k].noise);
+    *u += d->c[k] * known[d->row + k].u;
+    *u_noise += known[d->row + k].u_noise;
+  }
+  *noise = t_noise + share * share * known[0].noise;
+  return share;
+}
+
+/* Ties the tangents that move only with the normal. Of two, one combination may: they are turned so that it is a row. */
+static void tie_tangents(const form_assembly *a, int i, remains *out) {
+  const form_blocked *known = a->known + a->full.row[i];
+  int m = out->rows.tangent;
+  while (m > 0 && out->direction[m].tied) {
+    m--;
+  }
+  const double *c = form_own_block(a, i);
+  double turned[9] = {0}, share[2], u[2], noise[2], u_noise[2];
+  const int rows = a->full.row[i + 1] - a->full.row[i];
+  if (rows > 1 + m) {
+    turn_block(c, rows, out->direction, 1 + m, out->direction, 1 + m, turned);
+    c = turned;
+  }
+  for (int p = 0; p < m; p++) {
+    share[p] = share_of_normal(&out->direction[1 + p], known, c[0], c[(1 + p) * (1 + m)], &u[p],
+                               &noise[p], &u_noise[p]);
+    noise[p] = fmax(noise[p], turn_noise * c[(1 + p) * (2 + m)]);
+  }
+  if (m == 1) {
+    if (c[3] - share[0] * c[1] <= noise[0]) {
+      tie(out, 1, share[0], u[0], u_noise[0]);
+    }
+  } else if (m == 2) {
+    const double p = c[4] - share[0] * c[1], q = c[5] - share[0] * c[2];
+    const double r = c[8] - share[1] * c[2];
+    const double largest = 0.5 * (p + r) + hypot(0.5 * (p - r), q);
+    const double most = noise[0] + noise[1];
+    if (largest <= most) {
+      tie(out, 1, share[0], u[0], u_noise[0]);
+      tie(out, 2, share[1], u[1], u_noise[1]);
+    } else if (p + r - largest <= most) {
+      double axis[2];
+      main_axis(p, q, r, axis);
+      out->direction[1] = (form_direction){.row = 1, .n = 2, .c = {axis[0], axis[1]}};
+      out->direction[2] = (form_direction){.row = 1, .n = 2, .c = {-axis[1], axis[0]}};
+      tie(out, 2, axis[0] * share[1] - axis[1] * share[0], axis[0] * u[1] - axis[1] * u[0],
+          u_noise[0] + u_noise[1]);
+    }
+  }
+}
+
 /* What is left of contact i of `full`; n = 0: it is not active. */
 static void judge(const form_assembly *a, int i, remains *out) {
   const contact_rows rows = a->rows[i];
@@ -124,38 +216,16 @@ static void judge(const form_assembly *a, int i, remains *out) {
   }
   keep(out, 0, 1, 1, 0);
   out->rows.tangent = (unsigned char)keep_part(a, i, 1, rows.tangent, out);
+  tie_tangents(a, i, out);
   out->rows.torsion = (unsigned char)keep_part(a, i, 1 + rows.tangent, rows.torsion, out);
   out->rows.rolling =
       (unsigned char)keep_part(a, i, 1 + rows.tangent + rows.torsion, rows.rolling, out);
 }
 
-/* A row of J or of C along d, its entries `stride` apart. */
-static double along(const form_direction *d, const double *x, ptrdiff_t stride) {
-  return d->still ? 0 : d->c[0] * x[0] + ((d->n == 2) ? d->c[1] * x[stride] : 0);
-}
-
-/* to = D_i from D_j', row-major; `columns` of `from`. */
-static void turn_block(const double *from, int columns, const form_direction *di, int ni,
-                       const form_direction *dj, int nj, double *to) {
-  double half[MOST_ROWS * MOST_ROWS];
-  double whole[MOST_ROWS * MOST_ROWS];
-  for (int p = 0; p < ni; p++) {
-    for (int q = 0; q < columns; q++) {
-      half[p * columns + q] = along(&di[p], from + (ptrdiff_t)di[p].row * columns + q, columns);
-    }
-  }
-  for (int p = 0; p < ni; p++) {
-    for (int q = 0; q < nj; q++) {
-      whole[p * nj + q] = along(&dj[q], half + (ptrdiff_t)p * columns + dj[q].row, 1);
-    }
-  }
-  memcpy(to, whole, (size_t)ni * (size_t)nj * sizeof *to); /* `to` may begin inside `from` */
-}
-
 static bool changes(const form_assembly *a, int i, const remains *now) {
   bool differs = now->n != a->full.row[i + 1] - a->full.row[i];
   for (int p = 0; p < now->n; p++) {
-    differs = differs || now->direction[p].n == 2 || now->direction[p].still;
+    differs = differs || now->direction[p].n == 2 || now->direction[p].tied;
   }
   return differs;
 }
@@ -185,8 +255,8 @@ static void take_over(form_assembly *a, int i, int n_contact, const remains *now
   for (int p = 0; p < now->n; p++) {
     const form_direction *d = &now->direction[p];
     a->direction[to + p] = *d;
-    a->r[to + p] = d->still ? now->u[p] : along(d, r + d->row, 1);
-    a->turned[n_contact] = a->turned[n_contact] || d->n == 2 || d->still;
+    a->r[to + p] = along(d, r, 1) + (d->tied ? now->u[p] : 0);
+    a->turned[n_contact] = a->turned[n_contact] || d->n == 2 || d->tied;
   }
 }
 
@@ -239,9 +309,9 @@ static bool mark_still(form_assembly *a) {
     for (int p = 0; p < rows; p++) {
       const int at = a->row[i] + p;
       const form_blocked *known = &a->known[at];
-      bool *still = &a->direction[at].still;
-      *still = form_own_block(a, i)[(ptrdiff_t)p * (rows + 1)] <= known->noise;
-      if (*still) {
+      form_direction *d = &a->direction[at];
+      d->tied = form_own_block(a, i)[(ptrdiff_t)p * (rows + 1)] <= known->noise;
+      if (d->tied) {
         const double noise = fmax(known->u_noise, difference * largest);
         a->r[at] = (fabs(known->u) > noise) ? known->u : 0;
         any = true;
@@ -260,7 +330,7 @@ static void zero_still(form_assembly *a) {
       const form_direction *other = a->direction + a->row[a->near[k]];
       double *block = a->block + a->block_at[k];
       for (int e = 0; e < rows * columns; e++) {
-        const bool still = a->direction[a->row[i] + e / columns].still || other[e % columns].still;
+        const bool still = a->direction[a->row[i] + e / columns].tied || other[e % columns].tied;
         block[e] = still ? 0 : block[e];
       }
     }

@@ -451,19 +451,50 @@ static void know_row(form_assembly *a, const form_component *part, const double 
   known->noise += 4 * DBL_EPSILON * (part->rank + 8) * size * size;
 }
 
-/* Of the n rows of contact i from `first` on, some direction may have lost all of its diagonal. */
+/* The symmetric c[left][3] without its row and column k, which the last then takes. */
+static void take_out(double *c, int left, int k) {
+  const double pivot = c[4 * k];
+  double column[3];
+  for (int p = 0; p < left; p++) {
+    column[p] = c[3 * p + k];
+  }
+  for (int p = 0; p < left; p++) {
+    for (int q = 0; q < left; q++) {
+      c[3 * p + q] -= column[p] / pivot * column[q];
+    }
+  }
+  const int last = left - 1;
+  for (int p = 0; p < last; p++) {
+    c[3 * p + k] = c[3 * p + last];
+  }
+  for (int q = 0; q < last; q++) {
+    c[3 * k + q] = c[3 * last + q];
+  }
+  c[4 * k] = c[4 * last];
+}
+
+/* Of the n <= 3 rows of contact i from `first` on, some direction may have lost all of its diagonal: the last pivot of their
+ * block, the largest first. */
 static bool may_be_blocked(const form_assembly *a, int i, int first, int n) {
   const form_joints *j = &a->joints;
   const int rows = form_rows_of(a, i);
   const double *own = j->block + j->block_at[a->self[i]] + (ptrdiff_t)first * rows + first;
-  const double *before = j->before + a->row[i] + first;
-  if (n == 1) {
-    return own[0] <= much_lost * before[0];
+  double c[9], lost = 0;
+  for (int p = 0; p < n; p++) {
+    memcpy(c + 3 * p, own + (ptrdiff_t)p * rows, (size_t)n * sizeof *c);
+    lost += much_lost * j->before[a->row[i] + first + p];
   }
-  const double sum = own[0] + own[rows + 1];
-  const double det = own[0] * own[rows + 1] - own[1] * own[1];
-  const double lost = much_lost * (before[0] + before[1]);
-  return sum <= lost || det <= lost * sum;
+  for (int left = n; left > 0; left--) {
+    int k = 0;
+    for (int p = 1; p < left; p++) {
+      k = (c[4 * p] > c[4 * k]) ? p : k;
+    }
+    if (c[4 * k] <= lost) {
+      return true;
+    }
+    take_out(c, left, k);
+  }
+  return false;
 }
 
 static void know_part(form_assembly *a, const form_component *part, int t, int first, int n,
@@ -489,8 +520,7 @@ static void know_joints(form_assembly *a) {
     joint_drift(a, part, drift);
     for (int t = part->touch; t < part->touch + part->n_touch; t++) {
       const contact_rows rows = a->rows[j->touch[t]];
-      know_part(a, part, t, 0, 1, drift);
-      know_part(a, part, t, 1, rows.tangent, drift);
+      know_part(a, part, t, 0, 1 + rows.tangent, drift);
       know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift);
       know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift);
     }
