@@ -113,6 +113,18 @@ static base_status note_depth(sim *s, const contact_set *set, const formulation_
   return BASE_OK;
 }
 
+/* A step that was solved is none where its joint rows move by more of the largest speed than rounding explains, with what
+ * that grows by where masses differ, or than the tolerance that was asked for. */
+static void refuse_parted(sim *s, double joint_rel) {
+  const double asked = verdict_asked(s->q->solver->solver, s->q->solver->opt);
+  if (s->out->status == RUN_OK && joint_rel > fmax(1e-6, 10.0 * asked)) {
+    char text[96];
+    (void)snprintf(text, sizeof text,
+                   "the joints are not kept: a row moves by %.2g of the largest speed", joint_rel);
+    sim_trouble(s, RUN_NUMERICAL, text);
+  }
+}
+
 static base_status merit_of(sim *s, const contact_set *set, const formulation_answer *a,
                             base_error *err) {
   contact_merit m;
@@ -123,6 +135,7 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
   r->ncp_rel_max = fmax(r->ncp_rel_max, m.ncp_rel);
   r->cone_rel_max = fmax(r->cone_rel_max, m.cone_rel);
   r->dissipation_max = fmax(r->dissipation_max, m.dissipation);
+  refuse_parted(s, m.joint_rel);
   return BASE_OK;
 }
 

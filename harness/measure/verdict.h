@@ -18,7 +18,7 @@
   X(RUN_RAY, "ray")                 /* ended on a ray that proves nothing */                       \
   X(RUN_INFEASIBLE, "infeasible")   /* proved, and the proof holds */                              \
   X(RUN_UNVERIFIED, "unverified")   /* the solver said yes (or infeasible), the check said no */   \
-  X(RUN_NUMERICAL, "numerical")     /* NaN, Inf, breakdown */                                      \
+  X(RUN_NUMERICAL, "numerical")     /* NaN, Inf, breakdown, joints not kept */                     \
   X(RUN_UNSUPPORTED, "unsupported") /* the combination is not defined */                           \
   X(RUN_SKIPPED, "skipped")         /* by policy, with a note */                                   \
   X(RUN_TIMEOUT, "timeout")         /* killed at the wall-time limit */                            \

@@ -185,6 +185,42 @@ static double momentum_residual(const contact_set *c, const double *impulse, con
   return (scale > 0) ? sqrt(off) / scale : 0;
 }
 
+/* The largest || v+ || + || v_free || of a body. */
+static double fastest_body(const contact_set *c, const double *v_next) {
+  double most = 0;
+  for (int b = 0; b < c->n_body; b++) {
+    const int d = c->dof_start[b];
+    most =
+        fmax(most, norm(v_next + d, contact_dofs(c, b)) + norm(c->v_free + d, contact_dofs(c, b)));
+  }
+  return most;
+}
+
+/* Joint rows of the step: how far from kept. */
+static void judge_joints(const contact_set *c, const double *v_next, const double *u,
+                         contact_merit *out) {
+  const int first = c->row_start[c->n_contact];
+  const double fastest = (c->n_group > c->n_contact) ? fastest_body(c, v_next) : 0;
+  double speed = 0, beyond = 0;
+  for (int g = c->n_contact; g < c->n_group; g++) {
+    const double *jac = c->jac + c->jac_start[g];
+    const int rows = c->row_start[g + 1] - c->row_start[g];
+    const int n[2] = {contact_dofs(c, c->body[2 * g]), contact_dofs(c, c->body[2 * g + 1])};
+    for (int r = 0; r < rows; r++) {
+      const int row = c->row_start[g] + r;
+      const double *of_side[2] = {jac + (ptrdiff_t)r * n[0],
+                                  jac + (ptrdiff_t)rows * n[0] + (ptrdiff_t)r * n[1]};
+      const double may = fabs(c->joint_error[row - first]) / c->h +
+                         ((c->u_curve != NULL) ? fabs(c->u_curve[row]) : 0);
+      out->joint = fmax(out->joint, fabs(u[row]));
+      beyond = fmax(beyond, fabs(u[row]) - may);
+      speed = fmax(speed, (norm(of_side[0], n[0]) + norm(of_side[1], n[1])) * fastest +
+                              fabs(c->u_drift[row]));
+    }
+  }
+  out->joint_rel = (speed > 0) ? beyond / speed : 0;
+}
+
 base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
                              const double *bias, contact_merit *out, base_error *err) {
   *out = (contact_merit){0};
@@ -216,9 +252,7 @@ base_status contact_merit_at(const contact_set *c, const double *impulse, const 
   }
   out->ncp_rel = (speed > 0) ? out->ncp / speed : 0;
   out->cone_rel = (strongest > 0) ? out->cone / strongest : 0;
-  for (int row = c->row_start[c->n_contact]; row < c->n_row; row++) {
-    out->joint = fmax(out->joint, fabs(u[row]));
-  }
+  judge_joints(c, v_next, u, out);
   out->momentum = momentum_residual(c, impulse, v_next, u_free + rows);
   free(u);
   return BASE_OK;

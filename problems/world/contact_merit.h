@@ -19,9 +19,12 @@ typedef struct contact_merit {
   double dissipation; /* sum_i (mu l_n |u_t| + l_t . u_t)  [J], >= 0; 0 for exact Coulomb */
   double momentum;    /* || M (v+ - v_free) - J' l || / || M v || + ... [1] */
   double joint;       /* max |J_b v+ + drift| over joint rows [m/s] */
+  double joint_rel;   /* the same beyond what a row may move, over the speeds of bodies [1] */
 } contact_merit;
 
-/* impulse, u of n_row entries; bias of n_contact entries, b_i = HUGE_VAL for a contact that the
+/* A joint row may move by h (dJ/dt) v, and by its error, taken back within the step. What it moves beyond that is measured
+ * against the largest ||J_b|| of a row times the largest ||v+|| + ||v_free|| of a body, plus |drift|.
+ * impulse, u of n_row entries; bias of n_contact entries, b_i = HUGE_VAL for a contact that the
  * formulation left out (judged only if its impulse is not zero). */
 base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
                              const double *bias, contact_merit *out, base_error *err);

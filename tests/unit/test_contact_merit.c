@@ -50,6 +50,25 @@ static void sliding_contact(void **state) {
   free(r);
 }
 
+/* Two bodies of 1 kg pinned at a point: what they move apart with, over the speeds around the pin. */
+static void joints_apart(void **state) {
+  (void)state;
+  rig *r = rig_new(3, 0.01);
+  const int a = rig_body(r, 1, 1, 1, 1), b = rig_body(r, 1, 1, 1, 1);
+  rig_pin(r, a, b, zero, zero);
+  double v[12] = {0};
+  const double none[3] = {0};
+  contact_merit m = merit_of(r, none, v, HUGE_VAL);
+  assert_true(m.joint == 0 && m.joint_rel == 0); /* nothing moves */
+  v[0] = v[6] = 3;
+  assert_true(merit_of(r, none, v, HUGE_VAL).joint_rel == 0); /* together */
+  v[6] = 3 - 1e-3;
+  m = merit_of(r, none, v, HUGE_VAL);
+  check_close(m.joint, 1e-3, 1e-15);
+  check_close(m.joint_rel, 1e-3 / 6, 1e-15); /* two rows of J of length 1, at 3 m/s */
+  free(r);
+}
+
 /* Sticking up to mu_s, sliding at mu_k: an impulse on the kinetic cone against the motion is right. */
 static void two_coefficients(void **state) {
   (void)state;
@@ -86,6 +105,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(sliding_contact),
       cmocka_unit_test(two_coefficients),
+      cmocka_unit_test(joints_apart),
       cmocka_unit_test(moment_without_friction),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
