@@ -14,9 +14,10 @@
 typedef struct judge {
   const lcp_problem *p;
   const double *z;
-  lcp_wide_columns columns;    /* of M, in long double; a factored M is never formed */
-  long double *w, *tau0, *tau; /* n */
-  double *zref, *d;            /* n */
+  lcp_wide_columns columns; /* of M, in long double; a factored M is never formed */
+  long double *w, *tau0, *tau,
+      *zref; /* n; tau and zref of tiny entries leave the range of double */
+  double *d; /* n */
 } judge;
 
 static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
@@ -39,12 +40,17 @@ static void judge_close(judge *j) {
   free(j->d);
 }
 
-/* w = M z + q, tau0, the diagonal, zref, tau: two passes over the columns. */
-static void measure(judge *j) {
+/* w += M z, tau0 += |M| |z|, the diagonal. */
+static void add_products(judge *j) {
   const int n = j->p->M.n;
-  for (int i = 0; i < n; i++) {
-    j->w[i] = j->p->q[i];
-    j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
+  if (j->p->M.storage == LCP_FACTORED) {
+    for (int i = 0; i < n; i++) {
+      j->zref[i] = fabs(j->z[i]);
+    }
+    lcp_wide_factored_product(&j->columns, j->z, j->w);
+    lcp_wide_factored_sizes(&j->columns, j->zref, j->tau0);
+    lcp_wide_factored_diagonal(&j->columns, j->d);
+    return;
   }
   for (int c = 0; c < n; c++) {
     const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
@@ -57,17 +63,42 @@ static void measure(judge *j) {
       }
     }
   }
+}
+
+/* zref of a variable: what moves its own row by tau0, or where that has none of it the first other one; 1 where none has. */
+static long double reference(judge *j, int c) {
+  if (j->d[c] != 0.0) {
+    return j->tau0[c] / fabsl((long double)j->d[c]);
+  }
+  const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
+  long double ref = 0.0L;
+  bool empty = true;
+  for (int k = 0; k < col.count; k++) {
+    if (col.val[k] != 0.0L) {
+      empty = false;
+      ref = fmaxl(ref, j->tau0[col.row[k]] / fabsl(col.val[k]));
+    }
+  }
+  return empty ? 1.0L : ref;
+}
+
+/* w = M z + q, tau0, the diagonal, zref, tau: two passes over M. */
+static void measure(judge *j) {
+  const int n = j->p->M.n;
+  for (int i = 0; i < n; i++) {
+    j->w[i] = j->p->q[i];
+    j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
+  }
+  add_products(j);
+  for (int c = 0; c < n; c++) {
+    j->zref[c] = reference(j, c);
+  }
+  if (j->p->M.storage == LCP_FACTORED) {
+    lcp_wide_factored_sizes(&j->columns, j->zref, j->tau);
+    return;
+  }
   for (int c = 0; c < n; c++) {
     const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
-    long double ref = (j->d[c] != 0.0) ? j->tau0[c] / fabsl((long double)j->d[c]) : 0.0L;
-    bool empty = true;
-    for (int k = 0; k < col.count; k++) {
-      if (col.val[k] != 0.0L) {
-        empty = false;
-        ref = (j->d[c] == 0.0) ? fmaxl(ref, j->tau0[col.row[k]] / fabsl(col.val[k])) : ref;
-      }
-    }
-    j->zref[c] = empty ? 1.0 : (double)ref;
     for (int k = 0; k < col.count; k++) {
       j->tau[col.row[k]] += fabsl(col.val[k]) * j->zref[c];
     }
@@ -75,9 +106,9 @@ static void measure(judge *j) {
 }
 
 /* x / scale where a zero scale means that nothing but zero can stand above it. */
-static double ratio(double x, double scale) {
-  if (scale > 0.0) {
-    return x / scale;
+static double ratio(double x, long double scale) {
+  if (scale > 0.0L) {
+    return (double)(x / scale);
   }
   return (x == 0.0) ? 0.0 : copysign(HUGE_VAL, x);
 }
@@ -100,7 +131,7 @@ static double row_map(lcp_set set, double x, double y, double lo, double hi) {
 
 static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
   const double z = j->z[i], w = (double)j->w[i];
-  const double zref = j->zref[i], tau = (double)j->tau[i];
+  const long double zref = j->zref[i], tau = j->tau[i];
   const double d = (j->d[i] > 0.0) ? j->d[i] : 1.0;
   const double lo = (set == LCP_BOX) ? j->p->lo[i] : 0.0;
   const double hi = (set == LCP_BOX) ? j->p->hi[i] : HUGE_VAL;
@@ -121,12 +152,13 @@ enum { CONE_ROWS_MAX = 1 + 2 * LCP_PARTS_MAX };
 
 static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
   double w[CONE_ROWS_MAX] = {0}, moved[CONE_ROWS_MAX], plain[CONE_ROWS_MAX];
-  double d = 0.0, tau = 0.0, work = 0.0;
+  double d = 0.0, work = 0.0;
+  long double tau = 0.0L;
   const double *z = j->z + b->start;
   for (int i = 0; i < b->size; i++) {
     w[i] = (double)j->w[b->start + i];
     d += j->d[b->start + i] / b->size;
-    tau = fmax(tau, (double)j->tau[b->start + i]);
+    tau = fmaxl(tau, j->tau[b->start + i]);
   }
   v->infeasible_w = fmax(v->infeasible_w, -w[0]);
   w[0] += lcp_cone_shift(b, w);
@@ -169,7 +201,7 @@ static void judge_all(const judge *j, lcp_verdict *v) {
   v->natural_rel = v->natural / (1.0 + q_max);
 }
 
-/* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, where
+/* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, or a scale that of long double, where
  * fmin and fmax would drop a NaN and call it zero. */
 static const lcp_verdict hopeless = {.rho = HUGE_VAL,
                                      .natural = HUGE_VAL,
@@ -181,7 +213,7 @@ static const lcp_verdict hopeless = {.rho = HUGE_VAL,
 
 static bool in_range(const judge *j) {
   for (int i = 0; i < j->p->M.n; i++) {
-    if (!isfinite((double)j->w[i])) {
+    if (!isfinite((double)j->w[i]) || !isfinite(j->tau[i]) || !isfinite(j->zref[i])) {
       return false;
     }
   }

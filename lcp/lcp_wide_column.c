@@ -1,6 +1,33 @@
 #include "lcp/lcp_wide_column.h"
 
+#include "lcp/base/clones.h"
+
+#include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* A group beside another one, with its rows of J on the bodies of that; NULL: not there. */
+typedef struct lcp_wide_neighbour {
+  int first, rows;
+  const double *jac[2];
+} lcp_wide_neighbour;
+
+enum { LANES = 4 }; /* columns that are summed side by side */
+
+static int padded(int rows) {
+  return (rows + LANES - 1) / LANES * LANES;
+}
+
+/* Entries of J of the group that has most, its rows padded. */
+static int largest_jac(const lcp_factored *f) {
+  int most = 0;
+  for (int g = 0; g < f->n_group; g++) {
+    const int rows = f->row_start[g + 1] - f->row_start[g];
+    const int here = (f->jac_start[g + 1] - f->jac_start[g]) / rows * padded(rows);
+    most = (here > most) ? here : most;
+  }
+  return most;
+}
 
 static void carve(lcp_wide_columns *c, base_arena *a) {
   const size_t n = (size_t)c->M->n;
@@ -14,6 +41,11 @@ static void carve(lcp_wide_columns *c, base_arena *a) {
     c->marked = BASE_ARRAY(a, unsigned char, n);
     c->sum = BASE_ARRAY(a, long double, n);
     c->wj = BASE_ARRAY(a, long double, f->dof_start[f->n_body]);
+    c->force = BASE_ARRAY(a, long double, f->dof_start[f->n_body]);
+    c->x = BASE_ARRAY(a, double, n);
+    c->entry = BASE_ARRAY(a, double, n + LANES);
+    c->weighed = BASE_ARRAY(a, double, largest_jac(f));
+    c->near = BASE_ARRAY(a, lcp_wide_neighbour, f->n_group);
   }
 }
 
@@ -211,4 +243,248 @@ lcp_wide_column lcp_wide_columns_at(lcp_wide_columns *c, int j) {
     }
   }
   return (lcp_wide_column){count, c->row, c->val};
+}
+
+/* ---- sums over all columns ------------------------------------------------------------------- */
+
+static int dofs(const lcp_factored *f, int b) {
+  return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
+}
+
+/* Rows of J of group g on one of its sides, and the dofs there. */
+static const double *side_of(const lcp_factored *f, int g, int side, int *n, int *dof) {
+  const int b = f->body[2 * g + side];
+  *n = dofs(f, b);
+  *dof = (b >= 0) ? f->dof_start[b] : 0;
+  return (b >= 0) ? rows_on(f, g, b) : NULL;
+}
+
+/* force += J_g' z. */
+static void push(lcp_wide_columns *c, int g, const double *z) {
+  const lcp_factored *f = c->M->factored;
+  for (int side = 0; side < 2; side++) {
+    int n, dof;
+    const double *J = side_of(f, g, side, &n, &dof);
+    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
+      for (int k = 0; k < n; k++) {
+        c->force[dof + k] += (long double)J[k] * z[i];
+      }
+    }
+  }
+}
+
+/* w += J_g of what is in force. */
+static void pull(const lcp_wide_columns *c, int g, long double *w) {
+  const lcp_factored *f = c->M->factored;
+  for (int side = 0; side < 2; side++) {
+    int n, dof;
+    const double *J = side_of(f, g, side, &n, &dof);
+    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
+      for (int k = 0; k < n; k++) {
+        w[i] += J[k] * c->force[dof + k];
+      }
+    }
+  }
+}
+
+/* force = W force. */
+static void weigh_all(lcp_wide_columns *c) {
+  const lcp_factored *f = c->M->factored;
+  for (int b = 0; b < f->n_body; b++) {
+    const int n = dofs(f, b);
+    long double *force = c->force + f->dof_start[b];
+    const double *W = f->weight + f->weight_start[b];
+    for (int k = 0; k < n; k++) {
+      c->wj[k] = 0;
+      for (int l = 0; l < n; l++) {
+        c->wj[k] += W[(ptrdiff_t)l * n + k] * force[l];
+      }
+    }
+    memcpy(force, c->wj, (size_t)n * sizeof *force);
+  }
+}
+
+void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double *w) {
+  const lcp_factored *f = c->M->factored;
+  const lcp_csc *S = f->shift;
+  for (int d = 0; d < f->dof_start[f->n_body]; d++) {
+    c->force[d] = 0;
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    push(c, g, z);
+  }
+  weigh_all(c);
+  for (int g = 0; g < f->n_group; g++) {
+    pull(c, g, w);
+  }
+  for (int j = 0; S != NULL && j < c->M->n; j++) {
+    for (int k = S->colptr[j]; k < S->colptr[j + 1]; k++) {
+      w[S->rowind[k]] += (long double)S->val[k] * z[j];
+    }
+  }
+}
+
+/* The groups at the bodies of group g, each once, and g itself where it has none; returns how many. */
+static int neighbours(lcp_wide_columns *c, int g) {
+  const lcp_factored *f = c->M->factored;
+  const int *at[2], *end[2];
+  int count = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = f->body[2 * g + side];
+    at[side] = (b >= 0) ? c->group + c->group_start[b] : NULL;
+    end[side] = (b >= 0) ? c->group + c->group_start[b + 1] : NULL;
+  }
+  while (at[0] < end[0] || at[1] < end[1]) {
+    const int h = (at[1] >= end[1] || (at[0] < end[0] && *at[0] <= *at[1])) ? *at[0] : *at[1];
+    lcp_wide_neighbour *near = &c->near[count++];
+    *near = (lcp_wide_neighbour){.first = f->row_start[h],
+                                 .rows = f->row_start[h + 1] - f->row_start[h]};
+    for (int side = 0; side < 2; side++) {
+      for (; at[side] < end[side] && *at[side] == h; at[side]++) {
+        near->jac[side] = rows_on(f, h, f->body[2 * g + side]);
+      }
+    }
+  }
+  if (count == 0) { /* S acts alone */
+    c->near[count++] = (lcp_wide_neighbour){.first = f->row_start[g],
+                                            .rows = f->row_start[g + 1] - f->row_start[g]};
+  }
+  return count;
+}
+
+static double dot(const double *x, const double *y, int n) {
+  double sum = 0;
+  for (int k = 0; k < n; k++) {
+    sum += x[k] * y[k];
+  }
+  return sum;
+}
+
+/* W J' of group g, its rows padded with zeros: dofs of both sides x rows, row-major. */
+static void weigh_group(const lcp_factored *f, int g, double *out) {
+  const int rows = f->row_start[g + 1] - f->row_start[g], stride = padded(rows);
+  for (int side = 0; side < 2; side++) {
+    int n, dof;
+    const double *J = side_of(f, g, side, &n, &dof);
+    const double *W = (n > 0) ? f->weight + f->weight_start[f->body[2 * g + side]] : NULL;
+    for (int k = 0; k < n; k++, out += stride) {
+      for (int j = 0; j < stride; j++) {
+        out[j] = (j < rows) ? dot(W + (ptrdiff_t)k * n, J + (ptrdiff_t)j * n, n) : 0;
+      }
+    }
+  }
+}
+
+/* entry += J_i wj for LANES columns of wj. */
+static inline void add_entries(const double *ji, const double *wj, int n, int stride,
+                               double entry[LANES]) {
+  for (int k = 0; k < n; k++, wj += stride) {
+    for (int j = 0; j < LANES; j++) {
+      entry[j] += ji[k] * wj[j];
+    }
+  }
+}
+
+/* entry += S of column i, where it lies in the rows from `first` on. */
+static void add_shift(const lcp_csc *S, int i, int first, double entry[LANES]) {
+  for (int k = S->colptr[i]; k < S->colptr[i + 1]; k++) {
+    const int j = S->rowind[k] - first;
+    if (j >= 0 && j < LANES) {
+      entry[j] += S->val[k];
+    }
+  }
+}
+
+/* size_j += |M_ji| x_i over the rows j of group g and the rows i of a neighbour, J W J' being symmetric; S is added inside a
+ * group, where all of it is. */
+static void add_sizes(const lcp_wide_columns *c, int g, const lcp_wide_neighbour *near,
+                      double *restrict size) {
+  const lcp_factored *f = c->M->factored;
+  const int first = f->row_start[g], stride = padded(f->row_start[g + 1] - first);
+  const int n[2] = {dofs(f, f->body[2 * g]), dofs(f, f->body[2 * g + 1])};
+  const bool own = f->shift != NULL && near->first == first;
+  for (int i = near->first; i < near->first + near->rows; i++) {
+    for (int from = 0; from < stride && c->x[i] != 0; from += LANES) {
+      double entry[LANES] = {0};
+      const double *wj = c->weighed + from;
+      for (int side = 0; side < 2; side++, wj += (ptrdiff_t)n[0] * stride) {
+        if (near->jac[side] != NULL) {
+          add_entries(near->jac[side] + (ptrdiff_t)(i - near->first) * n[side], wj, n[side], stride,
+                      entry);
+        }
+      }
+      if (own) {
+        add_shift(f->shift, i, first + from, entry);
+      }
+      for (int j = 0; j < LANES; j++) {
+        size[from + j] += fabs(entry[j]) * c->x[i];
+      }
+    }
+  }
+}
+
+/* x into c->x; false where double has no room for sums with it, or S couples rows of several groups. */
+static bool fits(lcp_wide_columns *c, const long double *x) {
+  const lcp_csc *S = c->M->factored->shift;
+  for (int j = 0; j < c->M->n; j++) {
+    c->x[j] = (double)x[j];
+    if (!(x[j] == 0 || (x[j] > 1e-200L && x[j] < 1e200L))) {
+      return false;
+    }
+    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
+      if (c->group_of[S->rowind[k]] != c->group_of[j]) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+BASE_CLONES static void sizes_by_groups(lcp_wide_columns *c, long double *size) {
+  const lcp_factored *f = c->M->factored;
+  for (int g = 0; g < f->n_group; g++) {
+    const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
+    const int count = neighbours(c, g);
+    weigh_group(f, g, c->weighed);
+    memset(c->entry, 0, (size_t)padded(rows) * sizeof *c->entry);
+    for (int k = 0; k < count; k++) {
+      add_sizes(c, g, &c->near[k], c->entry);
+    }
+    for (int j = 0; j < rows; j++) {
+      size[first + j] += c->entry[j];
+    }
+  }
+}
+
+void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size) {
+  if (fits(c, x)) {
+    sizes_by_groups(c, size);
+    return;
+  }
+  for (int j = 0; j < c->M->n; j++) {
+    const lcp_wide_column col = lcp_wide_columns_at(c, j);
+    for (int k = 0; k < col.count; k++) {
+      size[col.row[k]] += fabsl(col.val[k]) * x[j];
+    }
+  }
+}
+
+void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
+  const lcp_factored *f = c->M->factored;
+  const lcp_csc *S = f->shift;
+  for (int j = 0; j < c->M->n; j++) {
+    long double sum = 0;
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * c->group_of[j] + side];
+      const double *jj = (b >= 0) ? moved_by(c, j, b) : NULL;
+      const int n = (jj != NULL) ? dofs(f, b) : 0;
+      for (int k = 0; k < n * n; k++) {
+        sum += (long double)jj[k / n] * f->weight[f->weight_start[b] + k] * jj[k % n];
+      }
+    }
+    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
+      sum += (S->rowind[k] == j) ? S->val[k] : 0;
+    }
+    d[j] = (double)sum;
+  }
 }

@@ -1,7 +1,8 @@
 /* lcp/lcp_wide_column.h - the columns of a matrix of any storage, one at a time, in long double.
  *
  * LCP_FACTORED is walked through lists body -> groups, so a column costs what its neighbours have and n x n
- * is never formed. For the judge, the verifier and conversions. Solvers read lcp_column.h: an error in one of
+ * is never formed. Over all its columns two sums are made without them: M z, through the factors, and |M| x, whose entries are
+ * then in double. For the judge, the verifier and conversions. Solvers read lcp_column.h: an error in one of
  * the two readings of a matrix then shows as a verdict that differs. */
 #pragma once
 
@@ -16,14 +17,17 @@ typedef struct lcp_wide_column {
 
 typedef struct lcp_wide_columns {
   const lcp_matrix *M;
-  int *group_start, *group; /* per body: groups that touch it */
-  int *group_of;            /* per row */
-  unsigned char *marked;    /* per row: already in `row` */
-  int *row;                 /* n: rows of the column at hand */
-  long double *val;         /* n */
-  long double *sum;         /* per row: the column being gathered */
-  long double *wj;          /* W J_j' of one body */
-  void *mem;                /* owned */
+  int *group_start, *group;    /* per body: groups that touch it */
+  int *group_of;               /* per row */
+  unsigned char *marked;       /* per row: already in `row` */
+  int *row;                    /* n: rows of the column at hand */
+  long double *val;            /* n */
+  long double *sum;            /* per row: the column being gathered */
+  long double *wj;             /* W J_j' of one body */
+  long double *force;          /* per dof */
+  double *x, *entry, *weighed; /* sums in double: per row; per row of a group; W J' of a group */
+  struct lcp_wide_neighbour *near; /* n_group: the groups at the bodies of one */
+  void *mem;                       /* owned */
 } lcp_wide_columns;
 
 /* BASE_ENOMEM. M is borrowed until the close. */
@@ -32,4 +36,8 @@ lcp_wide_column lcp_wide_columns_at(lcp_wide_columns *c, int j);
 /* The rows of column j of an LCP_FACTORED matrix alone, into c->row; returns how many. Rows of bodies that
  * row j of J does not move are left out, rows whose entry happens to be zero are not. */
 int lcp_wide_columns_rows(lcp_wide_columns *c, int j);
+/* Of an LCP_FACTORED matrix: w += M z; size_i += sum_j |M_ij| x_j for x >= 0; d_j = M_jj. z, w, x, size, d: n. */
+void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double *w);
+void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size);
+void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d);
 void lcp_wide_columns_close(lcp_wide_columns *c); /* accepts a zeroed struct */

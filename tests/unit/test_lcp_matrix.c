@@ -5,13 +5,14 @@
 #include "lcp/base/rng.h"
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_judge.h"
+#include "lcp/lcp_wide_column.h"
 
 #include <string.h>
 
 enum { N_BODY = 3, N_GROUP = 5, N_ROW = 12, N_DOF = 7 };
 
 /* Bodies of 3, 1 and 3 dofs; groups of 3, 2, 1, 3, 3 rows, one on a single body, one on one body
- * twice removed, and a shift on some rows. */
+ * twice removed, and a shift on some rows, also of groups without a common body. */
 typedef struct fixture {
   double weight[9 + 1 + 9], jac[128];
   int jac_start[N_GROUP + 1];
@@ -23,11 +24,16 @@ typedef struct fixture {
 static const int dof_start[] = {0, 3, 4, 7}, weight_start[] = {0, 9, 10, 19};
 static const int row_start[] = {0, 3, 5, 6, 9, 12};
 static const int body[] = {0, 1, 0, -1, -1, 1, 2, 0, 1, 2};
-static const int shift_ptr[] = {0, 1, 1, 1, 1, 3, 3, 3, 3, 3, 3, 3, 3};
-static const int shift_row[] = {4, 0, 4};
-static const double shift_val[] = {0.25, -0.5, 1.5};
+static const int shift_ptr[] = {0, 1, 1, 1, 1, 3, 4, 4, 4, 4, 4, 4, 4};
+static const int shift_row[] = {4, 0, 4, 3};
+static const double shift_val[] = {0.25, -0.5, 1.5, 0.75};
+/* The same with one group on no body at all, and S inside groups alone, as formulations pose it. */
+static const int alone[] = {0, 1, 0, -1, -1, -1, 2, 0, 1, 2};
+static const int own_ptr[] = {0, 1, 1, 1, 1, 3, 4, 5, 5, 5, 5, 5, 5};
+static const int own_row[] = {1, 3, 4, 5, 8};
+static const double own_val[] = {0.25, -0.5, 1.5, 0.75, -2.0};
 
-static void build(fixture *x) {
+static void build_on(fixture *x, const int *bodies, lcp_csc shift) {
   base_rng r = base_rng_seeded(20161105);
   memset(x, 0, sizeof *x);
   for (int b = 0; b < N_BODY; b++) {
@@ -43,7 +49,7 @@ static void build(fixture *x) {
   for (int g = 0; g < N_GROUP; g++) {
     x->jac_start[g] = used;
     for (int side = 0; side < 2; side++) {
-      const int b = body[2 * g + side];
+      const int b = bodies[2 * g + side];
       const int dofs = (b >= 0) ? dof_start[b + 1] - dof_start[b] : 0;
       for (int k = 0; k < dofs * (row_start[g + 1] - row_start[g]); k++) {
         x->jac[used++] = base_rng_between(&r, -1.0, 1.0);
@@ -51,10 +57,14 @@ static void build(fixture *x) {
     }
   }
   x->jac_start[N_GROUP] = used;
-  x->shift = (lcp_csc){N_ROW, N_ROW, shift_ptr, shift_row, shift_val};
+  x->shift = shift;
   x->f = (lcp_factored){N_BODY,    dof_start, weight_start, x->weight, N_GROUP,
-                        row_start, body,      x->jac_start, x->jac,    &x->shift};
+                        row_start, bodies,    x->jac_start, x->jac,    &x->shift};
   x->M = (lcp_matrix){.storage = LCP_FACTORED, .n = N_ROW, .factored = &x->f};
+}
+
+static void build(fixture *x) {
+  build_on(x, body, (lcp_csc){N_ROW, N_ROW, shift_ptr, shift_row, shift_val});
 }
 
 static void storages_agree(void **state) {
@@ -149,6 +159,69 @@ static void rho_ignores_scaling(void **state) {
   assert_true(a.rho == b.rho);
 }
 
+/* The sums over a factored matrix against its columns, and the verdict on it against that on its dense copy. */
+static void judge_factors(const fixture *x) {
+  base_error err = {0};
+  lcp_wide_columns c;
+  double dense[N_ROW * N_ROW], z[N_ROW], q[N_ROW], d[N_ROW];
+  long double size_of[N_ROW], w[N_ROW] = {0}, size[N_ROW] = {0};
+  long double want[N_ROW] = {0}, sizes[N_ROW] = {0};
+  for (int i = 0; i < N_ROW; i++) {
+    z[i] = (i % 3 == 2) ? 0.0 : 0.3 * i - 1.1;
+    q[i] = 0.7 - 0.2 * i;
+    size_of[i] = fabs(z[i]);
+  }
+  check_ok(lcp_wide_columns_open(&c, &x->M, &err), &err);
+  lcp_wide_factored_product(&c, z, w);
+  lcp_wide_factored_sizes(&c, size_of, size);
+  lcp_wide_factored_diagonal(&c, d);
+  for (int j = 0; j < N_ROW; j++) {
+    const lcp_wide_column col = lcp_wide_columns_at(&c, j);
+    for (int k = 0; k < col.count; k++) {
+      want[col.row[k]] += col.val[k] * z[j];
+      sizes[col.row[k]] += fabsl(col.val[k] * z[j]);
+      assert_true(col.row[k] != j || d[j] == (double)col.val[k]);
+    }
+  }
+  lcp_wide_columns_close(&c);
+  for (int i = 0; i < N_ROW; i++) {
+    assert_true(fabsl(w[i] - want[i]) <= 1e-17L * sizes[i]);
+    assert_true(fabsl(size[i] - sizes[i]) <= 4e-16L * sizes[i]);
+  }
+  lcp_matrix_to_dense(&x->M, dense);
+  const lcp_problem p = {.M = x->M, .q = q};
+  const lcp_problem s = {.M = {.storage = LCP_DENSE, .n = N_ROW, .val = dense}, .q = q};
+  lcp_verdict a, b;
+  check_ok(lcp_judge(&p, z, &a, &err), &err);
+  check_ok(lcp_judge(&s, z, &b, &err), &err);
+  assert_true(b.rho > 0.01);
+  check_close(a.rho, b.rho, 1e-14);
+  check_close(a.natural, b.natural, 1e-14);
+  check_close(a.comp, b.comp, 1e-14);
+}
+
+static void judge_reads_factors(void **state) {
+  (void)state;
+  fixture x;
+  build(&x);
+  judge_factors(&x);
+  build_on(&x, alone, (lcp_csc){N_ROW, N_ROW, own_ptr, own_row, own_val});
+  judge_factors(&x);
+}
+
+/* tau0 / d is beyond double: z = 0 leaves w = q, which solves q = 1 and not q = -1, whose row has the scale 1 + 1. */
+static void judge_weighs_tiny_pivots(void **state) {
+  (void)state;
+  base_error err = {0};
+  const double tiny = 1e-310, z = 0.0, q[] = {-1.0, 1.0};
+  lcp_verdict v;
+  for (int k = 0; k < 2; k++) {
+    const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 1, .val = &tiny}, .q = q + k};
+    check_ok(lcp_judge(&p, &z, &v, &err), &err);
+    assert_true(v.rho == ((k == 0) ? 0.5 : 0.0));
+  }
+}
+
 static void judge_refuses_nan(void **state) {
   (void)state;
   base_error err = {0};
@@ -195,6 +268,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(storages_agree),          cmocka_unit_test(dense_copy_matches_products),
       cmocka_unit_test(judge_matches_hand_work), cmocka_unit_test(rho_ignores_scaling),
+      cmocka_unit_test(judge_reads_factors),     cmocka_unit_test(judge_weighs_tiny_pivots),
       cmocka_unit_test(judge_refuses_nan),       cmocka_unit_test(cone_projection_is_exact),
       cmocka_unit_test(check_names_the_culprit),
   };
