@@ -106,6 +106,68 @@ def corrections_make_no_energy(d):
             assert "too long" in said["note"] and "\n" not in said["note"], said["note"]
 
 
+def plunger(mu: float, guide: dict) -> Scene:
+    """A disc that can move up and down only, above a ramp of 60 degrees."""
+    disc = {"name": "a", "shape": {"type": "disc", "r": 0.02}, "mass": 2.0, "pos": [0.0, 0.0]}
+    joint = {"name": "guide", "body": "a", "type": "slider", "anchor": [0.3, 0.1], "axis": [0, 1]}
+    ramp = {"name": "ramp", "normal": [-math.sqrt(0.75), 0.5], "offset": -0.05}
+    return {
+        **{"id": "plunger", "dim": 2, "T": 0.2, "hs": [STEP], "gravity": [0, -9.81]},
+        **{"friction": {"default": mu}, "restitution": {"default": 0.4}},
+        **{"static": [ramp], "bodies": [disc | guide.get("lock", {})]},
+        **{"joints": [joint] if guide["joint"] else []},
+        **{"observe": ["a.pos"], "checks": [{"type": "finite"}]},
+    }
+
+
+# formulation, solver, mu, end
+PLUNGED = (
+    ("velocity", "lemke", 0.5, "ok"),
+    ("velocity", "cone_newton", 0.5, "ok"),
+    ("regularized", "lemke", 0.5, "ok"),
+    ("boxed", "ppm", 0.5, "ok"),
+    ("coulomb", "cone_newton", 0.5, "ok"),
+    ("acceleration", "lemke", 0.5, "ok"),
+    ("velocity", "lemke", 0.7, "no solution"),
+    ("velocity", "cone_newton", 0.7, "no solution"),
+    ("boxed", "ppm", 0.7, "no solution"),
+    ("coulomb", "cone_newton", 0.7, "no solution"),
+    ("coulomb", "nsgs", 0.7, "no solution"),
+    ("acceleration", "lemke", 0.7, "no solution"),
+    ("event", "lemke", 0.7, "no solution"),
+)
+
+
+def a_plunger_bounces_or_jams(d):
+    """Normal and tangent move together. An impulse against the sliding after a bounce lifts by
+    cos 60 - mu sin 60, so that the disc bounces with 0.4 of its speed where mu < 0.577, and above
+    that no impulse gives the bounce: no answer may be called right."""
+    guides = ({"joint": True}, {"joint": False, "lock": {"lock": ["x", "rot"]}})
+    scene_file, way = d / "scene.json", d / "way.csv"
+    for guide in guides:
+        for formulation, solver, mu, end in PLUNGED:
+            scene_file.write_text(json.dumps(plunger(mu, guide)))
+            words = ("--formulation", formulation, "--solver", solver, "--trajectory", way)
+            said = json.loads(run("simulate", scene_file, *words, code=None).stdout)
+            if end == "no solution":
+                assert said["status"] != "ok", (formulation, solver, guide)
+                continue
+            assert said["status"] == "ok", (formulation, solver, guide, said["note"])
+            speeds = [s["a"][2][1] for s in Motion.read(way).states]
+            assert abs(max(speeds) + 0.4 * min(speeds)) < 1e-6, (formulation, solver, max(speeds))
+
+
+def a_dead_point_gives_no_joint_apart(d):
+    """Near it C of one contact is singular to the rounding of the elimination, and by what the
+    processor makes of that an enormous impulse solved the problem and tore the joints apart."""
+    scene = random_mechanism(371) | {"T": DURATION, "hs": [STEP]}
+    (d / "scene.json").write_text(json.dumps(scene))
+    for formulation in ("velocity", "acceleration"):
+        words = ("--formulation", formulation, "--solver", "lemke", "--trajectory", d / "way.csv")
+        said = json.loads(run("simulate", d / "scene.json", *words, code=None).stdout)
+        assert said["status"] == "ray", (formulation, said["status"], said["note"])
+
+
 def a_light_body_is_not_thrown_by_the_tolerance(d):
     """1e8 kg on 1 kg: an error in friction that is nothing beside the load.
 
@@ -152,6 +214,8 @@ tap(
         thirty_mechanisms_keep_their_laws,
         forty_scenes_are_integrated,
         corrections_make_no_energy,
+        a_plunger_bounces_or_jams,
+        a_dead_point_gives_no_joint_apart,
         a_light_body_is_not_thrown_by_the_tolerance,
         shapes_overlap_by_what_is_known,
     ]
