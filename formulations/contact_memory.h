@@ -59,6 +59,11 @@ void contact_memory_close(contact_memory *m);
 static inline const double *contact_memory_old(const contact_memory *m, int i) {
   return (m->match[i] < 0) ? NULL : m->old + (ptrdiff_t)m->match[i] * m->stride;
 }
+/* The coefficient of friction of contact i of set c: the kinetic one where it slid in the last step. */
+static inline double contact_memory_mu(const contact_memory *m, const contact_set *c, int i) {
+  const double *past = contact_memory_old(m, i);
+  return (past != NULL && past[PAST_SLIDES] > 0) ? c->mu_kinetic[i] : c->mu_static[i];
+}
 /* Where the present of contact i is written. */
 static inline double *contact_memory_now(contact_memory *m, int i) {
   return m->now + (ptrdiff_t)i * m->stride;

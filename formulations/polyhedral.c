@@ -65,10 +65,7 @@ static const poly_shape *shape_for(polyhedral *s, contact_rows rows) {
 /* Friction coefficient of active contact i: the kinetic one where it slipped a step ago. */
 static double friction_of(const polyhedral *s, int i) {
   const contact_set *c = s->a.set;
-  const int g = s->a.group[i];
-  const double *past = contact_memory_old(&s->memory, g);
-  const bool slips = past != NULL && past[PAST_SLIDES] > 0;
-  double mu = slips ? c->mu_kinetic[g] : c->mu_static[g];
+  double mu = contact_memory_mu(&s->memory, c, s->a.group[i]);
   if (s->opt.cone == 1 && c->dim == 3) {
     mu /= cos(3.14159265358979323846 / s->opt.facets); /* the circle touches the facets */
   }

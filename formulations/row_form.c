@@ -33,21 +33,13 @@ void row_form_close(void *state) {
   free(s->mem);
 }
 
-/* mu of active contact i: the kinetic one where it slipped a step ago. */
-static double friction_of(const row_form *s, int i) {
-  const int g = s->a.group[i];
-  const double *past = contact_memory_old(&s->memory, g);
-  const bool slips = past != NULL && past[PAST_SLIDES] > 0;
-  return slips ? s->a.set->mu_kinetic[g] : s->a.set->mu_static[g];
-}
-
 int row_form_parts(const row_form *s, int i, int dim[LCP_PARTS_MAX], double mu[LCP_PARTS_MAX]) {
   const int g = s->a.group[i];
   const contact_rows rows = s->a.rows[i];
   int n = 0;
   if (rows.tangent > 0) {
     dim[n] = rows.tangent;
-    mu[n++] = friction_of(s, i);
+    mu[n++] = contact_memory_mu(&s->memory, s->a.set, g);
   }
   if (rows.torsion > 0) {
     dim[n] = rows.torsion;
@@ -134,7 +126,7 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
     const double *l = lambda + s->a.row[i];
     double *now = contact_memory_now(&s->memory, g);
     const int tangent = s->a.rows[i].tangent;
-    const double bound = friction_of(s, i) * l[0];
+    const double bound = contact_memory_mu(&s->memory, s->a.set, s->a.group[i]) * l[0];
     const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
