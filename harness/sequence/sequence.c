@@ -1,5 +1,7 @@
 #include "harness/sequence/sequence.h"
 
+#include "lcp/lcp_judge.h"
+
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -161,11 +163,16 @@ base_status sequence_put_named(sequence *q, const sim_solved *k, int n_owner, co
   *s = (sequence_item){.step = k->step,
                        .solve = (before != NULL && before->step == k->step) ? before->solve + 1 : 1,
                        .status = k->status,
-                       .verified = k->verified && k->status == RUN_OK,
-                       .rho = k->rho};
+                       .verified = k->verified && k->status == RUN_OK};
   base_status done = copy_matrix(&k->p->M, s, err);
   if (done == BASE_OK) {
     done = copy_rest(k->p, n_owner, owner, first, k->z, s, err);
+  }
+  lcp_verdict v = {0};
+  if (done ==
+      BASE_OK) { /* of the entries that are kept: a factored matrix has others in the last bit */
+    done = lcp_judge(&s->p, s->z, &v, err);
+    s->rho = v.rho;
   }
   if (done == BASE_OK) {
     note_active(s);
