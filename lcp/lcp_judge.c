@@ -201,8 +201,8 @@ static void judge_all(const judge *j, lcp_verdict *v) {
   v->natural_rel = v->natural / (1.0 + q_max);
 }
 
-/* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, or a scale that of long double, where
- * fmin and fmax would drop a NaN and call it zero. */
+/* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, or a scale that of
+ * long double, where fmin and fmax would drop a NaN and call it zero. */
 static const lcp_verdict hopeless = {.rho = HUGE_VAL,
                                      .natural = HUGE_VAL,
                                      .natural_rel = HUGE_VAL,

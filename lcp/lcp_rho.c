@@ -46,7 +46,7 @@ static double cone(const lcp_block *b, const double *d, const double *z, const d
   moved[0] -= lcp_cone_shift(b, w);
   lcp_cone_project(b, moved, moved);
   for (int i = 0; i < b->size; i++) {
-    worst = fmax(worst, lcp_rho_over(fabs(mean * z[i] - moved[i]), largest));
+    worst = lcp_rho_worse(worst, lcp_rho_over(fabs(mean * z[i] - moved[i]), largest));
   }
   return worst;
 }

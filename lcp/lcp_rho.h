@@ -7,9 +7,12 @@
 
 #include "lcp/lcp_column.h"
 
-/* x / scale; where the scale is zero nothing but zero can stand above it. */
+#include <float.h>
+
+/* x / scale; where the scale is zero, or has overflowed, which it does before z and w do, nothing but zero can stand above
+ * it. */
 static inline double lcp_rho_over(double x, double scale) {
-  if (scale > 0.0) {
+  if (scale > 0.0 && scale <= DBL_MAX) {
     return x / scale;
   }
   return (x == 0.0) ? 0.0 : copysign(HUGE_VAL, x);

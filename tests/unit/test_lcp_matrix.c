@@ -5,6 +5,7 @@
 #include "lcp/base/rng.h"
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_judge.h"
+#include "lcp/lcp_rho.h"
 #include "lcp/lcp_wide_column.h"
 
 #include <string.h>
@@ -222,6 +223,24 @@ static void judge_weighs_tiny_pivots(void **state) {
   }
 }
 
+/* A sweep that diverges on a P-matrix: at 1e306 the scales overflow before w does, and no such point solves anything. */
+static void overflow_is_no_solution(void **state) {
+  (void)state;
+  base_error err = {0};
+  const double M[] = {1.0, 60.0, -60.0, 1.0}, q[] = {-1.0, -1.0}, d[] = {1.0, 1.0};
+  const double z[] = {1e306, 1e306};
+  double w[2], zref[2], tau[2];
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q};
+  lcp_verdict v;
+  lcp_rho_product(&p, z, w, tau);
+  lcp_rho_references(&p, d, tau, zref);
+  lcp_rho_product(&p, zref, NULL, tau);
+  assert_true(isfinite(w[0]) && isfinite(w[1]) && isinf(tau[0]));
+  assert_false(lcp_rho(&p, d, z, w, zref, tau) <= 1.0);
+  check_ok(lcp_judge(&p, z, &v, &err), &err);
+  assert_true(v.rho > 0.01);
+}
+
 static void judge_refuses_nan(void **state) {
   (void)state;
   base_error err = {0};
@@ -266,11 +285,11 @@ static void check_names_the_culprit(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(storages_agree),          cmocka_unit_test(dense_copy_matches_products),
-      cmocka_unit_test(judge_matches_hand_work), cmocka_unit_test(rho_ignores_scaling),
-      cmocka_unit_test(judge_reads_factors),     cmocka_unit_test(judge_weighs_tiny_pivots),
-      cmocka_unit_test(judge_refuses_nan),       cmocka_unit_test(cone_projection_is_exact),
-      cmocka_unit_test(check_names_the_culprit),
+      cmocka_unit_test(storages_agree),           cmocka_unit_test(dense_copy_matches_products),
+      cmocka_unit_test(judge_matches_hand_work),  cmocka_unit_test(rho_ignores_scaling),
+      cmocka_unit_test(judge_reads_factors),      cmocka_unit_test(judge_weighs_tiny_pivots),
+      cmocka_unit_test(overflow_is_no_solution),  cmocka_unit_test(judge_refuses_nan),
+      cmocka_unit_test(cone_projection_is_exact), cmocka_unit_test(check_names_the_culprit),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
