@@ -30,7 +30,7 @@ STEPPED: Ways = (
     ("coulomb", "cone_newton", "steps"),
 )
 INTEGRATED: Ways = (("event", "lemke", "arcs"), ("penalty", "lemke", "springs"))
-HONEST = ("ray", "infeasible", "stalled", "max_iter", "near", "unsupported", "unverified")
+HONEST = ("ray", "infeasible", "stalled", "max_iter", "near", "unverified", "numerical")
 
 
 def judge(make: Callable[[int], Scene], seeds: Iterable[int], share: float, ways: Ways) -> None:
@@ -50,7 +50,7 @@ def judge(make: Callable[[int], Scene], seeds: Iterable[int], share: float, ways
                 if said["status"] == "ok":
                     trouble = broken(scene, Motion.read(way), SLACKS[laws])
                 else:
-                    trouble = "" if said["status"] in HONEST else said["note"]
+                    trouble = "" if said["status"] in (*HONEST, "unsupported") else said["note"]
                 if trouble:
                     found.append(f"seed {seed}, {formulation}: {said['status']}: {trouble}")
     assert not found, "\n".join(found)
@@ -150,7 +150,7 @@ def a_plunger_bounces_or_jams(d):
             words = ("--formulation", formulation, "--solver", solver, "--trajectory", way)
             said = json.loads(run("simulate", scene_file, *words, code=None).stdout)
             if end == "no solution":
-                assert said["status"] != "ok", (formulation, solver, guide)
+                assert said["status"] in HONEST, (formulation, solver, guide, said["status"])
                 continue
             assert said["status"] == "ok", (formulation, solver, guide, said["note"])
             speeds = [s["a"][2][1] for s in Motion.read(way).states]
@@ -163,9 +163,28 @@ def a_dead_point_gives_no_joint_apart(d):
     scene = random_mechanism(371) | {"T": DURATION, "hs": [STEP]}
     (d / "scene.json").write_text(json.dumps(scene))
     for formulation in ("velocity", "acceleration"):
-        words = ("--formulation", formulation, "--solver", "lemke", "--trajectory", d / "way.csv")
+        words = ("--formulation", formulation, "--solver", "lemke")
         said = json.loads(run("simulate", d / "scene.json", *words, code=None).stdout)
         assert said["status"] == "ray", (formulation, said["status"], said["note"])
+
+
+def joints_that_part_are_told(d):
+    """The problem of a step is solved, its joints are not kept: seed 409. Another processor may
+    not solve it."""
+    scene = random_mechanism(409) | {"T": DURATION, "hs": [STEP]}
+    (d / "scene.json").write_text(json.dumps(scene))
+    words = ("--formulation", "velocity", "--solver", "lemke")
+    said = json.loads(run("simulate", d / "scene.json", *words, code=None).stdout)
+    assert said["status"] in HONEST, said["status"]
+    if said["status"] == "numerical":
+        assert "step 43: the joints are not kept" in said["note"], said["note"]
+
+
+def a_coarse_tolerance_parts_joints(d):
+    """Joints that stay rows are kept to the tolerance that is asked for, and that is no trouble."""
+    words = ("--formulation", "coulomb:joints=mixed", "--solver", "nsgs", "--tol", "1e-5")
+    said = json.loads(run("simulate", "capstan", *words, code=None).stdout)
+    assert said["status"] == "ok", (said["status"], said["note"])
 
 
 def a_light_body_is_not_thrown_by_the_tolerance(d):
@@ -216,6 +235,8 @@ tap(
         corrections_make_no_energy,
         a_plunger_bounces_or_jams,
         a_dead_point_gives_no_joint_apart,
+        joints_that_part_are_told,
+        a_coarse_tolerance_parts_joints,
         a_light_body_is_not_thrown_by_the_tolerance,
         shapes_overlap_by_what_is_known,
     ]
