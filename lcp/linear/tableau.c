@@ -46,9 +46,19 @@ static bool consistent(const lin_tableau *b) {
 }
 #endif
 
-/* Clears what stands beyond row n of column c. */
+/* Clears what stands beyond row n of column c: most often less than LANES entries, for which memset is not worth a call. */
 static void clear_tail(const lin_tableau *b, int c) {
-  memset(lin_tableau_entries(b, c) + b->n, 0, sizeof *b->a * (size_t)(b->stride - b->n));
+  double *tail = lin_tableau_entries(b, c) + b->n;
+  const int count = b->stride - b->n;
+  if (count >= LANES) {
+    memset(tail, 0, sizeof *tail * (size_t)count);
+    return;
+  }
+  for (int k = 0; k < LANES - 1; ++k) {
+    if (k < count) {
+      tail[k] = 0;
+    }
+  }
 }
 
 void lin_tableau_start(lin_tableau *b, int n) {
@@ -63,10 +73,7 @@ void lin_tableau_start(lin_tableau *b, int n) {
   clear_tail(b, -2);
   clear_tail(b, -1);
   for (int j = 0; j < n; ++j) {
-    double *tail = lin_tableau_entries(b, j);
-    for (int i = n; i < b->stride; ++i) {
-      tail[i] = 0;
-    }
+    clear_tail(b, j);
     b->var[j] = n + j;
     b->column[j] = -1;
     b->column[n + j] = j;
@@ -194,14 +201,16 @@ void lin_tableau_cover(lin_tableau *b, const double *d) {
   b->covered = true;
 }
 
-/* Entry p of all columns but `skip`, those of values included, becomes a_p / d_p, the others a_i - d_i a_p / d_p. */
+/* Entry p of all columns but `skip`, those of values included, becomes a_p / d_p, the others a_i - d_i a_p / d_p. Column
+ * `skip` is d and becomes -d_i / d_p, and 1 / d_p. */
 BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, int n, int skip,
-                                  int p, const double *restrict d) {
+                                  int p, double *restrict d) {
+  const double pivot = d[p];
   for (int c = 0; c < columns; ++c, a += stride) {
     if (c == skip || a[p] == 0) {
       continue;
     }
-    const double share = a[p] / d[p];
+    const double share = a[p] / pivot;
     for (int i = 0; i < n; i += LANES) {
       for (int k = 0; k < LANES; ++k) {
         a[i + k] -= d[i + k] * share;
@@ -209,6 +218,12 @@ BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, i
     }
     a[p] = share;
   }
+  for (int i = 0; i < n; i += LANES) {
+    for (int k = 0; k < LANES; ++k) {
+      d[i + k] = -d[i + k] / pivot;
+    }
+  }
+  d[p] = 1 / pivot;
 }
 
 void lin_tableau_replace(lin_tableau *b, int p, int entering) {
@@ -216,16 +231,9 @@ void lin_tableau_replace(lin_tableau *b, int p, int entering) {
   const int c = b->column[entering];
   const int left = b->head[p];
   double *own = lin_tableau_entries(b, c);
-  const double pivot = own[p];
   const int values = 1 + b->generic;
   eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values + n + b->covered, padded(n),
             values + c, p, own);
-  for (int i = 0; i < n; i += LANES) {
-    for (int k = 0; k < LANES; ++k) {
-      own[i + k] = -own[i + k] / pivot;
-    }
-  }
-  own[p] = 1 / pivot;
   b->var[c] = left;
   b->column[left] = c;
   b->column[entering] = -1;

@@ -43,7 +43,7 @@ void lemke_system_layout(lemke_system *s, lemke_store *m, const lcp_capacity *ca
   s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
 }
 
-double lemke_largest(const double *x, int n) {
+double lemke_largest_of_many(const double *x, int n) {
   double top[4] = {0, 0, 0, 0}; /* four chains run side by side */
   int i = 0;
   for (; i + 4 <= n; i += 4) {

@@ -9,6 +9,7 @@
 #include "lcp/lcp_farkas.h"
 #include "lcp/lcp_problem.h"
 
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -100,7 +101,19 @@ static inline double lemke_smaller(double a, double b) {
   return (a < b) ? a : b;
 }
 
-double lemke_largest(const double *x, int n); /* max |x_i| */
+double lemke_largest_of_many(const double *x, int n);
+
+/* max |x_i|; of a few without a call. */
+static inline double lemke_largest(const double *x, int n) {
+  if (n > 8) {
+    return lemke_largest_of_many(x, n);
+  }
+  double top = 0;
+  for (int i = 0; i < n; ++i) {
+    top = lemke_larger(fabs(x[i]), top);
+  }
+  return top;
+}
 
 /* (J u)_i of a factored M, scaled. Two chains run side by side. */
 static inline double lemke_row_speed(const lemke_system *s, int i, const double *u) {
