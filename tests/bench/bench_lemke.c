@@ -2,10 +2,10 @@
  * dense tableau, Dantzig's method where DART's library is installed and Siconos' Lemke where the build has it; lemke's
  * factored form against its own dense form and its path from the origin.
  *
- * usage: bench_lemke [REPETITIONS [grasp|small]]
+ * usage: bench_lemke [REPETITIONS [grasp|small|large]]
  * With `grasp` only one problem of 12,000 unknowns, dense and factored: minutes, and 10 GB. With `small` only those
  * of up to 64 unknowns, which all methods read densely; a time is then the mean of as many solves as take a
- * millisecond, without readings of the clock inside one (lcp_instance_untimed).
+ * millisecond, without readings of the clock inside one (lcp_instance_untimed). With `large` all but these.
  * CSV on stdout, one row per problem and method: CPU seconds of set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
  * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of contacts. */
@@ -299,11 +299,10 @@ static base_status bench_growth(int bodies, int facets, int dense_at, int reps, 
   return BASE_OK;
 }
 
-static base_status bench_all(int reps, base_error *err) {
+static base_status bench_large(int reps, base_error *err) {
   static const char *const files[] = {"pd_n300",    "column_n300",  "boxstack_n300",
                                       "frand4_p80", "fbox4_p80",    "frand8_p20",
                                       "fbox4_p200", "column_n1000", "boxstack_n1000"};
-  BASE_TRY(bench_small(reps, err));
   for (int i = 0; i < BASE_COUNT(files); ++i) {
     BASE_TRY(bench_file(files[i], reps, err));
   }
@@ -311,6 +310,11 @@ static base_status bench_all(int reps, base_error *err) {
   BASE_TRY(bench_growth(1, 4, 400, reps, err));
   BASE_TRY(bench_growth(20, 0, 2000, reps, err));
   return bench_growth(20, 4, 400, reps, err);
+}
+
+static base_status bench_all(int reps, base_error *err) {
+  BASE_TRY(bench_small(reps, err));
+  return bench_large(reps, err);
 }
 
 /* 2000 contacts with friction among 20 bodies, the dense form against the factored one. */
@@ -323,13 +327,15 @@ int main(int argc, char **argv) {
   int reps = 5;
   base_error err = {0};
   if ((argc > 1 && !base_parse_int(argv[1], &reps)) || reps < 1 || reps > REPS_MAX) {
-    fprintf(stderr, "usage: bench_lemke [REPETITIONS, 1 to %d [grasp|small]]\n", (int)REPS_MAX);
+    fprintf(stderr, "usage: bench_lemke [REPETITIONS, 1 to %d [grasp|small|large]]\n",
+            (int)REPS_MAX);
     return 2;
   }
   const char *part = (argc > 2) ? argv[2] : "";
   printf("problem,method,n,outcome,pivots,rho,median_s,q1_s,q3_s,speedup\n");
   const base_status s = (strcmp(part, "grasp") == 0)   ? bench_grasp(reps, &err)
                         : (strcmp(part, "small") == 0) ? bench_small(reps, &err)
+                        : (strcmp(part, "large") == 0) ? bench_large(reps, &err)
                                                        : bench_all(reps, &err);
   if (s != BASE_OK) {
     fprintf(stderr, "bench_lemke: %s\n", err.text);
