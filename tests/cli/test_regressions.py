@@ -84,7 +84,7 @@ def scenes_come_out_right(d):
 def disputed_scenes_come_out_right(d):
     if SANITIZED:
         raise Skip("hundreds of contacts in many formulations: too slow with sanitizers")
-    come_out_right(sorted(DISPUTED.glob("*.json")), 6)
+    come_out_right(sorted(DISPUTED.glob("*.json")), 8)
 
 
 def come_out_right(scenes, n):

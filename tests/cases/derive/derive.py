@@ -315,6 +315,18 @@ def plates() -> Iterator[Answer]:
     yield "crates40", "state c004.z", (2 * 4 + 1) * 0.1
 
 
+def cubes() -> Iterator[Answer]:
+    """A cube on its face: mu m g brakes it, at h below its middle, so the normal force stands mu h
+    ahead of the middle, inside the face; on a wall it stands m g h / N above the middle."""
+    h, mu, speed, push = 0.1, 0.5, 6.0, 30.0
+    assert mu * h < h and G < mu * push and G * h / push < h
+    yield "thrown_flat", "state cube.x", speed**2 / (2 * mu * G)
+    yield "thrown_flat", "state cube.z", h
+    yield "thrown_flat", "window_max cube.z", h
+    yield "pressed_to_wall", "state cube.x", h
+    yield "pressed_to_wall", "state cube.z", 0
+
+
 def belts() -> Iterator[Answer]:
     """A mass m on a spring k is dragged to mu_s N / k and swings about mu_k N / k from there."""
     g, k, speed, static, kinetic = 9.81, 20.0, 0.1, 0.4, 0.3
@@ -375,6 +387,7 @@ def main() -> int:
         late_oblique,
         balls,
         plates,
+        cubes,
         belts,
     )
     wrong += not arches_are_at_their_limit(scenes)
