@@ -48,9 +48,9 @@ void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_
   }
 }
 
-void reg_lugre_next(const reg_options *o, double h, int iteration, reg_part *p) {
-  p->eta = (iteration < 3) ? p->next_eta : 0.5 * (p->eta + p->next_eta);
-  p->r = p->next_r;
+void reg_lugre_next(const reg_options *o, double h, double share, reg_part *p) {
+  p->eta += share * (p->next_eta - p->eta);
+  p->r += fmin(1, 2 * share) * (p->next_r - p->r);
   p->mode = (p->r < 1) ? REG_SECANT : REG_STICK;
   set_coefficients(o, h, p);
 }
