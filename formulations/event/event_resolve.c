@@ -177,20 +177,62 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   return BASE_OK;
 }
 
+/* Rows of a contact move together where less than this share of a row's own mobility is left without the others. */
+static const double together = 1e-9;
+
+/* term (n rows, the normal first) of a contact with the own block B (n x n). Joints may leave it fewer ways to move than rows:
+ * a row that moves only with others takes what their terms make of it, because no force of the contact could make it
+ * do anything else, and friction would seem to miss its law. */
+static void make_consistent(const double *B, int n, double *term) {
+  double left[9], asked[3];
+  bool done[3] = {false};
+  memcpy(left, B, (size_t)(n * n) * sizeof *left);
+  memcpy(asked, term, (size_t)n * sizeof *asked);
+  for (int step = 0; step < n; step++) {
+    int k = -1;
+    for (int r = 0; r < n; r++) {
+      const bool larger = k < 0 || left[r * (n + 1)] > left[k * (n + 1)];
+      k = (!done[r] && larger && (step > 0 || r == 0)) ? r : k;
+    }
+    if (!(left[k * (n + 1)] > together * B[k * (n + 1)])) {
+      break;
+    }
+    done[k] = true;
+    for (int r = 0; r < n; r++) {
+      const double share = left[k * n + r] / left[k * (n + 1)];
+      if (!done[r]) {
+        asked[r] -= share * asked[k];
+      }
+      for (int c = 0; c < n && !done[r]; c++) {
+        left[c * n + r] -= done[c] ? 0.0 : share * left[c * n + k];
+      }
+    }
+  }
+  for (int r = 0; r < n; r++) {
+    term[r] -= done[r] ? 0.0 : asked[r];
+  }
+}
+
 /* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
  * here. */
 static void stabilise(const event_run *s, const contact_set *c, double *u0) {
   const double rate = s->opt->rate;
   for (int i = 0; i < s->space.a.n_contact; i++) {
-    const int g = s->space.a.group[i];
-    const double *u = c->u_before + c->row_start[g];
+    const int g = s->space.a.group[i], n = form_rows_of(&s->space.a, i);
+    const double *u = c->u_before + c->row_start[g], *own = form_own_block(&s->space.a, i);
     double *row = u0 + s->space.a.row[i];
-    if (!(form_own_block(&s->space.a, i)[0] > 0.0)) {
+    if (!(own[0] > 0.0)) {
       continue; /* joints or locks hold it */
     }
-    row[0] += 2.0 * rate * u[0] + rate * rate * c->gap[g];
-    for (int t = 1; t < form_rows_of(&s->space.a, i) && slip_at_rest(&s->p, &s->space.a, i); t++) {
-      row[t] += rate * u[t];
+    double term[3] = {2.0 * rate * u[0] + rate * rate * c->gap[g]};
+    if (slip_at_rest(&s->p, &s->space.a, i)) {
+      for (int t = 1; t < n; t++) {
+        term[t] = rate * u[t];
+      }
+      make_consistent(own, n, term);
+    }
+    for (int r = 0; r < n; r++) {
+      row[r] += term[r];
     }
   }
 }

@@ -78,7 +78,7 @@ def judged(path):
 def scenes_come_out_right(d):
     if SANITIZED:
         raise Skip("a thousand steps of many formulations: too slow with sanitizers")
-    come_out_right(sorted((FOLDER / "scenes").glob("*.json")), 26)
+    come_out_right(sorted((FOLDER / "scenes").glob("*.json")), 28)
 
 
 def disputed_scenes_come_out_right(d):

@@ -77,6 +77,7 @@ def falls() -> Iterator[Answer]:
     yield "heavy_on_light_1e8", "window_min H.y", 0.4
     for variable, value in (("b.x", 0.3 * math.cos(0.5)), ("b.y", 0.3 * math.sin(0.5))):
         yield "rail_floor", f"state {variable}", value  # the rail carries it, nothing rubs
+    yield from rails_that_land()
     yield "rail_down", "state b.z", 0.1
     yield "rail_down", "contact_force b floor", G
     yield "lock_slide", "state b.x", 1 / (2 * 0.5 * G)
@@ -306,6 +307,21 @@ def balls() -> Iterator[Answer]:
     k, v0, end = 2 / 7, 0.2, 6.0
     yield "turntable", "state ball.x", 1 + v0 / k * math.sin(k * end)
     yield "turntable", "state ball.y", v0 / k * (1 - math.cos(k * end))
+
+
+def rails_that_land() -> Iterator[Answer]:
+    """A turned box on an inclined rail falls until its lowest corner stands on the floor, where its
+    rail leaves it no way: its middle is then as high as the half edges reach."""
+    start, half = 0.3, (0.05, 0.06, 0.09)
+    for name in ("rail_lands", "rail_lands_steep"):
+        path = CASES / "regressions" / "scenes" / f"{name}.json"
+        scene = json.loads(path.read_text())
+        w, x, y, z = scene["bodies"][0]["quat"]
+        axis = scene["joints"][0]["axis"]
+        up = (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y))
+        height = sum(abs(u) * h for u, h in zip(up, half, strict=True))
+        yield name, "state box.z", height
+        yield name, "state box.x", axis[0] * (height - start) / axis[2]
 
 
 def plates() -> Iterator[Answer]:
