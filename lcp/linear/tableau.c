@@ -3,6 +3,7 @@
 #include "lcp/base/clones.h"
 
 #include <assert.h>
+#include <math.h>
 #include <string.h>
 
 enum { LANES = 4 };
@@ -70,6 +71,7 @@ void lin_tableau_start(lin_tableau *b, int n) {
   b->a = b->x + b->stride;
   b->covered = false;
   b->generic = false;
+  b->least_pivot = HUGE_VAL;
   clear_tail(b, -2);
   clear_tail(b, -1);
   for (int j = 0; j < n; ++j) {
@@ -231,6 +233,8 @@ void lin_tableau_replace(lin_tableau *b, int p, int entering) {
   const int c = b->column[entering];
   const int left = b->head[p];
   double *own = lin_tableau_entries(b, c);
+  const double size = fabs(own[p]);
+  b->least_pivot = (size < b->least_pivot) ? size : b->least_pivot;
   const int values = 1 + b->generic;
   eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values + n + b->covered, padded(n),
             values + c, p, own);

@@ -18,17 +18,18 @@ typedef struct lin_tableau {
   int stride;   /* entries from one column to the next, a multiple of 4; those from n on are zero */
   bool covered; /* z0 takes part: column n is in use */
   bool generic; /* delta is carried */
-  double *a;    /* by columns: B^-1 of variable var[c], by row position */
-  double *x;    /* cap: B^-1 q, the values of the basic variables; before a, and before it */
-  double *delta; /* cap: the values for another right-hand side */
-  int *var;      /* cap + 1 */
-  int *column;   /* 2 cap + 1: column of a variable, -1 where basic */
-  int *head;     /* cap: variable in each row position */
-  int *where;    /* 2 cap + 1: row position of a variable, -1 where nonbasic */
-  double *entry; /* cap: scratch */
-  int *at;       /* cap: scratch */
-  double *rhs;   /* cap: scratch */
-  double *block; /* where the columns lie */
+  double least_pivot; /* smallest |pivot| since the start; HUGE_VAL before the first */
+  double *a;          /* by columns: B^-1 of variable var[c], by row position */
+  double *x;          /* cap: B^-1 q, the values of the basic variables; before a, and before it */
+  double *delta;      /* cap: the values for another right-hand side */
+  int *var;           /* cap + 1 */
+  int *column;        /* 2 cap + 1: column of a variable, -1 where basic */
+  int *head;          /* cap: variable in each row position */
+  int *where;         /* 2 cap + 1: row position of a variable, -1 where nonbasic */
+  double *entry;      /* cap: scratch */
+  int *at;            /* cap: scratch */
+  double *rhs;        /* cap: scratch */
+  double *block;      /* where the columns lie */
 } lin_tableau;
 
 void lin_tableau_layout(lin_tableau *b, int cap, base_arena *a);

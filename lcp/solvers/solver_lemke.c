@@ -68,8 +68,10 @@ static const double round_off = 1e-14;
 static const double data_share = 1e-3;
 
 /* The values of a table of so few rows, after at most two pivots a row, are mostly right as they stand: to a few roundings of
- * their terms no correction is asked for. */
+ * their terms no correction is asked for. After a small pivot, as of a heavy body on a light one, that says little of the values
+ * themselves, and they are corrected. */
 enum { FEW = 16 };
+static const double large_pivot = 1e-3;
 static const double few_roundings = 4 * DBL_EPSILON;
 
 /* Rows up to which a cold path is faster on a tableau, where M has many zeros and where it has few. */
@@ -184,7 +186,8 @@ static bool accept_corrected(lemke_state *k, lemke_engine *e, const lcp_stop *st
 /* The same, with the values of a small table taken as they are where that is good enough. */
 static bool accept(lemke_state *k, lemke_engine *e, const lcp_stop *stop, const char *word,
                    lcp_result *res) {
-  const bool few = e == &k->table.engine && e->n <= FEW && k->path.pivots <= 2L * e->n;
+  const bool few = e == &k->table.engine && e->n <= FEW && k->path.pivots <= 2L * e->n &&
+                   k->table.tableau.least_pivot > large_pivot;
   if (few && lemke_engine_holds(e, &k->system, k->path.in_z)) {
     read_point(k, e, k->trial);
     if (judge(k, stop, word, res) && res->residual <= few_roundings) {
