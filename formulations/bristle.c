@@ -1,6 +1,8 @@
 #include "formulations/bristle.h"
 
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 form_bristle_turn form_bristle_turn_of(const contact_set *c, int g) {
   if (c->spin == NULL) {
@@ -57,10 +59,6 @@ void form_bristle_pull(const contact_set *c, int g, int kind, const double *past
   }
 }
 
-static bool same_bodies(const contact_set *c, int g, int k) {
-  return c->body[2 * g] == c->body[2 * k] && c->body[2 * g + 1] == c->body[2 * k + 1];
-}
-
 /* The point of a contact shows in its rows where one of the bodies has all of its dofs. */
 static bool shows_point(const contact_set *c, int g) {
   const int all = (c->dim == 2) ? 3 : 6;
@@ -83,17 +81,59 @@ static bool same_rows(const contact_set *c, int g, int k) {
   return same;
 }
 
-void form_bristle_copies(const contact_set *c, int n, const int *group, bool extreme, int *out) {
-  for (int i = 0; i < n; i++) {
-    out[i] = 1;
+/* Contacts g and k, of the same bodies, are one and the same. */
+static bool copies(const contact_set *c, int g, int k) {
+  const bool listed = c->id[g] >> CONTACT_COPY_BITS == c->id[k] >> CONTACT_COPY_BITS;
+  return (listed || shows_point(c, g)) && same_rows(c, g, k);
+}
+
+static int by_bodies(const void *a, const void *b) {
+  const form_bristle_key *x = a, *y = b;
+  for (int k = 0; k < 2; k++) {
+    if (x->body[k] != y->body[k]) {
+      return (x->body[k] < y->body[k]) ? -1 : 1;
+    }
   }
-  for (int i = 0; i < n && !extreme; i++) { /* contacts of a pair of bodies follow each other */
-    for (int j = i + 1; j < n && same_bodies(c, group[i], group[j]); j++) {
-      const int g = group[i], k = group[j];
-      const bool listed = c->id[g] >> CONTACT_COPY_BITS == c->id[k] >> CONTACT_COPY_BITS;
-      const bool same = (listed || shows_point(c, g)) && same_rows(c, g, k);
-      out[i] += same;
-      out[j] += same;
+  return (x->at > y->at) - (x->at < y->at);
+}
+
+/* The contacts by their bodies; those of a pair mostly follow each other as they come. */
+static void sort_keys(const contact_set *c, int n, const int *group, form_bristle_key *key) {
+  bool sorted = true;
+  for (int i = 0; i < n; i++) {
+    const int *body = c->body + 2 * (ptrdiff_t)group[i];
+    key[i] = (form_bristle_key){.body = {body[0], body[1]}, .at = i};
+    sorted = sorted && (i == 0 || by_bodies(&key[i - 1], &key[i]) <= 0);
+  }
+  if (!sorted) {
+    qsort(key, (size_t)n, sizeof *key, by_bodies);
+  }
+}
+
+/* Those of key[first] .. key[last-1], all of one pair of bodies, that are copies of each other. */
+static void count_copies(const contact_set *c, const int *group, const form_bristle_key *key,
+                         int first, int last, int *out) {
+  for (int i = first; i < last; i++) {
+    for (int j = i + 1; j < last; j++) {
+      const bool same = copies(c, group[key[i].at], group[key[j].at]);
+      out[key[i].at] += same;
+      out[key[j].at] += same;
+    }
+  }
+}
+
+void form_bristle_sharers(const contact_set *c, int n, const int *group, form_bristle_shared shared,
+                          form_bristle_key *key, int *out) {
+  sort_keys(c, n, group, key);
+  for (int first = 0, last = 0; first < n; first = last) {
+    while (last < n && memcmp(key[first].body, key[last].body, sizeof key->body) == 0) {
+      last++;
+    }
+    for (int i = first; i < last; i++) {
+      out[key[i].at] = (shared == FORM_BRISTLE_PAIR) ? last - first : 1;
+    }
+    if (shared == FORM_BRISTLE_COPIES) {
+      count_copies(c, group, key, first, last, out);
     }
   }
 }

@@ -32,7 +32,19 @@ void form_bristle_remember(const contact_set *c, int g, int dim, const double *i
 /* Rows of a contact that belong to a kind of part (0 friction, 1 torsion, 2 rolling), and the first of them. */
 int form_bristle_rows(contact_rows rows, int kind, int *first);
 
-/* Of the n active contacts `group` (ascending) of the set: out[i] = how many of them are contact i again, between the same
- * bodies, at the same point and with the same rows to rounding, itself included. Springs side by side add up, so that copies share one. With `extreme`, where the solver may let one
- * of them carry all, it is 1. */
-void form_bristle_copies(const contact_set *c, int n, const int *group, bool extreme, int *out);
+/* Which contacts have one stiffness together, because springs side by side add up. */
+typedef enum form_bristle_shared {
+  FORM_BRISTLE_EACH, /* none: the solver may let one of them carry all */
+  FORM_BRISTLE_COPIES, /* those between the same bodies, at the same point and with the same rows to rounding */
+  FORM_BRISTLE_PAIR, /* those between the same bodies: how many points stand for a face makes it no stiffer */
+} form_bristle_shared;
+
+/* Scratch: a contact by its bodies. */
+typedef struct form_bristle_key {
+  int body[2], at;
+} form_bristle_key;
+
+/* Of the n active contacts `group` of the set, in any order: out[i] = how many of them share the stiffness of contact i, itself
+ * included. key: n. */
+void form_bristle_sharers(const contact_set *c, int n, const int *group, form_bristle_shared shared,
+                          form_bristle_key *key, int *out);

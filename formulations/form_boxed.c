@@ -101,8 +101,10 @@ static void soften_contact(row_form *s, int i) {
 
 /* The compliance of friction rows into M, what their deflections push into q. */
 static void soften(row_form *s) {
-  form_bristle_copies(s->a.set, s->a.n_contact, s->a.group, s->opt.distribution == FORM_EXTREME,
-                      s->copies);
+  form_bristle_sharers(s->a.set, s->a.n_contact, s->a.group,
+                       (s->opt.distribution == FORM_EXTREME) ? FORM_BRISTLE_EACH
+                                                             : FORM_BRISTLE_COPIES,
+                       s->bodies, s->copies);
   memset(s->soft, 0, (size_t)s->a.n_row * sizeof *s->soft);
   for (int i = 0; i < s->a.n_contact; i++) {
     soften_contact(s, i);

@@ -61,7 +61,8 @@ static void layout_groups(void *state, base_arena *m) {
   s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->base_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->part_start = BASE_ARRAY(m, int, p + 1);
-  s->copies = BASE_ARRAY(m, int, p);
+  s->sharers = BASE_ARRAY(m, int, p);
+  s->bodies = BASE_ARRAY(m, form_bristle_key, p);
   s->row_of = BASE_ARRAY(m, int, s->cap_group + 1);
   s->rows = BASE_ARRAY(m, reg_row, s->cap_row);
   s->b = BASE_ARRAY(m, double, p);

@@ -20,6 +20,7 @@ static void layout(void *state, base_arena *m) {
     s->soft = BASE_ARRAY(m, double, s->cap_row);
     s->mu = BASE_ARRAY(m, double, s->cap_row);
     s->copies = BASE_ARRAY(m, int, s->cap_group);
+    s->bodies = BASE_ARRAY(m, form_bristle_key, s->cap_group);
   }
   s->block = BASE_ARRAY(m, lcp_block, 4 * (size_t)s->cap_group);
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "formulations/boxed/boxed_bounds.h"
+#include "formulations/bristle.h"
 #include "formulations/row_matrix.h"
 
 typedef struct row_options {
@@ -30,7 +31,8 @@ struct row_form {
   double *w, *diagonal, *scratch; /* boxed: M z + q, diag M; n_row each, and a product's own */
   double *deflection, *soft; /* boxed: of bristles [m], their compliance 1/G [1/kg]; n_row each */
   double *mu;                /* boxed: of friction rows; n_row */
-  int *copies;               /* boxed: of each contact (form_bristle_copies); n_contact */
+  int *copies;               /* boxed: of each contact (form_bristle_sharers); n_contact */
+  form_bristle_key *bodies;  /* scratch of that; n_contact */
   lcp_block *block;          /* at most 4 a contact, 1 a joint */
   int n_block;
   bool done;

@@ -19,6 +19,7 @@
  * then differ along the axes like mu^2, for which the radial return is exact (MATHEMATICS 2.3.11). */
 #pragma once
 
+#include "formulations/bristle.h"
 #include "formulations/row_matrix.h"
 
 enum { REG_KINDS = 3 };    /* friction, torsion, rolling */
@@ -80,7 +81,7 @@ typedef struct reg_part {
   int row, dim; /* rows row .. row+dim-1 of the assembly, dim 1 or 2 */
   double mu_static, mu_kinetic;
   double k, c, G, m; /* m: effective mass m_t [kg] */
-  double share;      /* of the stiffness of this contact, which its copies have as well */
+  double share;      /* of a stiffness that several contacts have together */
   double pull;       /* h k: impulse per deflection [N s/m]; LuGre: kappa */
   double axis2;      /* ellipse: t2 is measured in units of it, where the law is a circle [1] */
   double eta, next_eta, v[2]; /* LuGre */
@@ -175,9 +176,10 @@ typedef struct regularized {
   reg_part *part, *best_part, *base_part; /* n_part; base: where a trial of Newton's began */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
-  int *copies;     /* n_contact: active contacts that are the same as it, itself included */
-  int *row_of;     /* n_group+1: compliant rows of each group */
-  reg_row *rows;   /* n_rows */
+  int *sharers;    /* n_contact: active contacts that share its stiffness, itself included */
+  form_bristle_key *bodies; /* n_contact: scratch of that */
+  int *row_of;              /* n_group+1: compliant rows of each group */
+  reg_row *rows;            /* n_rows */
   int n_rows;
   bool any_slip; /* some part has a slip column */
 

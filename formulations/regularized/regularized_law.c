@@ -6,8 +6,8 @@
 #include <string.h>
 
 /* k, c and G = h^2 k + h c. With a fixed ratio, G = ratio m_t and c = 2 zeta sqrt(k m_t). Torsion
- * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. Copies of a contact have its
- * stiffness together. */
+ * and rolling turn the stiffness of the contact into that of a spring at arm `mu` [m]. Contacts that share a
+ * stiffness have a part of it each. */
 static void set_stiffness(const reg_options *o, double h, bool boost, reg_part *p) {
   const double arm = (p->kind == 0) ? 1 : p->mu_static;
   const bool viscous = o->model == REG_VISCOUS;
@@ -178,7 +178,7 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
     return; /* nothing can move, or nothing holds */
   }
   p->m = 1 / inverse;
-  p->share = 1.0 / s->copies[i];
+  p->share = 1.0 / s->sharers[i];
   p->axis2 = (kind == 0 && dim == 2) ? s->opt.ellipse : 1;
   if (kind == 0 && dim == 1 &&
       c->rows[g].tangent == 2) { /* the ellipse along the line that is left */
@@ -199,12 +199,21 @@ static void add_part(regularized *s, int i, int kind, int row, int dim, bool boo
   s->n_part++;
 }
 
+/* A stiffness in proportion to the mass is that of a pair of bodies; one in N/m is that of a contact. */
+static form_bristle_shared shared_by(const reg_options *o) {
+  if (o->distribution == FORM_EXTREME) {
+    return FORM_BRISTLE_EACH;
+  }
+  const bool by_mass = o->stiffness == 0 && o->model != REG_LUGRE;
+  return by_mass ? FORM_BRISTLE_PAIR : FORM_BRISTLE_COPIES;
+}
+
 void reg_parts_build(regularized *s) {
   const bool boost = s->opt.impact == 1 && form_has_impact(&s->a, s->opt.repair.rest);
   s->n_part = 0;
   s->fastest = 0;
-  form_bristle_copies(s->a.set, s->a.n_contact, s->a.group, s->opt.distribution == FORM_EXTREME,
-                      s->copies);
+  form_bristle_sharers(s->a.set, s->a.n_contact, s->a.group, shared_by(&s->opt), s->bodies,
+                       s->sharers);
   for (int r = 0; r < s->a.row[s->a.n_contact]; r++) {
     s->fastest = fmax(s->fastest, fabs(s->a.r[r]));
   }

@@ -21,7 +21,7 @@ void reg_modes_begin(regularized *s) {
  * halved for a while: a contact that friction lifts and that closes without it turns in circles otherwise. */
 static double lugre_share(regularized *s, double residual) {
   reg_schedule *c = &s->schedule;
-  c->share = (s->iteration == 3) ? 0.5 : c->share;
+  c->share = (s->iteration < 3) ? 1 : fmin(c->share, 0.5);
   c->waited++;
   if (residual <= 0.5 * c->mark) {
     c->mark = residual;

@@ -97,8 +97,10 @@ def come_out_right(scenes, n):
     compare(found, {path.stem for path in scenes})
 
 
-# copies of a contact on a compliant law, and bounds of friction on an arch of redundant contacts
+# copies of a contact on a compliant law, a box on four corners and on two, and bounds of friction
+# on an arch of redundant contacts
 CASES = (
+    ("E03", "regularized", "lemke"),
     ("E07", "regularized", "lemke"),
     ("E07", "regularized:lugre", "lemke"),
     ("E07", "regularized:pose=cone", "cone_newton"),

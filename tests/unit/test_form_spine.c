@@ -14,17 +14,18 @@ static void block_on_incline(void **state) {
   static const struct {
     const char *form, *opt;
     double stick_tol, slip_tol;
-  } forms[] = {{"velocity", "facets=4", 1e-12, 1e-12},
-               {"velocity", "facets=8,cone=circumscribed,storage=csc", 1e-12, 1e-12},
-               {"velocity", "facets=8,storage=factored", 1e-12, 1e-12},
-               {"position", "facets=4,storage=factored", 1e-12, 1e-12},
-               {"velocity", "restitution=poisson", 1e-12, 1e-12},
-               {"velocity", "planar=three", 1e-12, 1e-12},
-               {"position", "facets=8", 1e-12, 1e-12},
-               {"regularized", "", 1e-6, 1e-3},
-               {"regularized", "model=viscous", 1e-3, 1e-3},
-               {"regularized", "modes=plain", 1e-6, 1e-3},
-               {"regularized", "modes=secant", 1e-6, 1e-3}};
+  } forms[] = {
+      {"velocity", "facets=4", 1e-12, 1e-12},
+      {"velocity", "facets=8,cone=circumscribed,storage=csc", 1e-12, 1e-12},
+      {"velocity", "facets=8,storage=factored", 1e-12, 1e-12},
+      {"position", "facets=4,storage=factored", 1e-12, 1e-12},
+      {"velocity", "restitution=poisson", 1e-12, 1e-12},
+      {"velocity", "planar=three", 1e-12, 1e-12},
+      {"position", "facets=8", 1e-12, 1e-12},
+      {"regularized", "", 1e-6, 1e-3},
+      {"regularized", "model=viscous", 2e-3, 1e-3}, /* creeps at h g sin / (1 + ratio m_t / m) */
+      {"regularized", "modes=plain", 1e-6, 1e-3},
+      {"regularized", "modes=secant", 1e-6, 1e-3}};
   for (int dim = 2; dim <= 3; dim++) {
     for (int i = 0; i < BASE_COUNT(forms); i++) {
       for (int slip = 0; slip < 2; slip++) {
