@@ -145,7 +145,8 @@ static int experiment(const record *a, const record *b) {
                                  {a->formulation_config, b->formulation_config},
                                  {a->start, b->start},
                                  {a->effects, b->effects},
-                                 {a->contact_order, b->contact_order}};
+                                 {a->contact_order, b->contact_order},
+                                 {a->islands, b->islands}};
   int order = order_of(a->step_s, b->step_s);
   for (int i = 0; order == 0 && i < BASE_COUNT(pair); i++) {
     order = strcmp(pair[i][0], pair[i][1]);

@@ -51,6 +51,7 @@ void cell_identity(const cell_job *job, record *r) {
   }
   if (c->formulation[0] != '\0') {
     SET_TEXT(r->contact_order, c->contact_order);
+    SET_TEXT(r->islands, c->islands);
   }
   (void)cell_command(c, &job->campaign->limits, r->command, sizeof r->command);
 }

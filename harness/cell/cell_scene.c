@@ -17,6 +17,10 @@ static void fill_sizes(const sim_result *q, record *r) {
   r->n_contacts = q->n_contact_max;
   r->n_active = q->n_active_max;
   r->lcp_dim = q->lcp_dim_max;
+  if (q->n_island > 0) {
+    r->n_island = q->n_island;
+    r->largest_island = q->largest_island;
+  }
   r->n_steps = q->steps;
   r->n_solves = q->n_solves;
   r->n_unsolved = q->n_unsolved;
@@ -195,7 +199,8 @@ base_status cell_scene_prepare(measured *m, record *r, base_error *err) {
                               .duration = c->duration,
                               .effects = c->effects,
                               .start = c->start,
-                              .contact_order = c->contact_order};
+                              .contact_order = c->contact_order,
+                              .islands = c->islands};
   simulation *s = &m->sim;
   m->is_scene = true;
   m->sample = sample_with_files;

@@ -33,7 +33,7 @@ typedef struct campaign_sampling {
 #define CAMPAIGN_AXES(X)                                                                           \
   X(problems)                                                                                      \
   X(formulations)                                                                                  \
-  X(solvers) X(steps) X(durations) X(tolerances) X(starts) X(effects) X(contact_orders)
+  X(solvers) X(steps) X(durations) X(tolerances) X(starts) X(effects) X(contact_orders) X(islands)
 #define CAMPAIGN_AXIS_ENUM_(name) AXIS_##name,
 enum campaign_axis { CAMPAIGN_AXES(CAMPAIGN_AXIS_ENUM_) AXIS_COUNT };
 const char *campaign_axis_name(int axis);

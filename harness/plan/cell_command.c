@@ -58,6 +58,7 @@ size_t cell_command(const cell *c, const campaign_limits *limits, char *buf, siz
     shell_put_option(&l, "effects", strcmp(c->effects, "declared") == 0 ? "" : c->effects);
     shell_put_option(&l, "contact-order",
                      strcmp(c->contact_order, "given") == 0 ? "" : c->contact_order);
+    shell_put_option(&l, "islands", strcmp(c->islands, "off") == 0 ? "" : c->islands);
   }
   return l.used;
 }
@@ -75,6 +76,7 @@ base_status cell_of_command(char *text, cell *c, base_error *err) {
               .start = "cold",
               .effects = "declared",
               .contact_order = "given",
+              .islands = "off",
               .skip = ""};
   const struct {
     const char *name, **to;
@@ -86,7 +88,8 @@ base_status cell_of_command(char *text, cell *c, base_error *err) {
                  {"--duration", &c->duration},
                  {"--start", &c->start},
                  {"--effects", &c->effects},
-                 {"--contact-order", &c->contact_order}};
+                 {"--contact-order", &c->contact_order},
+                 {"--islands", &c->islands}};
   if (n < 3 || n % 2 == 0) {
     return BASE_FAIL(err, BASE_EINVAL, "not a command of a cell: %.100s", text);
   }

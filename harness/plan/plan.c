@@ -131,6 +131,7 @@ static const char *filter_value(const cell *c, const char *axis, size_t len, bas
               {"effects", c->effects},
               {"duration", c->duration},
               {"contact_order", c->contact_order},
+              {"islands", c->islands},
               {"cell", c->id},
               {"cell_id", c->id}};
   for (int i = 0; i < BASE_COUNT(axes); i++) {
@@ -152,7 +153,7 @@ static base_status matches(const cell *c, const char *filter, bool *out, base_er
   if (value == NULL || axis[len] != '=') {
     return BASE_FAIL(err, BASE_EINVAL,
                      "--filter %.80s: need axis=glob with axis part, problem, formulation, solver, "
-                     "step, duration, tol, start, effects, contact_order or cell%s",
+                     "step, duration, tol, start, effects, contact_order, islands or cell%s",
                      filter, value == NULL ? base_nearest_hint(&near, hint) : "");
   }
   *out = (fnmatch(axis + len + 1, value, 0) == 0) != negate;
@@ -208,7 +209,8 @@ static base_status add_cell(plan *p, const campaign_part *part, const char *cons
                                    [AXIS_tolerances] = &c.tol,
                                    [AXIS_starts] = &c.start,
                                    [AXIS_effects] = &c.effects,
-                                   [AXIS_contact_orders] = &c.contact_order};
+                                   [AXIS_contact_orders] = &c.contact_order,
+                                   [AXIS_islands] = &c.islands};
   BASE_TRY(keep(p, part->name, &c.part, err));
   for (int a = 0; a < AXIS_COUNT; a++) {
     BASE_TRY(keep(p, value[a], text[a], err));
@@ -265,6 +267,7 @@ static base_status add_part(plan *p, const campaign_part *part, const plan_filte
     const char *dflt = (a == AXIS_starts)           ? "cold"
                        : (a == AXIS_effects)        ? "declared"
                        : (a == AXIS_contact_orders) ? "given"
+                       : (a == AXIS_islands)        ? "off"
                                                     : "";
     done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
     const text_list *problems = &list[AXIS_problems];

@@ -14,7 +14,7 @@ typedef struct cell {
   const char *formulation; /* "": a complementarity problem, no scene */
   const char *solver;
   const char *step, *duration, *tol; /* "": the default of the scene or the solver */
-  const char *start, *effects, *contact_order;
+  const char *start, *effects, *contact_order, *islands;
   char id[CELL_ID];        /* content key */
   char problem_sha256[65]; /* of the file, or of the scene's text and source */
   char solver_version[17]; /* of the solver's source */

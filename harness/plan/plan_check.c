@@ -96,7 +96,7 @@ static base_status start(part_kind kind, const char *text, base_error *err) {
 
 base_status plan_check_axis(int axis, part_kind kind, base_error *err) {
   const bool of_scenes = axis == AXIS_steps || axis == AXIS_durations || axis == AXIS_effects ||
-                         axis == AXIS_contact_orders ||
+                         axis == AXIS_contact_orders || axis == AXIS_islands ||
                          (axis == AXIS_starts && kind != PART_SEQUENCES);
   return (kind == PART_SCENES || !of_scenes)
              ? BASE_OK
@@ -120,6 +120,10 @@ base_status plan_check_value(int axis, part_kind kind, const char *text, base_er
     return watch_check(text, err);
   case AXIS_contact_orders:
     return contact_order_parse(text, &seed, err);
+  case AXIS_islands:
+    return (strcmp(text, "on") == 0 || strcmp(text, "off") == 0)
+               ? BASE_OK
+               : BASE_FAIL(err, BASE_EINVAL, "islands: %.60s: need on or off", text);
   default:
     return BASE_OK;
   }

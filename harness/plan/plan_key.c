@@ -206,6 +206,9 @@ base_status cell_key(const campaign *camp, problem_hashes *known, cell *c, base_
     if (strcmp(c->contact_order, "given") != 0) { /* the keys of other cells stay as they were */
       sha256_text(&s, c->contact_order);
     }
+    if (strcmp(c->islands, "off") != 0) {
+      sha256_text(&s, "islands");
+    }
     sha256_end(&s, hex);
     memcpy(c->id, hex, CELL_ID - 1);
     c->id[CELL_ID - 1] = '\0';

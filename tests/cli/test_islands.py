@@ -3,8 +3,9 @@ with the answers of the whole and the same bits."""
 
 import json
 import pathlib
+import shlex
 
-from support import one_line_error, run, run_json, tap
+from support import campaign, one_line_error, rows, run, run_json, tap
 
 COLUMNS, HEIGHT = 7, 3
 # of each storage one: dense, sparse, factors, and the reduced problem of one normal a contact
@@ -94,6 +95,44 @@ def what_is_joined_is_one_island(d: pathlib.Path) -> None:
         assert parts["solution_hash"] == whole["solution_hash"], pair
 
 
+CAMPAIGN = """
+name: parts
+limits: {time: 20s, grace: 1s}
+sampling: {processes: 1, samples: 1, max_samples: 1}
+parts:
+  - name: a
+    problems: ["%s"]
+    formulations: [normal, regularized]
+    solvers: [newton]
+    starts: [previous]
+    islands: [off, on]
+"""
+
+
+def islands_are_an_axis(d: pathlib.Path) -> None:
+    """Each a cell of its own, with its columns and a command that gives it back; a key without
+    islands is that of before there were any."""
+    text = CAMPAIGN % columns(d)
+    run("run", campaign(d, text), "--out", d / "o", "--quiet")
+    got = rows(d / "o")
+    assert len({r["cell_id"] for r in got}) == 4 and all(r["status"] == "ok" for r in got)
+    for r in got:
+        parts = (r["n_island"], r["largest_island"])
+        on = r["islands"] == "on"
+        assert parts == ((str(COLUMNS), str(int(r["lcp_dim"]) // COLUMNS)) if on else ("", "")), r
+        assert ("--islands" in r["command"]) == on
+        o = json.loads(run(*shlex.split(r["command"])[1:]).stdout)
+        assert o["solution_hash"] == r["solution_hash"]
+    plain = campaign(d, text.replace("    islands: [off, on]\n", ""), "plain.yaml")
+    run("run", plain, "--out", d / "p", "--quiet")
+    off = {r["cell_id"] for r in got if r["islands"] == "off"}
+    assert {r["cell_id"] for r in rows(d / "p")} == off
+    run("run", campaign(d, text), "--out", d / "f", "--quiet", "--filter", "islands=on")
+    assert {r["islands"] for r in rows(d / "f")} == {"on"}
+    wrong = campaign(d, text.replace("[off, on]", "[some]"), "wrong.yaml")
+    one_line_error("run", wrong, "--dry-run", names=["islands", "some", "on or off"])
+
+
 def what_cannot_be_is_said(d: pathlib.Path) -> None:
     on = words(columns(d), "regularized", "newton", "--islands", "on")
     off = words(columns(d), "regularized", "newton")
@@ -111,6 +150,7 @@ tap(
         bits_do_not_depend_on_threads,
         order_of_contacts_moves_no_island,
         what_is_joined_is_one_island,
+        islands_are_an_axis,
         what_cannot_be_is_said,
     ]
 )

@@ -25,11 +25,12 @@ parts:
     solvers: [lemke, "pgs:max_iter=1"]
 """
 WORDS = (
-    "campaign part cell_id problem_family problem problem_sha256 formulation formulation_options"
-    " formulation_config model solver solver_options solver_config solver_variant solver_version"
-    " start contact_order effects effects_auto cache storage status status_claimed note flags"
-    " err_quantity err_source end_quantity missed effects_seen solution_hash host host_class trace"
-    " started_utc suite_commit build_hash base_hash command"
+    "campaign part cell_id problem_family problem problem_sha256 formulation"
+    " formulation_options formulation_config model solver solver_options solver_config"
+    " solver_variant solver_version start contact_order islands effects effects_auto cache"
+    " storage status status_claimed note flags err_quantity err_source end_quantity missed"
+    " effects_seen solution_hash host host_class trace started_utc suite_commit build_hash"
+    " base_hash command"
 ).split()
 BOOLEANS = "quick verified throttled suite_dirty".split()
 
