@@ -17,7 +17,7 @@ static base_status grow_scratch(event_run *s, const contact_set *c, base_error *
     const size_t unknowns = (size_t)s->cap_contact * (size_t)(s->opt->facets + 2);
     free(s->row);
     free(s->z);
-    s->row = calloc((size_t)s->cap_row * 2, sizeof *s->row);
+    s->row = calloc((size_t)s->cap_row * 3, sizeof *s->row);
     s->z = calloc(unknowns, sizeof *s->z);
     if (s->row == NULL || s->z == NULL) {
       s->cap_row = s->cap_contact = 0;
@@ -56,8 +56,9 @@ static base_status solve(event_run *s, const double *u0, double *lambda, base_er
   BASE_TRY(s->solver->solve(s->solver->ctx, &p, s->z, &claimed, err));
   s->answer.work.solves++;
   s->answer.lcp_dim = (p.M.n > s->answer.lcp_dim) ? p.M.n : s->answer.lcp_dim;
-  s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
   s->solved = claimed == LCP_SOLVED;
+  s->without_solution = claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
+  s->answer.work.rays += s->without_solution;
   s->answer.residual = s->solved ? 0.0 : 1.0; /* without a solution nothing of the model is met */
   slip_impulses(&s->p, &s->space.a, s->z, lambda);
   return BASE_OK;
@@ -91,8 +92,25 @@ static bool mark_closing(event_run *s, const contact_set *c) {
   return closing;
 }
 
+/* Solves the impact that s->p poses from the velocities u0; its impulses and the velocities after it become the state's. */
+static base_status jump(event_run *s, const contact_set *c, double *u0, base_error *err) {
+  double *lambda = s->row + s->cap_row;
+  drop_noise(s->space.a.n_row, u0);
+  BASE_TRY(solve_turning(s, u0, lambda, err));
+  for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
+    impulse_entry *e;
+    BASE_TRY(impulse_log_at(&s->log, c->id[s->space.a.group[i]], 0.0, &e, err));
+    for (int r = 0; r < form_rows_of(&s->space.a, i); r++) {
+      e->impulse[r] += lambda[s->space.a.row[i] + r];
+    }
+  }
+  form_assembly_answer(&s->space.a, lambda);
+  memcpy(s->y + s->n_config, s->space.a.v_next, (size_t)s->n_dof * sizeof *s->y);
+  return event_log_joints(s, 0.0, true, err);
+}
+
 static base_status impact(event_run *s, const contact_set *c, base_error *err) {
-  double *u0 = s->row, *lambda = s->row + s->cap_row;
+  double *u0 = s->row;
   BASE_TRY(space_impact(&s->space, c, err));
   BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
   for (int i = 0; i < s->space.a.n_contact; i++) {
@@ -106,18 +124,7 @@ static base_status impact(event_run *s, const contact_set *c, base_error *err) {
       s->answer.work.fallbacks++;
     }
   }
-  drop_noise(s->space.a.n_row, u0);
-  BASE_TRY(solve_turning(s, u0, lambda, err));
-  for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
-    impulse_entry *e;
-    BASE_TRY(impulse_log_at(&s->log, c->id[s->space.a.group[i]], 0.0, &e, err));
-    for (int r = 0; r < form_rows_of(&s->space.a, i); r++) {
-      e->impulse[r] += lambda[s->space.a.row[i] + r];
-    }
-  }
-  form_assembly_answer(&s->space.a, lambda);
-  memcpy(s->y + s->n_config, s->space.a.v_next, (size_t)s->n_dof * sizeof *s->y);
-  return event_log_joints(s, 0.0, true, err);
+  return jump(s, c, u0, err);
 }
 
 /* Sliding contacts keep their direction; the others get the cone. */
@@ -180,6 +187,15 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
 /* Rows of a contact move together where less than this share of a row's own mobility is left without the others. */
 static const double together = 1e-9;
 
+/* The row of the largest diagonal that is left, the normal before all others. */
+static int next_row(const double *left, const bool *done, int n) {
+  int k = -1;
+  for (int r = 0; r < n && (done[0] || r == 0); r++) {
+    k = (!done[r] && (k < 0 || left[r * (n + 1)] > left[k * (n + 1)])) ? r : k;
+  }
+  return k;
+}
+
 /* term (n rows, the normal first) of a contact with the own block B (n x n). Joints may leave it fewer ways to move than rows:
  * a row that moves only with others takes what their terms make of it, because no force of the contact could make it
  * do anything else, and friction would seem to miss its law. */
@@ -188,23 +204,14 @@ static void make_consistent(const double *B, int n, double *term) {
   bool done[3] = {false};
   memcpy(left, B, (size_t)(n * n) * sizeof *left);
   memcpy(asked, term, (size_t)n * sizeof *asked);
-  for (int step = 0; step < n; step++) {
-    int k = -1;
-    for (int r = 0; r < n; r++) {
-      const bool larger = k < 0 || left[r * (n + 1)] > left[k * (n + 1)];
-      k = (!done[r] && larger && (step > 0 || r == 0)) ? r : k;
-    }
-    if (!(left[k * (n + 1)] > together * B[k * (n + 1)])) {
-      break;
-    }
+  for (int k = 0; k >= 0 && left[k * (n + 1)] > together * B[k * (n + 1)];
+       k = next_row(left, done, n)) {
     done[k] = true;
     for (int r = 0; r < n; r++) {
-      const double share = left[k * n + r] / left[k * (n + 1)];
-      if (!done[r]) {
-        asked[r] -= share * asked[k];
-      }
-      for (int c = 0; c < n && !done[r]; c++) {
-        left[c * n + r] -= done[c] ? 0.0 : share * left[c * n + k];
+      const double share = done[r] ? 0.0 : left[k * n + r] / left[k * (n + 1)];
+      asked[r] -= share * asked[k];
+      for (int c = 0; c < n; c++) {
+        left[c * n + r] -= share * (done[c] ? 0.0 : left[c * n + k]);
       }
     }
   }
@@ -279,6 +286,29 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
     }
   }
   return BASE_OK;
+}
+
+/* Where no force answers the accelerations, impulses do: the jump is that of a step of length h from here as h goes to 0
+ * (Genot & Brogliato 1999; Stewart 1998), with h so short that free acceleration adds no more than what cannot be told
+ * from rest. s->space holds the accelerations of the contacts that persist. */
+static base_status impact_without_collision(event_run *s, const contact_set *c, base_error *err) {
+  double *u0 = s->row, *free = s->row + 2 * (ptrdiff_t)s->cap_row;
+  const form_assembly *a = &s->space.a;
+  const double h = s->slow / s->pull;
+  memset(free, 0, (size_t)c->n_row * sizeof *free);
+  for (int i = 0; i < a->n_contact; i++) {
+    memcpy(free + c->row_start[a->group[i]], a->r + a->row[i],
+           (size_t)form_rows_of(a, i) * sizeof *free);
+  }
+  s->answer.work.fallbacks++;
+  BASE_TRY(space_impact(&s->space, c, err));
+  BASE_TRY(slip_begin(&s->p, a, s->opt->facets, s->opt->distribution, err));
+  for (int i = 0; i < a->n_contact; i++) {
+    for (int r = 0; r < form_rows_of(a, i); r++) {
+      u0[a->row[i] + r] = a->r[a->row[i] + r] + h * free[c->row_start[a->group[i]] + r];
+    }
+  }
+  return jump(s, c, u0, err);
 }
 
 static double along_of(const arc_contact *k) {
@@ -384,6 +414,14 @@ base_status event_resolve(event_run *s, double t, base_error *err) {
     BASE_TRY(look(s, t, &c, err));
   }
   BASE_TRY(choose_modes(s, &c, err));
+  if (!s->solved && s->without_solution && s->opt->paradox == PARADOX_IMPACT && s->pull > 0.0) {
+    BASE_TRY(impact_without_collision(s, &c, err));
+    if (!s->solved) {
+      return BASE_OK;
+    }
+    BASE_TRY(look(s, t, &c, err));
+    BASE_TRY(choose_modes(s, &c, err));
+  }
   if (!s->solved) {
     return BASE_OK;
   }

@@ -8,8 +8,12 @@
 #include "formulations/event/event_watch.h"
 #include "formulations/gsl_library.h"
 
+/* What follows where the acceleration-level problem has no solution. */
+enum event_paradox { PARADOX_IMPACT, PARADOX_STOP };
+
 typedef struct event_options {
   int facets, max_events, distribution;
+  int paradox; /* event_paradox */
   double rest_speed, resolve, rate, rtol, atol;
 } event_options;
 
@@ -25,6 +29,7 @@ typedef struct event_run {
   slip_problem p;
   facet_turns turns;
   bool started, solved;
+  bool without_solution; /* the last problem ended on a ray, or in a proof */
   int n_config, n_dof;
   gsl_library gsl;
   gsl_odeiv2_system system;
@@ -37,7 +42,7 @@ typedef struct event_run {
   double atol;        /* of this step [m], [m/s] */
   double pull;        /* largest free acceleration of a contact at the last event [m/s^2] */
   double speed, slow; /* largest speed so far; what the integrator cannot tell from rest [m/s] */
-  double *row, *z;    /* scratch of a problem: rows, unknowns */
+  double *row, *z;    /* scratch of a problem: three times rows, unknowns */
   int cap_row, cap_contact;
   joint_log joints;
   double *impulse, *bias; /* of the answer */

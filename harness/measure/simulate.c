@@ -194,6 +194,7 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   s->called = 0;
   BASE_TRY(formulation_step(s->form, s->w, s->h, &solver, &a, err));
   s->out->time.assemble += base_seconds() - from - s->called;
+  sim_settle_held(s);
   note_answer(s, a.set, &a);
   if (a.set != NULL) {
     s->out->effects_seen |= sim_effects_seen(s->q->spec, a.set, &a);

@@ -140,7 +140,7 @@ static base_status record(sim *s, const lcp_problem *p, const lcp_result *claim,
                    s->out->n_solves, p->M.n, run_status_name(k.word),
                    lcp_outcome_name(claim->outcome), k.v.rho);
   }
-  if (s->iterates && claim->outcome != LCP_SOLVED && may_go_on(k.word)) {
+  if (claim->outcome != LCP_SOLVED && may_go_on(k.word)) {
     s->held = k;
   } else {
     s->held.word = (k.word == RUN_OK) ? RUN_OK : s->held.word;

@@ -258,18 +258,21 @@ static base_status add_product(plan *p, const campaign_part *part, const text_li
   }
 }
 
+/* What an axis is where a part leaves it out; NULL: nothing. */
+static const char *const absent[AXIS_COUNT] = {[AXIS_starts] = "cold",
+                                               [AXIS_effects] = "declared",
+                                               [AXIS_contact_orders] = "given",
+                                               [AXIS_islands] = "off"};
+
 static base_status add_part(plan *p, const campaign_part *part, const plan_filter *f,
                             problem_hashes *known, base_error *err) {
   text_list list[AXIS_COUNT];
   memset(list, 0, sizeof list);
   base_status done = BASE_OK;
   for (int a = 0; done == BASE_OK && a < AXIS_COUNT; a++) {
-    const char *dflt = (a == AXIS_starts)           ? "cold"
-                       : (a == AXIS_effects)        ? "declared"
-                       : (a == AXIS_contact_orders) ? "given"
-                       : (a == AXIS_islands)        ? "off"
-                                                    : "";
-    done = expand_axis(&part->axis[a], dflt, a == AXIS_problems, &list[a], err);
+    const char *dflt = absent[a];
+    done =
+        expand_axis(&part->axis[a], (dflt != NULL) ? dflt : "", a == AXIS_problems, &list[a], err);
     const text_list *problems = &list[AXIS_problems];
     const part_kind kind =
         plan_kind(part->axis[AXIS_formulations].n > 0, problems->n > 0 ? problems->item[0] : "");

@@ -4,6 +4,7 @@ reason. A listed one that comes out right fails too, so that the list only shrin
 
 import csv
 import json
+import math
 import re
 
 from support import SANITIZED, TESTS, Skip, run, run_json, tap
@@ -148,6 +149,30 @@ def the_same_result_twice(d):
     assert others[0] == first and others[1] == others[2]
 
 
+def a_rod_is_struck_without_collision(d):
+    """Painleve's rod slides where no force answers: an impulse stops its tip at once. W of the tip
+    by hand, of a rod of mass 1 and length 2."""
+    angle = math.radians(63.43494882292201)
+    lever = (-math.sin(angle), math.cos(angle))  # what a unit of spin adds to the tip's velocity
+    tangent, normal, both = (1 + 3 * lever[0] ** 2, 1 + 3 * lever[1] ** 2, 3 * lever[0] * lever[1])
+    det = tangent * normal - both**2
+    stop = (normal / det, -both / det)  # impulses that take a slip of -1 m/s, and move no normal
+    want = (-1 + stop[0], stop[1], 3 * (lever[0] * stop[0] + lever[1] * stop[1]))
+    path = d / "rod.csv"
+    words = ("--step", "1e-9", "--duration", "1e-9", "--trajectory", path)
+    for mu in (2, 3, 5):
+        said = run_json(
+            "simulate", f"painleve:mu={mu}", "--formulation", "event", "--solver", "lemke", *words
+        )
+        assert said["status"] == "ok" and said["n_fallback"] > 0
+        with path.open(newline="", encoding="utf-8") as f:
+            last = [r for r in csv.DictReader(f) if r["kind"] == "body"][-1]
+        got = [float(last[k]) for k in ("vx_m_s", "vy_m_s", "omega_z_rad_s")]
+        assert all(abs(a - b) < 1e-7 for a, b in zip(got, want, strict=True)), (mu, got, want)
+    stops = ("painleve:mu=3", "--formulation", "event:paradox=stop", "--solver", "lemke")
+    assert run_json("simulate", *stops, code=3)["status"] == "infeasible"
+
+
 def the_list_names_what_exists(d):
     names = {p.name.removesuffix(".M.mtx") for p in (FOLDER / "lcp").glob("*.M.mtx")}
     names |= {p.stem for p in [*(FOLDER / "scenes").glob("*.json"), *DISPUTED.glob("*.json")]}
@@ -176,6 +201,7 @@ tap(
         cases_come_out_right,
         a_house_of_cards_stands,
         the_same_result_twice,
+        a_rod_is_struck_without_collision,
         the_list_names_what_exists,
         large_choices_are_made,
     ]
