@@ -289,7 +289,7 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
 }
 
 /* Where no force answers the accelerations, impulses do: the jump is that of a step of length h from here as h goes to 0
- * (Genot & Brogliato 1999; Stewart 1998), with h so short that free acceleration adds no more than what cannot be told
+ * (Genot & Brogliato 1999), with h so short that free acceleration adds no more than what cannot be told
  * from rest. s->space holds the accelerations of the contacts that persist. */
 static base_status impact_without_collision(event_run *s, const contact_set *c, base_error *err) {
   double *u0 = s->row, *free = s->row + 2 * (ptrdiff_t)s->cap_row;

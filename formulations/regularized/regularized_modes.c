@@ -8,8 +8,9 @@
 
 #include <string.h>
 
-enum { FIRST_PATIENCE = 2 };             /* secants without a change before the first trial */
-enum { LUGRE_PATIENCE = 25 };            /* iterations in which a residual is to halve */
+enum { FIRST_PATIENCE = 2 }; /* secants without a change before the first trial */
+/* iterations in which a residual is to halve: first, and once the loop goes shorter */
+enum { LUGRE_PATIENCE = 200, LUGRE_SHORT = 50 };
 static const double most_change = 1;     /* of ln r in one extrapolation [1] */
 static const double independent = 1e-10; /* of a square, what the newer pairs must leave [1] */
 
@@ -26,7 +27,7 @@ static double lugre_share(regularized *s, double residual) {
   if (residual <= 0.5 * c->mark) {
     c->mark = residual;
     c->waited = 0;
-  } else if (c->waited >= LUGRE_PATIENCE) {
+  } else if (c->waited >= ((c->share < 0.5) ? LUGRE_SHORT : LUGRE_PATIENCE)) {
     c->share *= 0.5;
     c->waited = 0;
   }

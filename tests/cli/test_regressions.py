@@ -153,7 +153,7 @@ def a_rod_is_struck_without_collision(d):
     """Painleve's rod slides where no force answers: an impulse stops its tip at once. W of the tip
     by hand, of a rod of mass 1 and length 2."""
     angle = math.radians(63.43494882292201)
-    lever = (-math.sin(angle), math.cos(angle))  # what a unit of spin adds to the tip's velocity
+    lever = (math.sin(angle), -math.cos(angle))  # what a unit of spin adds to the tip's velocity
     tangent, normal, both = (1 + 3 * lever[0] ** 2, 1 + 3 * lever[1] ** 2, 3 * lever[0] * lever[1])
     det = tangent * normal - both**2
     stop = (normal / det, -both / det)  # impulses that take a slip of -1 m/s, and move no normal
