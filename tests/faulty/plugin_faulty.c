@@ -63,7 +63,8 @@ static int misbehave(void *work, const lcp_plugin_problem *p, double *z) {
     }
   }
   if (IS("leak")) {
-    (void)mallopt(M_PERTURB, 0); /* else a test's malloc fills each block, which takes its seconds */
+    /* else a test's malloc fills each block, which takes its seconds */
+    (void)mallopt(M_PERTURB, 0);
     volatile char *lost = malloc((size_t)16 << 20); /* address space, hardly touched */
     if (lost == NULL) {
       return LCP_PLUGIN_NO_MEMORY;
