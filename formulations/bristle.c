@@ -124,13 +124,19 @@ static void count_copies(const contact_set *c, const int *group, const form_bris
 
 void form_bristle_sharers(const contact_set *c, int n, const int *group, form_bristle_shared shared,
                           form_bristle_key *key, int *out) {
+  for (int i = 0; i < n; i++) {
+    out[i] = 1;
+  }
+  if (shared == FORM_BRISTLE_EACH) {
+    return;
+  }
   sort_keys(c, n, group, key);
   for (int first = 0, last = 0; first < n; first = last) {
     while (last < n && memcmp(key[first].body, key[last].body, sizeof key->body) == 0) {
       last++;
     }
-    for (int i = first; i < last; i++) {
-      out[key[i].at] = (shared == FORM_BRISTLE_PAIR) ? last - first : 1;
+    for (int i = first; i < last && shared == FORM_BRISTLE_PAIR; i++) {
+      out[key[i].at] = last - first;
     }
     if (shared == FORM_BRISTLE_COPIES) {
       count_copies(c, group, key, first, last, out);

@@ -150,7 +150,7 @@ typedef struct reg_schedule {
   int patience;    /* of those before a trial of Newton's */
   bool trial;      /* one is running */
   double residual; /* where its last iteration began */
-  double share;    /* LuGre: of the way to the law's answer that an iteration goes */
+  double way;      /* LuGre: how much of the way to the law's answer an iteration goes */
   double mark;     /* the residual to be halved */
   int waited;      /* iterations since the last one that halved it */
 } reg_schedule;
@@ -238,7 +238,7 @@ void reg_lugre_begin(const reg_options *o, double h, reg_part *p);
 /* eta at p->v under lambda_n. */
 double reg_lugre_steady(const reg_options *o, double h, const reg_part *p, double lambda_n);
 void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_n, const double *u);
-void reg_lugre_next(const reg_options *o, double h, double share, reg_part *p);
+void reg_lugre_next(const reg_options *o, double h, double way, reg_part *p);
 double reg_lugre_state(const reg_part *p, double h, int m);
 
 int reg_stride(void); /* doubles remembered per contact */

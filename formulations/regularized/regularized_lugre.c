@@ -48,9 +48,9 @@ void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_
   }
 }
 
-void reg_lugre_next(const reg_options *o, double h, double share, reg_part *p) {
-  const double whole = fmin(1, 2 * share);
-  p->eta = (1 - share) * p->eta + share * p->next_eta;
+void reg_lugre_next(const reg_options *o, double h, double way, reg_part *p) {
+  const double whole = fmin(1, 2 * way);
+  p->eta = (1 - way) * p->eta + way * p->next_eta;
   p->r = (1 - whole) * p->r + whole * p->next_r;
   p->mode = (p->r < 1) ? REG_SECANT : REG_STICK;
   set_coefficients(o, h, p);

@@ -15,23 +15,23 @@ static const double most_change = 1;     /* of ln r in one extrapolation [1] */
 static const double independent = 1e-10; /* of a square, what the newer pairs must leave [1] */
 
 void reg_modes_begin(regularized *s) {
-  s->schedule = (reg_schedule){.patience = FIRST_PATIENCE, .share = 1, .mark = HUGE_VAL};
+  s->schedule = (reg_schedule){.patience = FIRST_PATIENCE, .way = 1, .mark = HUGE_VAL};
 }
 
 /* How far the loop over eta goes: all the way twice, then half of it, and half of that each time the residual has not
  * halved for a while: a contact that friction lifts and that closes without it turns in circles otherwise. */
-static double lugre_share(regularized *s, double residual) {
+static double lugre_way(regularized *s, double residual) {
   reg_schedule *c = &s->schedule;
-  c->share = (s->iteration < 3) ? 1 : fmin(c->share, 0.5);
+  c->way = (s->iteration < 3) ? 1 : fmin(c->way, 0.5);
   c->waited++;
   if (residual <= 0.5 * c->mark) {
     c->mark = residual;
     c->waited = 0;
-  } else if (c->waited >= ((c->share < 0.5) ? LUGRE_SHORT : LUGRE_PATIENCE)) {
-    c->share *= 0.5;
+  } else if (c->waited >= ((c->way < 0.5) ? LUGRE_SHORT : LUGRE_PATIENCE)) {
+    c->way *= 0.5;
     c->waited = 0;
   }
-  return c->share;
+  return c->way;
 }
 
 static bool is_secant(const reg_part *p) {
@@ -197,13 +197,13 @@ static void choose_mode(regularized *s, reg_part *p, bool secant) {
 
 void reg_modes_next(regularized *s, double residual) {
   const bool secant = takes_secants(s, residual);
-  const double share = lugre_share(s, residual);
+  const double way = (s->opt.model == REG_LUGRE) ? lugre_way(s, residual) : 1;
   accelerate(s);
   s->schedule.calm++;
   for (int k = 0; k < s->n_part; k++) {
     reg_part *p = &s->part[k];
     if (reg_is_lugre(s, p)) {
-      reg_lugre_next(&s->opt, s->a.set->h, share, p);
+      reg_lugre_next(&s->opt, s->a.set->h, way, p);
     } else if (!reg_is_idle(s, p)) {
       choose_mode(s, p, secant);
     }
