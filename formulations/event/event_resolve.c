@@ -292,20 +292,20 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
  * (Genot & Brogliato 1999), with h so short that free acceleration adds no more than what cannot be told
  * from rest. s->space holds the accelerations of the contacts that persist. */
 static base_status impact_without_collision(event_run *s, const contact_set *c, base_error *err) {
-  double *u0 = s->row, *free = s->row + 2 * (ptrdiff_t)s->cap_row;
+  double *u0 = s->row, *pull = s->row + 2 * (ptrdiff_t)s->cap_row;
   const form_assembly *a = &s->space.a;
   const double h = s->slow / s->pull;
-  memset(free, 0, (size_t)c->n_row * sizeof *free);
+  memset(pull, 0, (size_t)c->n_row * sizeof *pull);
   for (int i = 0; i < a->n_contact; i++) {
-    memcpy(free + c->row_start[a->group[i]], a->r + a->row[i],
-           (size_t)form_rows_of(a, i) * sizeof *free);
+    memcpy(pull + c->row_start[a->group[i]], a->r + a->row[i],
+           (size_t)form_rows_of(a, i) * sizeof *pull);
   }
   s->answer.work.fallbacks++;
   BASE_TRY(space_impact(&s->space, c, err));
   BASE_TRY(slip_begin(&s->p, a, s->opt->facets, s->opt->distribution, err));
   for (int i = 0; i < a->n_contact; i++) {
     for (int r = 0; r < form_rows_of(a, i); r++) {
-      u0[a->row[i] + r] = a->r[a->row[i] + r] + h * free[c->row_start[a->group[i]] + r];
+      u0[a->row[i] + r] = a->r[a->row[i] + r] + h * pull[c->row_start[a->group[i]] + r];
     }
   }
   return jump(s, c, u0, err);

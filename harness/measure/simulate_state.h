@@ -34,9 +34,10 @@ typedef struct sim {
   uint64_t carrying;            /* hash of the ids of the contacts that carried in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
   int z_cap;
-  double called;   /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
-  bool iterates;   /* the formulation may try again where a problem has no solution */
-  solved held;     /* such a try, until the step is over; word RUN_OK: none */
+  double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
+  bool iterates; /* the formulation poses its problems one by one; else it steps by itself */
+  solved
+      held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   double depth
