@@ -112,9 +112,9 @@ static void close_all(all_alone *a) {
 
 /* Contact with friction lets no two motions drift apart, so what the two formulations differ by in their steps adds up to no
  * more than what they are apart alone: as much on the way to either, and once more for what a hand-over leaves out. Below
- * `floor`, a hundredth of what a bristle gives way, the solvers' tolerances are what is seen. */
+ * `floor` the solvers' tolerances are what is seen, through bristles that four corners share (1e-9 m with one each). */
 static void expect_between(const char *scene, const all_alone *all, int a, int b, const motion *m) {
-  const double floor = 1e-8; /* [m] */
+  const double floor = 4e-9; /* [m] */
   const double bound = 2.0 * apart(&all->warm[a], &all->warm[b]) + floor;
   const double got = fmax(apart(m, &all->warm[a]), apart(m, &all->warm[b]));
   if (!(got <= bound)) {
