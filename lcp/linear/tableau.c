@@ -72,6 +72,7 @@ void lin_tableau_start(lin_tableau *b, int n) {
   b->covered = false;
   b->generic = false;
   b->least_pivot = HUGE_VAL;
+  b->due = -1;
   clear_tail(b, -2);
   clear_tail(b, -1);
   for (int j = 0; j < n; ++j) {
@@ -203,8 +204,8 @@ void lin_tableau_cover(lin_tableau *b, const double *d) {
   b->covered = true;
 }
 
-/* Entry p of all columns but `skip`, those of values included, becomes a_p / d_p, the others a_i - d_i a_p / d_p. Column
- * `skip` is d and becomes -d_i / d_p, and 1 / d_p. */
+/* Entry p of `columns` columns from a on, but for `skip`, becomes a_p / d_p, the others a_i - d_i a_p / d_p. Column `skip`, if it
+ * is one of them, is d and becomes -d_i / d_p, and 1 / d_p. */
 BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, int n, int skip,
                                   int p, double *restrict d) {
   const double pivot = d[p];
@@ -220,29 +221,54 @@ BASE_CLONES static void eliminate(double *restrict a, int stride, int columns, i
     }
     a[p] = share;
   }
-  for (int i = 0; i < n; i += LANES) {
+  for (int i = 0; i < n && skip < columns; i += LANES) {
     for (int k = 0; k < LANES; ++k) {
       d[i + k] = -d[i + k] / pivot;
     }
   }
-  d[p] = 1 / pivot;
+  d[p] = (skip < columns) ? 1 / pivot : pivot;
 }
 
-void lin_tableau_replace(lin_tableau *b, int p, int entering) {
-  const int n = b->n;
+/* Column of `entering`, which takes position p. */
+static int exchange(lin_tableau *b, int p, int entering) {
   const int c = b->column[entering];
   const int left = b->head[p];
-  double *own = lin_tableau_entries(b, c);
-  const double size = fabs(own[p]);
+  const double size = fabs(lin_tableau_entries(b, c)[p]);
   b->least_pivot = (size < b->least_pivot) ? size : b->least_pivot;
-  const int values = 1 + b->generic;
-  eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values + n + b->covered, padded(n),
-            values + c, p, own);
   b->var[c] = left;
   b->column[left] = c;
   b->column[entering] = -1;
   b->where[left] = -1;
   b->head[p] = entering;
   b->where[entering] = p;
+  return c;
+}
+
+void lin_tableau_replace(lin_tableau *b, int p, int entering) {
+  assert(b->due < 0);
+  const int c = exchange(b, p, entering);
+  const int values = 1 + b->generic;
+  eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values + b->n + b->covered,
+            padded(b->n), values + c, p, lin_tableau_entries(b, c));
   assert(consistent(b));
+}
+
+void lin_tableau_replace_last(lin_tableau *b, int p, int entering) {
+  assert(b->due < 0);
+  const int c = exchange(b, p, entering);
+  const int values = 1 + b->generic;
+  eliminate(b->a - (ptrdiff_t)values * b->stride, b->stride, values, padded(b->n), values, p,
+            lin_tableau_entries(b, c));
+  b->due = p;
+  b->due_column = c;
+  assert(consistent(b));
+}
+
+void lin_tableau_finish(lin_tableau *b) {
+  if (b->due >= 0) {
+    const int p = b->due;
+    const int c = b->due_column;
+    b->due = -1;
+    eliminate(b->a, b->stride, b->n + b->covered, padded(b->n), c, p, lin_tableau_entries(b, c));
+  }
 }

@@ -19,6 +19,8 @@ typedef struct lin_tableau {
   bool covered; /* z0 takes part: column n is in use */
   bool generic; /* delta is carried */
   double least_pivot; /* smallest |pivot| since the start; HUGE_VAL before the first */
+  int due;            /* position of a pivot that the columns still have to follow; -1: none */
+  int due_column;     /* and the column it exchanged */
   double *a;          /* by columns: B^-1 of variable var[c], by row position */
   double *x;          /* cap: B^-1 q, the values of the basic variables; before a, and before it */
   double *delta;      /* cap: the values for another right-hand side */
@@ -60,3 +62,8 @@ void lin_tableau_correct(const lin_tableau *b, const double *r);
 
 /* The nonbasic variable `entering` takes position p. */
 void lin_tableau_replace(lin_tableau *b, int p, int entering);
+
+/* The same for the last pivot of a path, after which most often only the values are asked for: the columns follow in
+ * lin_tableau_finish, which is to be called before any of them is read. */
+void lin_tableau_replace_last(lin_tableau *b, int p, int entering);
+void lin_tableau_finish(lin_tableau *b);

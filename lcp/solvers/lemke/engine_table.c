@@ -5,6 +5,13 @@ static lemke_table *table_of(lemke_engine *e) {
   return (lemke_table *)e;
 }
 
+/* The tableau of e, all its columns up to date. */
+static lin_tableau *whole(lemke_engine *e) {
+  lin_tableau *t = &table_of(e)->tableau;
+  lin_tableau_finish(t);
+  return t;
+}
+
 /* Column j of -M'. */
 static void write_column(const lemke_system *s, int j, double *restrict a) {
   const lcp_column c = lemke_system_column(s, j);
@@ -56,31 +63,30 @@ static bool fill(lemke_engine *e, const lemke_system *s, unsigned char *in_z) {
 }
 
 static void open(lemke_engine *e, const double *d) {
-  lin_tableau_cover(&table_of(e)->tableau, d);
+  lin_tableau_cover(whole(e), d);
 }
 
 // NOLINTNEXTLINE(readability-non-const-parameter): the signature of lemke_engine.column
 static const double *column(lemke_engine *e, int var, double *room) {
   (void)room;
-  return lin_tableau_column(&table_of(e)->tableau, var);
+  return lin_tableau_column(whole(e), var);
 }
 
 static bool replace(lemke_engine *e, int p, int entering, const double *d) {
   (void)d; /* the column of `entering` */
-  lin_tableau *t = &table_of(e)->tableau;
+  lin_tableau *t = whole(e);
   t->generic = e->generic;
-  lin_tableau_replace(t, p, entering);
+  (e->head[p] == 2 * e->n ? lin_tableau_replace_last : lin_tableau_replace)(t, p, entering);
   return true;
 }
 
 static void append(lemke_engine *e, const double *column_n, const double *row, double q) {
-  lin_tableau *t = &table_of(e)->tableau;
-  lin_tableau_append(t, column_n, row, q);
+  lin_tableau_append(whole(e), column_n, row, q);
   e->n++;
 }
 
 static void settle(lemke_engine *e, double *r) {
-  lin_tableau_correct(&table_of(e)->tableau, r);
+  lin_tableau_correct(whole(e), r);
 }
 
 static const lemke_engine_kind table_kind = {.word = "table",
