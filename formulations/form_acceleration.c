@@ -20,10 +20,13 @@
 #include <string.h>
 
 typedef struct options {
-  int facets, distribution;
+  int facets, distribution, paradox;
   double stick;
   form_repair repair;
 } options;
+
+/* What follows where the forces have no solution. */
+enum { PARADOX_STOP, PARADOX_IMPACT };
 
 static const base_field fields[] = {
     BASE_FIELD(options, facets, BASE_INT, "1", 8, 3, SLIP_FACETS_MAX,
@@ -31,6 +34,9 @@ static const base_field fields[] = {
     BASE_FIELD(options, stick, BASE_REAL, "1", 1e-9, 0, 1,
                "slower than this share of the step's speeds is rest, not sliding"),
     FORM_DISTRIBUTION_FIELD(options),
+    BASE_FIELD_CHOICE(options, paradox, "stop|impact", PARADOX_STOP,
+                      "forces without a solution: the end, or a step of impulses with friction "
+                      "free to choose its direction"),
     FORM_PUSH_FIELDS(options, 0),
     FORM_JOINT_PUSH_FIELD(options),
 };
@@ -44,6 +50,7 @@ typedef struct state {
   double *lambda; /* n_row [N s] */
   int cap_row;
   bool pending, solved;
+  bool may_jump; /* without a solution for its forces the step becomes one of impulses */
   formulation_answer answer;
 } state;
 
@@ -110,6 +117,23 @@ static void finish(state *s) {
   }
 }
 
+/* u0: what is free of a step of forces, whose contact frames turn, or of one with an impact. */
+static void set_free(state *s, bool impact) {
+  const contact_set *c = s->a.set;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], first = s->a.row[i];
+    if (impact) {
+      memset(s->u0 + first, 0, (size_t)form_rows_of(&s->a, i) * sizeof *s->u0);
+    } else {
+      form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
+    }
+    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
+      s->u0[first + r] += s->a.r[first + r];
+    }
+    s->u0[first] += s->a.bias[g];
+  }
+}
+
 static base_status begin(void *st, const contact_set *c, const void *opt, formulation_start start,
                          base_error *err) {
   (void)start; /* no unknown of the last step is a guess for the next one */
@@ -132,18 +156,8 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   if (!impact) {
     choose_modes(s, c, o->stick);
   }
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i], first = s->a.row[i];
-    if (impact) {
-      memset(s->u0 + first, 0, (size_t)form_rows_of(&s->a, i) * sizeof *s->u0);
-    } else {
-      form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
-    }
-    for (int r = 0; r < form_rows_of(&s->a, i); r++) {
-      s->u0[first + r] += s->a.r[first + r];
-    }
-    s->u0[first] += s->a.bias[g];
-  }
+  set_free(s, impact);
+  s->may_jump = !impact && o->paradox == PARADOX_IMPACT;
   s->pending = s->a.n_contact > 0;
   s->solved = true;
   s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL, .n_active = s->a.n_contact};
@@ -187,14 +201,29 @@ static bool reverses(const state *s, int i) {
   return along < 0.0;
 }
 
+/* Where no forces answer, impulses do, with friction free to choose its direction: the step becomes one with an impact, whose
+ * problem of velocities has a solution (Genot & Brogliato 1999; MATHEMATICS 2.6.6 for the limit of short steps). */
+static void become_impact(state *s) {
+  s->may_jump = false;
+  s->pending = true;
+  s->answer.work.fallbacks++;
+  memset(s->p.direction, 0, 2 * (size_t)s->a.n_contact * sizeof *s->p.direction);
+  set_free(s, true);
+}
+
 static base_status recover(void *st, const double *z, lcp_outcome claimed, base_error *err) {
   (void)err;
   state *s = st;
   const contact_set *c = s->a.set;
+  const bool without = claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
   s->pending = false;
+  s->answer.work.rays += without;
+  if (without && s->may_jump) {
+    become_impact(s);
+    return BASE_OK;
+  }
   if (claimed != LCP_SOLVED) {
     s->solved = false;
-    s->answer.work.rays += (claimed == LCP_RAY || claimed == LCP_INFEASIBLE);
     s->answer.residual = 1.0;
   }
   slip_impulses(&s->p, &s->a, z, s->lambda);

@@ -13,7 +13,8 @@
  *
  * Joints are eliminated from arcs and problems, and closed again after every substep (event_space.h).
  * Where the acceleration-level problem has no solution (Painleve), an impact without collision follows (Genot & Brogliato
- * 1999), or with paradox=stop the step is unsolved and says so; as it is where the impact has none either.
+ * 1999); where Newton's law has none, because friction and joints hold a contact that it would have part, Poisson's does. With
+ * paradox=stop the step is unsolved and says so, as it is where the impact has none either.
  */
 #include "formulations/event/event_run.h"
 
@@ -32,8 +33,10 @@ static const base_field fields[] = {
                "slower impacts do not bounce"),
     BASE_FIELD(event_options, resolve, BASE_REAL, "1", 10, 1, 1e9,
                "speeds below this many errors of the integrator are none"),
+    BASE_FIELD_CHOICE(event_options, restitution, "newton|poisson", EVENT_NEWTON, "law of impact"),
     BASE_FIELD_CHOICE(event_options, paradox, "impact|stop", PARADOX_IMPACT,
-                      "accelerations without a solution: an impact without collision, or the end"),
+                      "accelerations without a solution: an impact without collision; Newton's law "
+                      "without one: Poisson's; or the end"),
     BASE_FIELD(event_options, rate, BASE_REAL, "1/s", 20, 0, 1e6,
                "Baumgarte stabilisation of contacts"),
     BASE_FIELD(event_options, rtol, BASE_REAL, "1", 1e-9, 1e-13, 1, "relative error per substep"),

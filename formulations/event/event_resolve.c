@@ -4,11 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Distance from the circle's law over the largest friction. */
-static const double circle_tol = 1e-9;
-/* A box that pivots about a corner settles in ten or so (test form_event); what has not by now does not. */
-static const int max_turns = 100;
-
 static base_status grow_scratch(event_run *s, const contact_set *c, base_error *err) {
   BASE_TRY(space_reserve(&s->space, c, err));
   if (c->n_row >= s->cap_row || c->n_contact >= s->cap_contact) {
@@ -35,53 +30,6 @@ static bool touches(const contact_set *c, int g) {
   return c->gap[g] <= event_touching * c->tol;
 }
 
-/* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
- * would otherwise pose a problem of its own, of noise. */
-static void drop_noise(int n, double *u) {
-  double largest = 0.0;
-  for (int r = 0; r < n; r++) {
-    largest = fmax(largest, fabs(u[r]));
-  }
-  for (int r = 0; r < n; r++) {
-    u[r] = (fabs(u[r]) > 1e-12 * largest) ? u[r] : 0.0;
-  }
-}
-
-/* Poses, solves, and leaves lambda (n_row of the assembly) in a.lambda; s->solved says how. */
-static base_status solve(event_run *s, const double *u0, double *lambda, base_error *err) {
-  lcp_problem p;
-  lcp_outcome claimed = LCP_NUMERICAL;
-  slip_pose(&s->p, &s->space.a, u0, &p);
-  memset(s->z, 0, (size_t)p.M.n * sizeof *s->z);
-  BASE_TRY(s->solver->solve(s->solver->ctx, &p, s->z, &claimed, err));
-  s->answer.work.solves++;
-  s->answer.lcp_dim = (p.M.n > s->answer.lcp_dim) ? p.M.n : s->answer.lcp_dim;
-  s->solved = claimed == LCP_SOLVED;
-  s->without_solution = claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
-  s->answer.work.rays += s->without_solution;
-  s->answer.residual = s->solved ? 0.0 : 1.0; /* without a solution nothing of the model is met */
-  slip_impulses(&s->p, &s->space.a, s->z, lambda);
-  return BASE_OK;
-}
-
-/* Solves the problem posed by s->p with its facets turned until friction is that of the circle; where
- * it never is, the answer is unsolved and carries how far it is off. */
-static base_status solve_turning(event_run *s, const double *u0, double *lambda, base_error *err) {
-  BASE_TRY(turns_begin(&s->turns, s->space.a.n_contact, err));
-  BASE_TRY(solve(s, u0, lambda, err));
-  double off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;
-  while (s->solved && off > circle_tol && s->turns.mixing.mixing.taken < max_turns) {
-    BASE_TRY(turns_next(&s->turns, &s->p, &s->space.a, u0, lambda, err));
-    BASE_TRY(solve(s, u0, lambda, err));
-    off = s->solved ? turns_residual(&s->p, &s->space.a, u0, lambda) : 0.0;
-  }
-  if (off > circle_tol) {
-    s->solved = false;
-    s->answer.residual = off;
-  }
-  return BASE_OK;
-}
-
 /* Marks the touching contacts and says whether one of them closes. */
 static bool mark_closing(event_run *s, const contact_set *c) {
   bool closing = false;
@@ -90,41 +38,6 @@ static bool mark_closing(event_run *s, const contact_set *c) {
     closing = closing || (touches(c, g) && c->u_before[c->row_start[g]] < -0.1 * s->slow);
   }
   return closing;
-}
-
-/* Solves the impact that s->p poses from the velocities u0; its impulses and the velocities after it become the state's. */
-static base_status jump(event_run *s, const contact_set *c, double *u0, base_error *err) {
-  double *lambda = s->row + s->cap_row;
-  drop_noise(s->space.a.n_row, u0);
-  BASE_TRY(solve_turning(s, u0, lambda, err));
-  for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
-    impulse_entry *e;
-    BASE_TRY(impulse_log_at(&s->log, c->id[s->space.a.group[i]], 0.0, &e, err));
-    for (int r = 0; r < form_rows_of(&s->space.a, i); r++) {
-      e->impulse[r] += lambda[s->space.a.row[i] + r];
-    }
-  }
-  form_assembly_answer(&s->space.a, lambda);
-  memcpy(s->y + s->n_config, s->space.a.v_next, (size_t)s->n_dof * sizeof *s->y);
-  return event_log_joints(s, 0.0, true, err);
-}
-
-static base_status impact(event_run *s, const contact_set *c, base_error *err) {
-  double *u0 = s->row;
-  BASE_TRY(space_impact(&s->space, c, err));
-  BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
-  for (int i = 0; i < s->space.a.n_contact; i++) {
-    const int g = s->space.a.group[i], first = s->space.a.row[i];
-    const double u = c->u_before[c->row_start[g]];
-    memcpy(u0 + first, s->space.a.r + first, (size_t)form_rows_of(&s->space.a, i) * sizeof *u0);
-    const double e = (c->restitution != NULL) ? c->restitution[g] : 0.0;
-    if (u < -s->opt->rest_speed) {
-      u0[first] += e * u;
-    } else if (e > 0.0 && u < -0.1 * s->slow) {
-      s->answer.work.fallbacks++;
-    }
-  }
-  return jump(s, c, u0, err);
 }
 
 /* Sliding contacts keep their direction; the others get the cone. */
@@ -184,42 +97,6 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   return BASE_OK;
 }
 
-/* Rows of a contact move together where less than this share of a row's own mobility is left without the others. */
-static const double together = 1e-9;
-
-/* The row of the largest diagonal that is left, the normal before all others. */
-static int next_row(const double *left, const bool *done, int n) {
-  int k = -1;
-  for (int r = 0; r < n && (done[0] || r == 0); r++) {
-    k = (!done[r] && (k < 0 || left[r * (n + 1)] > left[k * (n + 1)])) ? r : k;
-  }
-  return k;
-}
-
-/* term (n rows, the normal first) of a contact with the own block B (n x n). Joints may leave it fewer ways to move than rows:
- * a row that moves only with others takes what their terms make of it, because no force of the contact could make it
- * do anything else, and friction would seem to miss its law. */
-static void make_consistent(const double *B, int n, double *term) {
-  double left[9], asked[3];
-  bool done[3] = {false};
-  memcpy(left, B, (size_t)(n * n) * sizeof *left);
-  memcpy(asked, term, (size_t)n * sizeof *asked);
-  for (int k = 0; k >= 0 && left[k * (n + 1)] > together * B[k * (n + 1)];
-       k = next_row(left, done, n)) {
-    done[k] = true;
-    for (int r = 0; r < n; r++) {
-      const double share = done[r] ? 0.0 : left[k * n + r] / left[k * (n + 1)];
-      asked[r] -= share * asked[k];
-      for (int c = 0; c < n; c++) {
-        left[c * n + r] -= share * (done[c] ? 0.0 : left[c * n + k]);
-      }
-    }
-  }
-  for (int r = 0; r < n; r++) {
-    term[r] -= done[r] ? 0.0 : asked[r];
-  }
-}
-
 /* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
  * here. */
 static void stabilise(const event_run *s, const contact_set *c, double *u0) {
@@ -236,7 +113,7 @@ static void stabilise(const event_run *s, const contact_set *c, double *u0) {
       for (int t = 1; t < n; t++) {
         term[t] = rate * u[t];
       }
-      make_consistent(own, n, term);
+      event_make_consistent(own, n, term);
     }
     for (int r = 0; r < n; r++) {
       row[r] += term[r];
@@ -273,8 +150,8 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   memcpy(u0, s->space.a.r, (size_t)s->space.a.n_row * sizeof *u0);
   s->pull = scale_of(s, u0);
   stabilise(s, c, u0);
-  drop_noise(s->space.a.n_row, u0);
-  BASE_TRY(solve_turning(s, u0, lambda, err));
+  event_drop_noise(s->space.a.n_row, u0);
+  BASE_TRY(event_solve(s, u0, lambda, err));
   double largest = 0.0;
   for (int i = 0; i < s->space.a.n_contact; i++) {
     largest = fmax(largest, lambda[s->space.a.row[i]]);
@@ -286,29 +163,6 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
     }
   }
   return BASE_OK;
-}
-
-/* Where no force answers the accelerations, impulses do: the jump is that of a step of length h from here as h goes to 0
- * (Genot & Brogliato 1999), with h so short that free acceleration adds no more than what cannot be told
- * from rest. s->space holds the accelerations of the contacts that persist. */
-static base_status impact_without_collision(event_run *s, const contact_set *c, base_error *err) {
-  double *u0 = s->row, *pull = s->row + 2 * (ptrdiff_t)s->cap_row;
-  const form_assembly *a = &s->space.a;
-  const double h = s->slow / s->pull;
-  memset(pull, 0, (size_t)c->n_row * sizeof *pull);
-  for (int i = 0; i < a->n_contact; i++) {
-    memcpy(pull + c->row_start[a->group[i]], a->r + a->row[i],
-           (size_t)form_rows_of(a, i) * sizeof *pull);
-  }
-  s->answer.work.fallbacks++;
-  BASE_TRY(space_impact(&s->space, c, err));
-  BASE_TRY(slip_begin(&s->p, a, s->opt->facets, s->opt->distribution, err));
-  for (int i = 0; i < a->n_contact; i++) {
-    for (int r = 0; r < form_rows_of(a, i); r++) {
-      u0[a->row[i] + r] = a->r[a->row[i] + r] + h * pull[c->row_start[a->group[i]] + r];
-    }
-  }
-  return jump(s, c, u0, err);
 }
 
 static double along_of(const arc_contact *k) {
@@ -407,7 +261,7 @@ base_status event_resolve(event_run *s, double t, base_error *err) {
   BASE_TRY(look(s, t, &c, err));
   set_slow(s);
   if (mark_closing(s, &c)) {
-    BASE_TRY(impact(s, &c, err));
+    BASE_TRY(event_impact(s, &c, err));
     if (!s->solved) {
       return BASE_OK;
     }
@@ -415,7 +269,7 @@ base_status event_resolve(event_run *s, double t, base_error *err) {
   }
   BASE_TRY(choose_modes(s, &c, err));
   if (!s->solved && s->without_solution && s->opt->paradox == PARADOX_IMPACT && s->pull > 0.0) {
-    BASE_TRY(impact_without_collision(s, &c, err));
+    BASE_TRY(event_impact_without_collision(s, &c, err));
     if (!s->solved) {
       return BASE_OK;
     }

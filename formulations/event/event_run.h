@@ -8,12 +8,14 @@
 #include "formulations/event/event_watch.h"
 #include "formulations/gsl_library.h"
 
-/* What follows where the acceleration-level problem has no solution. */
+/* What follows where forces, or impulses by Newton's law of restitution, have no solution. */
 enum event_paradox { PARADOX_IMPACT, PARADOX_STOP };
+enum event_restitution { EVENT_NEWTON, EVENT_POISSON };
 
 typedef struct event_options {
   int facets, max_events, distribution;
-  int paradox; /* event_paradox */
+  int paradox;     /* event_paradox */
+  int restitution; /* event_restitution */
   double rest_speed, resolve, rate, rtol, atol;
 } event_options;
 
@@ -64,6 +66,28 @@ base_status event_onto_joints(event_run *s, double t, base_error *err);
 /* Everything that happens at one instant: impact, then the contacts that persist and their modes,
  * from the state in s->y and into it. s->solved is false where a problem was not solved. */
 base_status event_resolve(event_run *s, double t, base_error *err);
+
+/* Of the contacts that s->space poses, with s->p begun; u0 is n_row of the assembly, as lambda. */
+
+/* Solves u = u0 + C lambda with its facets turned until friction is that of the circle; where
+ * it never is, the answer is unsolved and carries how far it is off. */
+base_status event_solve(event_run *s, const double *u0, double *lambda, base_error *err);
+/* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
+ * would otherwise pose a problem of its own, of noise. */
+void event_drop_noise(int n, double *u);
+/* term (n rows, the normal first) of a contact with the own block B (n x n). Joints may leave it fewer ways to move than rows:
+ * a row that moves only with others takes what their terms make of it, because no force of the contact could make it
+ * do anything else, and friction would seem to miss its law. */
+void event_make_consistent(const double *B, int n, double *term);
+
+/* The impact of the contacts of c whose s->space.gap is zero: its impulses and the velocities after it become the state's.
+ * s->solved is false where it has no answer. */
+base_status event_impact(event_run *s, const contact_set *c, base_error *err);
+/* Where no force answers the accelerations, impulses do: the jump is that of a step of length h from here as h goes to 0
+ * (Genot & Brogliato 1999), with h so short that free acceleration adds no more than what cannot be told
+ * from rest. s->space holds the accelerations of the contacts that persist. */
+base_status event_impact_without_collision(event_run *s, const contact_set *c, base_error *err);
+
 /* Joint rows of s->space into s->joints: impulses of a jump, or forces over a substep of dt > 0 and, with
  * dt = 0, forces that the next substep starts from. */
 base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err);

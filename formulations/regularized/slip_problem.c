@@ -10,6 +10,7 @@ static void layout(void *state, base_arena *m) {
   s->direction = BASE_ARRAY(m, double, 2 * (size_t)s->cap_contact);
   s->mu = BASE_ARRAY(m, double, s->cap_contact);
   s->turn = BASE_ARRAY(m, double, s->cap_contact);
+  s->given = BASE_ARRAY(m, double, s->cap_contact);
   s->unit = BASE_ARRAY(m, double, s->cap_contact);
   s->block = BASE_ARRAY(m, lcp_block, s->cap_contact);
   s->C = BASE_ARRAY(m, double, rows *rows);
@@ -65,6 +66,7 @@ base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, int 
   form_assembly_dense(a, s->C);
   memset(s->direction, 0, 2 * (size_t)a->n_contact * sizeof *s->direction);
   memset(s->turn, 0, (size_t)a->n_contact * sizeof *s->turn);
+  memset(s->given, 0, (size_t)a->n_contact * sizeof *s->given);
   for (int i = 0; i < a->n_contact; i++) {
     const size_t r = (size_t)a->row[i];
     const double own = s->C[r * (size_t)a->n_row + r];
@@ -115,18 +117,24 @@ static void fill_cone(slip_problem *s, const form_assembly *a, int i) {
   }
 }
 
-/* u = C e of unknown k of contact j, then what every contact reads of it: one column of M. */
-static void fill_column(slip_problem *s, const form_assembly *a, int j, int k) {
-  const size_t n = (size_t)s->n, rows = (size_t)a->n_row;
+/* column <- column + C e z of unknown k of contact j. */
+static void add_motion(slip_problem *s, const form_assembly *a, int j, int k, double z) {
+  const size_t rows = (size_t)a->n_row;
   double impulse[3] = {0};
-  spread(s, a, j, k, 1.0, impulse);
-  memset(s->column, 0, rows * sizeof *s->column);
+  spread(s, a, j, k, z, impulse);
   for (int r = 0; r < form_rows_of(a, j); r++) {
     const double *c = s->C + ((size_t)a->row[j] + (size_t)r) * rows;
     for (size_t i = 0; i < rows && impulse[r] != 0.0; i++) {
       s->column[i] += impulse[r] * c[i];
     }
   }
+}
+
+/* What every contact reads of C e of unknown k of contact j: one column of M. */
+static void fill_column(slip_problem *s, const form_assembly *a, int j, int k) {
+  const size_t n = (size_t)s->n;
+  memset(s->column, 0, (size_t)a->n_row * sizeof *s->column);
+  add_motion(s, a, j, k, 1.0);
   for (int i = 0; i < a->n_contact; i++) {
     gather(s, a, i, s->column, s->M + (size_t)(s->first[j] + k) * n + (size_t)s->first[i]);
   }
@@ -154,11 +162,18 @@ void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_pr
       fill_column(s, a, j, k);
     }
   }
+  memcpy(s->column, u0, (size_t)a->n_row * sizeof *s->column);
+  for (int j = 0; j < a->n_contact; j++) {
+    if (s->given[j] != 0.0) {
+      add_motion(s, a, j, 0, s->given[j]);
+    }
+  }
   bool cones = false;
   for (int i = 0; i < a->n_contact; i++) {
-    gather(s, a, i, u0, s->q + s->first[i]);
+    gather(s, a, i, s->column, s->q + s->first[i]);
     if (width(s, a, i) > 1) {
       fill_cone(s, a, i);
+      s->q[s->first[i + 1] - 1] = s->unit[i] * s->mu[i] * s->given[i];
       cones = true;
     }
   }
@@ -172,6 +187,7 @@ void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_pr
 void slip_impulses(const slip_problem *s, const form_assembly *a, const double *z, double *lambda) {
   memset(lambda, 0, (size_t)a->n_row * sizeof *lambda);
   for (int i = 0; i < a->n_contact; i++) {
+    spread(s, a, i, 0, s->given[i], lambda + a->row[i]);
     for (int k = 0; k < s->first[i + 1] - s->first[i]; k++) {
       spread(s, a, i, k, z[s->first[i] + k], lambda + a->row[i]);
     }

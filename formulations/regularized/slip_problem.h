@@ -23,6 +23,8 @@ typedef struct slip_problem {
   double *direction; /* 2 n_contact: d, zero where the contact sticks or has no friction */
   double *mu;        /* n_contact */
   double *turn;      /* n_contact: angle of the first facet from the first tangent [rad] */
+  double *
+      given; /* n_contact: normal impulse that acts besides the unknown one, which the caller writes; 0 by slip_begin */
   double *unit; /* n_contact: 1/kg, scales sigma to an impulse and the cone row to a velocity */
   double *C;    /* n_row^2 */
   double *M, *q, *z0; /* n^2, n, n zeros */
@@ -32,13 +34,13 @@ typedef struct slip_problem {
   void *mem; /* owned */
 } slip_problem;
 
-/* Room for the contacts of a; reads C. Directions and turns are zeroed. */
+/* Room for the contacts of a; reads C. Directions, turns and given impulses are zeroed. */
 base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, int distribution,
                        base_error *err);
 void slip_close(slip_problem *s);
 
-/* Poses the problem for the present directions: w = M z + q with u = u0 + C lambda; u0 has n_row
- * entries, the bias added to the normals. */
+/* Poses the problem for the present directions: w = M z + q with u = u0 + C lambda, of which lambda the given impulses are a
+ * part; u0 has n_row entries, the bias added to the normals. */
 void slip_pose(slip_problem *s, const form_assembly *a, const double *u0, lcp_problem *out);
 
 /* Contact i has a faceted cone: it may hold or start to slide. */
@@ -47,5 +49,5 @@ bool slip_at_rest(const slip_problem *s, const form_assembly *a, int i);
 void slip_departure(const slip_problem *s, const form_assembly *a, int i, const double *u0,
                     const double *lambda, double along[2]);
 
-/* lambda (n_row) of a solution z. */
+/* lambda (n_row) of a solution z, with the given impulses. */
 void slip_impulses(const slip_problem *s, const form_assembly *a, const double *z, double *lambda);

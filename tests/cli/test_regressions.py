@@ -160,17 +160,67 @@ def a_rod_is_struck_without_collision(d):
     want = (-1 + stop[0], stop[1], 3 * (lever[0] * stop[0] + lever[1] * stop[1]))
     path = d / "rod.csv"
     words = ("--step", "1e-9", "--duration", "1e-9", "--trajectory", path)
-    for mu in (2, 3, 5):
-        said = run_json(
-            "simulate", f"painleve:mu={mu}", "--formulation", "event", "--solver", "lemke", *words
-        )
+    for formulation, mu in (
+        *(("event", mu) for mu in (2, 3, 5)),
+        *(("acceleration:paradox=impact", mu) for mu in (2, 3, 5)),
+    ):
+        given = ("--formulation", formulation, "--solver", "lemke", *words)
+        said = run_json("simulate", f"painleve:mu={mu}", *given)
         assert said["status"] == "ok" and said["n_fallback"] > 0
         with path.open(newline="", encoding="utf-8") as f:
             last = [r for r in csv.DictReader(f) if r["kind"] == "body"][-1]
         got = [float(last[k]) for k in ("vx_m_s", "vy_m_s", "omega_z_rad_s")]
         assert all(abs(a - b) < 1e-7 for a, b in zip(got, want, strict=True)), (mu, got, want)
-    stops = ("painleve:mu=3", "--formulation", "event:paradox=stop", "--solver", "lemke")
-    assert run_json("simulate", *stops, code=3)["status"] == "infeasible"
+    for formulation in ("event:paradox=stop", "acceleration"):
+        stops = ("painleve:mu=3", "--formulation", formulation, "--solver", "lemke")
+        assert run_json("simulate", *stops, code=3)["status"] == "infeasible", formulation
+
+
+def a_ball_on_a_rail_jams(d):
+    """A ball on a rail at 45 degrees meets the floor with e = 1/2. Back up the rail its friction
+    points down the rail: with mu > 1 it holds against any impulse, so Newton's law has no solution,
+    and Poisson's leaves the ball on the floor. With mu < 1, or none, it comes back at half its
+    speed."""
+    fall, radius, end = 0.2, 0.1, 0.35
+    scene = {"id": "rail", "dim": 3, "T": end, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene["bodies"] = [
+        {
+            "name": "ball",
+            "shape": {"type": "sphere", "r": radius},
+            "mass": 2,
+            "pos": [0, 0, radius + fall],
+        }
+    ]
+    scene["static"] = [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]
+    rail = {
+        "name": "rail",
+        "type": "slider",
+        "body": "ball",
+        "axis": [math.sqrt(0.5), 0, -math.sqrt(0.5)],
+    }
+    scene["joints"] = [rail | {"anchor": [0, 0, radius + fall]}]
+    scene["restitution"] = {"default": 0.5}
+    scene["observe"] = ["ball.z", "ball.x"]
+    scene["checks"] = [{"type": "finite"}]
+    meets = math.sqrt(2 * fall / (9.81 / 2))  # down the rail by g/sqrt 2, of which half is height
+    up = 0.5 * (9.81 / 2) * meets
+    since = end - meets
+    bounced = radius + up * since - 9.81 / 4 * since**2
+    for mu, words, height in (
+        (2, "event", radius),
+        (2, "event:restitution=poisson", radius),
+        (0.3, "event", bounced),
+        (0, "event:restitution=poisson", bounced),
+    ):
+        path = d / "rail.json"
+        path.write_text(json.dumps(scene | {"friction": {"default": mu}}))
+        o = run_json("simulate", path, "--formulation", words, "--solver", "lemke")
+        got = o["observables"]["ball.z"]["value"]
+        assert o["status"] == "ok" and abs(got - height) < 1e-7, (mu, words, got, height)
+        assert o["n_fallback"] > 0 or mu < 2, (words, "the change of law is counted")
+    path.write_text(json.dumps(scene | {"friction": {"default": 2}}))
+    stops = ("--formulation", "event:paradox=stop", "--solver", "lemke")
+    assert run_json("simulate", path, *stops, code=3)["status"] in ("ray", "infeasible")
 
 
 def the_list_names_what_exists(d):
@@ -202,6 +252,7 @@ tap(
         a_house_of_cards_stands,
         the_same_result_twice,
         a_rod_is_struck_without_collision,
+        a_ball_on_a_rail_jams,
         the_list_names_what_exists,
         large_choices_are_made,
     ]
