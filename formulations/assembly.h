@@ -183,9 +183,9 @@ typedef struct form_assembly {
   void *mem, *near_mem, *block_mem; /* owned */
 } form_assembly;
 
-/* Picks active contacts by the rule, fills r, C, bias; impulse is zeroed. Contacts whose memory
- * entry starts with a number > 0 were closed one step ago: they stay so up to ten times the
- * tolerance, and rounding does not make a resting contact flicker. Marks the closed ones of this
+/* Picks active contacts by the rule, fills r, C, bias; impulse is zeroed. Contacts that were closed one step ago
+ * (contact_memory_closed) stay so up to ten times the tolerance, or more where they carried much (MATHEMATICS 2.0.1), and
+ * rounding does not make a resting contact flicker. Marks the closed ones of this
  * step in the same way. Allocates only while larger sets than ever before arrive. */
 base_status form_assembly_begin(form_assembly *a, const contact_set *c, form_rows rows,
                                 const form_rule *rule, contact_memory *memory, base_error *err);

@@ -11,6 +11,10 @@ enum { MOST_ROWS = 8 };
 /* The tolerance is 1e-9 of the smallest body: a gap below 1e-15 of that is a rounding error of
  * positions, and no overlap to be pushed out. */
 static const double gap_noise = 1e-6;
+/* A contact that was closed stays so up to this many tolerances of the set. */
+static const double held = 10;
+/* Of the velocity that an impulse made, what the tolerance of a solver (1e-9) or rounding may leave of it. */
+static const double met = 1e-9;
 
 /* Where the rows of one group stand, and the velocities that they act on. */
 typedef struct group_rows {
@@ -98,19 +102,48 @@ static void group_velocity(const contact_set *c, const group_rows *r, int g, int
   }
 }
 
-/* Bias of contact i; HUGE_VAL where it is not active. u_free = J_n v_free + drift. */
+/* n' W n of the normal row of contact g [1/kg]. */
+static double mobility(const contact_set *c, int g) {
+  const group_rows r = rows_of(c, g, c->v);
+  double sum = 0;
+  for (int side = 0; side < 2; side++) {
+    const int n = r.n[side];
+    for (int k = 0; k < n * n; k++) {
+      const double w = c->inv_mass[c->mass_start[c->body[2 * g + side]] + k];
+      sum += r.jac[side][k / n] * w * r.jac[side][k % n];
+    }
+  }
+  return sum;
+}
+
+/* Gap up to which contact i is closed [m]. Closed before, it may have moved away by the rounding of positions, and by what was left
+ * of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). */
+static double closed_up_to(const contact_set *c, int i, const contact_memory *memory) {
+  const double usual = held * c->tol;
+  const double *past = contact_memory_old(memory, i);
+  if (!contact_memory_closed(memory, i)) {
+    return c->tol;
+  }
+  if (past == NULL || !(c->gap[i] > usual)) {
+    return usual;
+  }
+  return fmax(usual, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
+}
+
+/* Bias of contact i, which is closed up to the gap tol; HUGE_VAL where it is not active. What has moved apart by more than
+ * is usual may come back. */
 static double normal_bias(const contact_set *c, int i, const form_rule *rule, double u_free,
-                          bool was_closed) {
+                          double tol) {
   const double gap = (fabs(c->gap[i]) <= gap_noise * c->tol) ? 0 : c->gap[i];
   const double u = c->u_before[c->row_start[i]];
-  const double tol = was_closed ? 10 * c->tol : c->tol;
   const double test = (rule->activation == FORM_MOREAU) ? gap + 0.5 * c->h * u : gap;
   const bool closed = test <= tol;
   if (!closed && rule->level == FORM_LEVEL_VELOCITY) {
     return HUGE_VAL;
   }
+  const bool hovers = closed && gap > held * c->tol && rule->activation == FORM_CLOSED;
   double b = 0;
-  if (gap < 0 || rule->level == FORM_LEVEL_POSITION) {
+  if (gap < 0 || hovers || rule->level == FORM_LEVEL_POSITION) {
     b = ((gap < 0) ? rule->repair.push : 1.0) * gap / c->h;
     b = fmax(b, -rule->repair.push_speed);
   }
@@ -197,7 +230,7 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     const double u = row_velocity(c, &r, 0, &size);
     a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
-    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], past != NULL && past[PAST_CLOSED] > 0);
+    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], closed_up_to(c, i, memory));
     a->mode[i] = 0;
     if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
         c->restitution != NULL) {

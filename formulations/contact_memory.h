@@ -59,6 +59,9 @@ void contact_memory_close(contact_memory *m);
 static inline const double *contact_memory_old(const contact_memory *m, int i) {
   return (m->match[i] < 0) ? NULL : m->old + (ptrdiff_t)m->match[i] * m->stride;
 }
+/* Was contact i of the set closed in the last step? A new one was if one of the same two shapes was closed that is no longer
+ * listed: where faces lie on each other the corner of one takes the place of the corner of the other. */
+bool contact_memory_closed(const contact_memory *m, int i);
 /* The coefficient of friction of contact i of set c: the kinetic one where it slid in the last step. */
 static inline double contact_memory_mu(const contact_memory *m, const contact_set *c, int i) {
   const double *past = contact_memory_old(m, i);

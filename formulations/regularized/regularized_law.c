@@ -284,14 +284,14 @@ static inline double most(double a, double b) {
   return (b > a) ? b : a;
 }
 
-/* With the default tolerance, an error in LuGre's law may change velocities by 1e-6 of the fastest one: what is nothing beside the
+/* With the default tolerance, an error in the law may change velocities by 1e-6 of the fastest one: what is nothing beside the
  * largest impulse throws a light body under a heavy one. */
-static const double lugre_speed = 1e-3;
+static const double of_speed = 1e-3;
 
 double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   double largest = 0;
   double worst = 0;
-  double fastest = 0; /* change of velocity that an error of LuGre's law would bring [m/s] */
+  double fastest = 0; /* change of velocity that the error of a part would bring [m/s] */
   for (int i = 0; i < s->a.n_contact; i++) {
     const double ln = lambda[s->a.row[i]];
     largest = most(largest, fabs(ln));
@@ -305,10 +305,9 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
       const double inverse = (p->kind == 0) ? 1 : 1 / p->mu_static;
       for (int m = 0; m < p->dim; m++) {
         const double l = lambda[p->row + m] / axis_unit(p, m);
-        worst = most(worst, fabs(l + scale * p->tau[m]) * inverse);
-        if (reg_is_lugre(s, p)) {
-          fastest = most(fastest, fabs(l + scale * p->tau[m]) / p->m);
-        }
+        const double missing = fabs(l + scale * p->tau[m]);
+        worst = most(worst, missing * inverse);
+        fastest = most(fastest, missing / p->m);
         largest = most(largest, fabs(l) * inverse);
       }
       p->next_r = scale;
@@ -317,7 +316,7 @@ double reg_law_residual(regularized *s, const double *lambda, const double *u) {
   }
   s->largest = largest;
   const double error = (largest > 0) ? worst / largest : 0;
-  return (fastest > 0) ? most(error, lugre_speed * fastest / (s->fastest + DBL_MIN)) : error;
+  return (fastest > 0) ? most(error, of_speed * fastest / (s->fastest + DBL_MIN)) : error;
 }
 
 /* Carries and asks for nothing that the tolerance can see: its direction is noise (MATHEMATICS 2.5). */

@@ -17,8 +17,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* The low bits of an id tell copies of one contact apart (spec: contact_multiplicity). */
-enum { CONTACT_COPY_BITS = 8 };
+/* The low bits of an id tell copies of one contact apart (spec: contact_multiplicity), those above them the features, corners and
+ * edges, of two shapes that meet; what is left tells pairs of shapes apart. */
+enum { CONTACT_COPY_BITS = 8, CONTACT_FEATURE_BITS = 12 };
 
 /* Row counts of one contact. */
 typedef struct contact_rows {

@@ -17,7 +17,7 @@ typedef struct contact_item {
 /* id = side a | side b | piece of a | piece of b | feature | copy, 64 bits in all */
 enum {
   ID_COPY_BITS = CONTACT_COPY_BITS,
-  ID_FEATURE_BITS = 12,
+  ID_FEATURE_BITS = CONTACT_FEATURE_BITS,
   ID_PIECE_BITS = 3,
   ID_SIDE_BITS = 19,
   ID_SIDE_B_SHIFT = ID_COPY_BITS + ID_FEATURE_BITS + 2 * ID_PIECE_BITS,
