@@ -11,8 +11,8 @@ enum { MOST_ROWS = 8 };
 /* The tolerance is 1e-9 of the smallest body: a gap below 1e-15 of that is a rounding error of
  * positions, and no overlap to be pushed out. */
 static const double gap_noise = 1e-6;
-/* A contact that was closed stays so up to this many tolerances of the set. */
-static const double held = 10;
+/* A contact that was closed stays so up to this many tolerances of the set; and one that carried an impulse. */
+static const double held = 10, loaded = 30;
 /* Of the velocity that an impulse made, what the tolerance of a solver (1e-9) or rounding may leave of it. */
 static const double met = 1e-9;
 
@@ -119,15 +119,14 @@ static double mobility(const contact_set *c, int g) {
 /* Gap up to which contact i is closed [m]. Closed before, it may have moved away by the rounding of positions, and by what was left
  * of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). */
 static double closed_up_to(const contact_set *c, int i, const contact_memory *memory) {
-  const double usual = held * c->tol;
   const double *past = contact_memory_old(memory, i);
   if (!contact_memory_closed(memory, i)) {
     return c->tol;
   }
-  if (past == NULL || !(c->gap[i] > usual)) {
-    return usual;
+  if (past == NULL || !(past[PAST_IMPULSE] > 0) || !(c->gap[i] > held * c->tol)) {
+    return held * c->tol;
   }
-  return fmax(usual, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
+  return fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
 }
 
 /* Bias of contact i, which is closed up to the gap tol; HUGE_VAL where it is not active. What has moved apart by more than
