@@ -28,6 +28,8 @@ static const base_field fields[] = {
                "directions of friction in impacts and at rest"),
     BASE_FIELD(event_options, max_events, BASE_INT, "1", 2000, 1, 1e9,
                "events in one step, then it fails"),
+    BASE_FIELD(event_options, max_evaluations, BASE_INT, "1", 500000, 1, 2e9,
+               "evaluations of the forces in one step, then it fails"),
     FORM_DISTRIBUTION_FIELD(event_options),
     BASE_FIELD(event_options, rest_speed, BASE_REAL, "m/s", 1e-3, 0, 1e3,
                "slower impacts do not bounce"),
@@ -175,6 +177,10 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
     }
     if (s->solved) {
       BASE_TRY(event_substep(s, &t, end, &event, err));
+    }
+    if (s->arc.evaluations > s->opt->max_evaluations) {
+      return BASE_FAIL(err, BASE_EEXTERNAL, "event: more than %d evaluations before t=%g s",
+                       s->opt->max_evaluations, t);
     }
   }
   s->started = s->solved && !event;

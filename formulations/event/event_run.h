@@ -13,7 +13,7 @@ enum event_paradox { PARADOX_IMPACT, PARADOX_STOP };
 enum event_restitution { EVENT_NEWTON, EVENT_POISSON };
 
 typedef struct event_options {
-  int facets, max_events, distribution;
+  int facets, max_events, max_evaluations, distribution;
   int paradox;     /* event_paradox */
   int restitution; /* event_restitution */
   double rest_speed, resolve, rate, rtol, atol;

@@ -223,6 +223,15 @@ def a_ball_on_a_rail_jams(d):
     assert run_json("simulate", path, *stops, code=3)["status"] in ("ray", "infeasible")
 
 
+def work_is_limited(d):
+    """No step of `event` goes on for ever."""
+    words = ("--formulation", "event:max_evaluations=10", "--solver", "lemke")
+    said = run_json("simulate", "bounce", *words, code=3)
+    assert said["status"] == "numerical" and "more than 10 evaluations" in said["note"], said[
+        "note"
+    ]
+
+
 def the_list_names_what_exists(d):
     names = {p.name.removesuffix(".M.mtx") for p in (FOLDER / "lcp").glob("*.M.mtx")}
     names |= {p.stem for p in [*(FOLDER / "scenes").glob("*.json"), *DISPUTED.glob("*.json")]}
@@ -253,6 +262,7 @@ tap(
         the_same_result_twice,
         a_rod_is_struck_without_collision,
         a_ball_on_a_rail_jams,
+        work_is_limited,
         the_list_names_what_exists,
         large_choices_are_made,
     ]
