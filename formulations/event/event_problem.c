@@ -1,4 +1,5 @@
-/* The complementarity problems of one instant: solved, with friction of the circle, and kept free of noise. */
+/* The complementarity problems of one instant: solved, with friction of the circle, and kept free of noise; and the forces of
+ * the joints that follow. */
 #include "formulations/event/event_run.h"
 
 #include <math.h>
@@ -83,4 +84,8 @@ void event_make_consistent(const double *B, int n, double *term) {
   for (int r = 0; r < n; r++) {
     term[r] -= done[r] ? 0.0 : asked[r];
   }
+}
+
+base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err) {
+  return joint_log_add(&s->joints, &s->space.view, s->space.a.impulse, dt, jump, err);
 }

@@ -22,10 +22,6 @@ static base_status grow_scratch(event_run *s, const contact_set *c, base_error *
   return BASE_OK;
 }
 
-base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err) {
-  return joint_log_add(&s->joints, &s->space.view, s->space.a.impulse, dt, jump, err);
-}
-
 static bool touches(const contact_set *c, int g) {
   return c->gap[g] <= event_touching * c->tol;
 }

@@ -80,6 +80,10 @@ void event_drop_noise(int n, double *u);
  * do anything else, and friction would seem to miss its law. */
 void event_make_consistent(const double *B, int n, double *term);
 
+/* Joint rows of s->space into s->joints: impulses of a jump, or forces over a substep of dt > 0 and, with
+ * dt = 0, forces that the next substep starts from. */
+base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err);
+
 /* The impact of the contacts of c whose s->space.gap is zero: its impulses and the velocities after it become the state's.
  * s->solved is false where it has no answer. */
 base_status event_impact(event_run *s, const contact_set *c, base_error *err);
@@ -88,8 +92,5 @@ base_status event_impact(event_run *s, const contact_set *c, base_error *err);
  * from rest. s->space holds the accelerations of the contacts that persist. */
 base_status event_impact_without_collision(event_run *s, const contact_set *c, base_error *err);
 
-/* Joint rows of s->space into s->joints: impulses of a jump, or forces over a substep of dt > 0 and, with
- * dt = 0, forces that the next substep starts from. */
-base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err);
 /* Frees what event_resolve allocated. */
 void event_resolve_close(event_run *s);
