@@ -8,7 +8,8 @@
  *   w = u- + h (J a_free + (dJ/dt) v) + C lambda + b
  * i.e. h times the acceleration conditions, plus u-, which keeps closed contacts from drifting and
  * makes approaching ones (b: Newton's law) part of the same problem. A step with an impact is a problem of velocities: its
- * impulses are no forces, the frames do not turn, and friction chooses its direction.
+ * impulses are no forces, the frames do not turn, and friction chooses its direction. Where Newton's law has no solution
+ * there, because friction and joints hold a contact that it would have part, Poisson's decides.
  *
  * A contact that would reverse its sliding within the step is posed again as one that sticks or
  * starts anew (faceted cone), once; every such change is counted.
@@ -27,6 +28,9 @@ typedef struct options {
 
 /* What follows where the forces have no solution. */
 enum { PARADOX_STOP, PARADOX_IMPACT };
+
+/* What a problem is for. */
+typedef enum stage { FORCES, NEWTON, COMPRESSION, DECOMPRESSION } stage;
 
 static const base_field fields[] = {
     BASE_FIELD(options, facets, BASE_INT, "1", 8, 3, SLIP_FACETS_MAX,
@@ -48,7 +52,10 @@ typedef struct state {
   lcp_problem posed;
   double *u0;     /* n_row: r + u_curve + bias; owned, lambda lies behind it */
   double *lambda; /* n_row [N s] */
+  double *first;  /* n_row: of Poisson's compression [N s] */
   int cap_row;
+  stage stage;
+  double rest; /* steps of load below which an approach does not bounce */
   bool pending, solved;
   bool may_jump; /* without a solution for its forces the step becomes one of impulses */
   formulation_answer answer;
@@ -94,12 +101,13 @@ static base_status grow(state *s, base_error *err) {
   if (s->a.n_row >= s->cap_row) {
     free(s->u0);
     s->cap_row = 2 * s->a.n_row + 8;
-    s->u0 = calloc(2 * (size_t)s->cap_row, sizeof *s->u0);
+    s->u0 = calloc(3 * (size_t)s->cap_row, sizeof *s->u0);
     if (s->u0 == NULL) {
       s->cap_row = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "acceleration: no memory for %d rows", s->a.n_row);
     }
     s->lambda = s->u0 + s->cap_row;
+    s->first = s->lambda + s->cap_row;
   }
   return BASE_OK;
 }
@@ -117,12 +125,12 @@ static void finish(state *s) {
   }
 }
 
-/* u0: what is free of a step of forces, whose contact frames turn, or of one with an impact. */
-static void set_free(state *s, bool impact) {
+/* u0: what is free of a step of forces, whose contact frames turn, or of one with an impact. Nothing parts in a compression. */
+static void set_free(state *s) {
   const contact_set *c = s->a.set;
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i], first = s->a.row[i];
-    if (impact) {
+    if (s->stage != FORCES) {
       memset(s->u0 + first, 0, (size_t)form_rows_of(&s->a, i) * sizeof *s->u0);
     } else {
       form_to_rows(&s->a, i, c->u_curve + c->row_start[g], s->u0 + first);
@@ -130,7 +138,7 @@ static void set_free(state *s, bool impact) {
     for (int r = 0; r < form_rows_of(&s->a, i); r++) {
       s->u0[first + r] += s->a.r[first + r];
     }
-    s->u0[first] += s->a.bias[g];
+    s->u0[first] += (s->stage == COMPRESSION) ? fmax(s->a.bias[g], 0.0) : s->a.bias[g];
   }
 }
 
@@ -152,12 +160,13 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   BASE_TRY(form_assembly_eliminate(&s->a, err));
   BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));
   BASE_TRY(grow(s, err));
-  const bool impact = form_has_impact(&s->a, o->repair.rest);
-  if (!impact) {
+  s->stage = form_has_impact(&s->a, o->repair.rest) ? NEWTON : FORCES;
+  if (s->stage == FORCES) {
     choose_modes(s, c, o->stick);
   }
-  set_free(s, impact);
-  s->may_jump = !impact && o->paradox == PARADOX_IMPACT;
+  set_free(s);
+  s->rest = o->repair.rest;
+  s->may_jump = o->paradox == PARADOX_IMPACT;
   s->pending = s->a.n_contact > 0;
   s->solved = true;
   s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL, .n_active = s->a.n_contact};
@@ -186,29 +195,68 @@ static void rows(const void *st, formulation_rows *out) {
   *out = (formulation_rows){s->a.set, s->a.n_contact, s->p.first, s->a.group};
 }
 
+/* Row r of u0 + C lambda. */
+static double row_velocity(const state *s, int r) {
+  const size_t n = (size_t)s->a.n_row;
+  double u = s->u0[r];
+  for (size_t j = 0; j < n; j++) {
+    u += s->p.C[j * n + (size_t)r] * s->lambda[j];
+  }
+  return u;
+}
+
 /* u at the end of the step along the old sliding direction; below zero: reversed. */
 static bool reverses(const state *s, int i) {
   const double *d = s->p.direction + 2 * i;
-  const form_assembly *a = &s->a;
   double along = 0.0;
-  for (int t = 0; t < form_rows_of(a, i) - 1; t++) {
-    double u = s->u0[a->row[i] + 1 + t];
-    for (int j = 0; j < a->n_row; j++) {
-      u += s->p.C[(size_t)j * (size_t)a->n_row + (size_t)(a->row[i] + 1 + t)] * s->lambda[j];
-    }
-    along += d[t] * u;
+  for (int t = 0; t < form_rows_of(&s->a, i) - 1; t++) {
+    along += d[t] * row_velocity(s, s->a.row[i] + 1 + t);
   }
   return along < 0.0;
 }
 
-/* Where no forces answer, impulses do, with friction free to choose its direction: the step becomes one with an impact, whose
- * problem of velocities has a solution (Genot & Brogliato 1999; MATHEMATICS 2.6.6 for the limit of short steps). */
-static void become_impact(state *s) {
-  s->may_jump = false;
+/* The step is posed once more, for impulses with friction free to choose its direction. */
+static void pose_impact(state *s, stage next) {
+  s->stage = next;
   s->pending = true;
   s->answer.work.fallbacks++;
   memset(s->p.direction, 0, 2 * (size_t)s->a.n_contact * sizeof *s->p.direction);
-  set_free(s, true);
+  set_free(s);
+}
+
+/* Where no forces answer, impulses do: the step becomes one with an impact (Genot & Brogliato 1999; MATHEMATICS 2.6.6 for the
+ * limit of short steps), and where these cannot part what they should, Poisson's law decides. True if there is another problem
+ * to solve. */
+static bool goes_on(state *s) {
+  if (s->stage == NEWTON) {
+    pose_impact(s, COMPRESSION);
+    return true;
+  }
+  if (s->stage == FORCES && s->may_jump) {
+    pose_impact(s, NEWTON);
+    return true;
+  }
+  return false;
+}
+
+/* The share e of what ended the approaches is given back, or as much beyond it as keeps bodies apart; what carried the loads
+ * of the step is not. */
+static void decompress(state *s) {
+  const contact_set *c = s->a.set;
+  for (int i = 0; i < s->a.n_contact; i++) {
+    const int g = s->a.group[i], normal = s->a.row[i];
+    const double u = c->u_before[c->row_start[g]];
+    const double gained = fmax(0.0, u - s->a.r_normal[g]);
+    const bool bounces = c->restitution != NULL && u < 0.0 && -u > s->rest * gained;
+    s->p.given[i] = bounces ? c->restitution[g] * s->lambda[normal] * u / (u - gained) : 0.0;
+  }
+  for (int r = 0; r < s->a.n_row; r++) {
+    s->first[r] = row_velocity(s, r);
+  }
+  memcpy(s->u0, s->first, (size_t)s->a.n_row * sizeof *s->u0);
+  memcpy(s->first, s->lambda, (size_t)s->a.n_row * sizeof *s->first);
+  s->stage = DECOMPRESSION;
+  s->pending = true;
 }
 
 static base_status recover(void *st, const double *z, lcp_outcome claimed, base_error *err) {
@@ -218,8 +266,7 @@ static base_status recover(void *st, const double *z, lcp_outcome claimed, base_
   const bool without = claimed == LCP_RAY || claimed == LCP_INFEASIBLE;
   s->pending = false;
   s->answer.work.rays += without;
-  if (without && s->may_jump) {
-    become_impact(s);
+  if (without && goes_on(s)) {
     return BASE_OK;
   }
   if (claimed != LCP_SOLVED) {
@@ -227,6 +274,12 @@ static base_status recover(void *st, const double *z, lcp_outcome claimed, base_
     s->answer.residual = 1.0;
   }
   slip_impulses(&s->p, &s->a, z, s->lambda);
+  for (int r = 0; s->stage == DECOMPRESSION && r < s->a.n_row; r++) {
+    s->lambda[r] += s->first[r];
+  }
+  if (s->stage == COMPRESSION && s->solved) {
+    decompress(s);
+  }
   for (int i = 0; s->solved && i < s->a.n_contact; i++) {
     double *d = s->p.direction + 2 * i;
     const bool slips = d[0] != 0.0 || d[1] != 0.0;

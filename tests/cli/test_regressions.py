@@ -219,6 +219,10 @@ def a_ball_on_a_rail_jams(d):
         assert o["status"] == "ok" and abs(got - height) < 1e-7, (mu, words, got, height)
         assert o["n_fallback"] > 0 or mu < 2, (words, "the change of law is counted")
     path.write_text(json.dumps(scene | {"friction": {"default": 2}}))
+    o = run_json("simulate", path, "--formulation", "acceleration", "--solver", "lemke")
+    deep = 0.01 * math.sqrt(9.81 * fall)  # of a step at the speed of the impact
+    got = o["observables"]["ball.z"]["value"]
+    assert o["status"] == "ok" and o["n_fallback"] > 0 and radius - deep < got <= radius, got
     stops = ("--formulation", "event:paradox=stop", "--solver", "lemke")
     assert run_json("simulate", path, *stops, code=3)["status"] in ("ray", "infeasible")
 
