@@ -8,6 +8,7 @@
 #include "harness/util/args.h"
 #include "lcp/base/fields.h"
 #include "lcp/base/output.h"
+#include "lcp/io/lcp_read.h"
 #include "problems/import/import.h"
 #include "problems/read/scene_file.h"
 #include "problems/write/scene_write.h"
@@ -95,8 +96,9 @@ static base_status export_plain(const char *problem, const export_options *o, ba
   problem_source s;
   base_status done = problem_source_open(problem, o->q, 0, &s, err);
   if (done == BASE_OK) {
-    done = (strcmp(o->format, "mtx") == 0) ? export_lcp_mtx(s.p, o->out, err)
-                                           : export_lcp_text(s.p, o->out, err);
+    done = (strcmp(o->format, "mtx") == 0)   ? export_lcp_mtx(s.p, o->out, err)
+           : (strcmp(o->format, "npz") == 0) ? lcp_write_npz(o->out, s.p, err)
+                                             : export_lcp_text(s.p, o->out, err);
   }
   problem_source_close(&s);
   return done;
@@ -132,16 +134,18 @@ static base_status check_single(const export_options *o, base_error *err) {
              : BASE_FAIL(err, BASE_EINVAL, "--format is missing; see lcpbench help export");
 }
 
-/* mtx holds plain LCPs, fclib friction problems, siconos both, scene scenes. */
+/* mtx holds plain LCPs, npz also boxes and free rows, fclib friction problems, siconos these and LCPs, scene scenes. */
 static base_status export_problem(const char *problem, const export_options *o, base_error *err) {
   BASE_TRY(check_single(o, err));
   if (strcmp(o->format, "scene") == 0) {
     return export_scene(problem, o, err);
   }
   const bool mtx = strcmp(o->format, "mtx") == 0;
+  const bool npz = strcmp(o->format, "npz") == 0;
   const bool fclib = strcmp(o->format, "fclib") == 0;
-  if (!mtx && !fclib && strcmp(o->format, "siconos") != 0) {
-    return BASE_FAIL(err, BASE_EINVAL, "--format %s: need mtx, siconos, fclib or scene", o->format);
+  if (!mtx && !npz && !fclib && strcmp(o->format, "siconos") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--format %s: need mtx, npz, siconos, fclib or scene",
+                     o->format);
   }
   struct stat st;
   if (mtx && (base_out_is_stdout(o->out) || (stat(o->out, &st) == 0 && !S_ISREG(st.st_mode)))) {
@@ -150,7 +154,7 @@ static base_status export_problem(const char *problem, const export_options *o, 
                      o->out);
   }
   import_kind kind = IMPORT_UNKNOWN;
-  if (!mtx && problem_is_import(problem)) {
+  if (!mtx && !npz && problem_is_import(problem)) {
     BASE_TRY(import_detect(problem, &kind, err));
   }
   if (kind == IMPORT_FCLIB || kind == IMPORT_FRICTION) {
@@ -169,7 +173,7 @@ static base_status export_problem(const char *problem, const export_options *o, 
 }
 
 static const arg_option options[] = {
-    ARG(export_options, format, "--format", ARG_TEXT, "mtx|siconos|fclib|scene",
+    ARG(export_options, format, "--format", ARG_TEXT, "mtx|npz|siconos|fclib|scene",
         "format of the files; a sequence has its own"),
     ARG(export_options, out, "--out", ARG_OUTPUT, "PATH",
         "file to be written; of mtx PATH.M.mtx and PATH.q.mtx, of a sequence the folder",

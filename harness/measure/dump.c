@@ -48,9 +48,12 @@ base_status dump_files(const char *folder, long step, int solve, const lcp_probl
   const bool plain = sets == 1u << LCP_ORTHANT;
   const int used = snprintf(file, DUMP_NAME, "step_%06ld_%02d", step, solve);
   (void)snprintf(answer, DUMP_NAME, "%s.z.mtx", file);
-  (void)snprintf(path, sizeof path, "%.1000s/%s%s", folder, file, plain ? "" : ".dat");
-  (void)snprintf(file + used, DUMP_NAME - (size_t)used, "%s", plain ? ".M.mtx" : ".dat");
+  const bool boxes = (sets & 1u << LCP_BOX) != 0;
+  const char *end = boxes ? ".npz" : ".dat";
+  (void)snprintf(path, sizeof path, "%.1000s/%s%s", folder, file, plain ? "" : end);
+  (void)snprintf(file + used, DUMP_NAME - (size_t)used, "%s", plain ? ".M.mtx" : end);
   const base_status done = plain                          ? export_lcp_mtx(p, path, err)
+                           : boxes                        ? lcp_write_npz(path, p, err)
                            : (sets & 1u << LCP_FREE) != 0 ? export_lcp_text(p, path, err)
                                                           : export_lcp_friction(p, path, err);
   if (done == BASE_EUNSUPPORTED && err != NULL) { /* the caller asked for what no file can hold */

@@ -2,8 +2,8 @@
  * look at, or a sequence for warm-start studies.
  *
  * DIR/step_SSSSSS_KK.M.mtx .q.mtx .z.mtx (Matrix Market: problem and the run's own answer) or, for
- * cones and joints, DIR/step_SSSSSS_KK.dat (Siconos text) with its .z.mtx; SSSSSS: step from 1, KK:
- * solve within the step from 1. DIR/index.csv lists them in order:
+ * cones and joints, DIR/step_SSSSSS_KK.dat (Siconos text), for boxes .npz (numpy), with its .z.mtx; SSSSSS: step from 1,
+ * KK: solve within the step from 1. DIR/index.csv lists them in order:
  * step,solve,n,nnz,status,problem,answer */
 #pragma once
 

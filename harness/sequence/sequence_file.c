@@ -50,15 +50,18 @@ static base_status hash_files(const char *dir, const char *file, const char *ans
 
 /* ---- writing --------------------------------------------------------------------------------- */
 
-/* One block a contact or joint, told with its name. */
+/* The blocks, each with the name of its contact or joint, which may have several. */
 static base_status put_rows(json_t *o, const sequence_item *s, base_error *err) {
   json_t *all = json_array();
   (void)json_object_set_new(o, "rows", all);
-  bool good = s->p.n_block == s->n_owner;
-  for (int k = 0; good && k < s->n_owner; k++) {
-    const lcp_block *b = &s->block[k];
+  bool good = true;
+  for (int i = 0, k = 0; good && i < s->p.n_block; i++) {
+    const lcp_block *b = &s->block[i];
     char id[24];
-    good = b->start == s->first[k] && b->size == s->first[k + 1] - s->first[k];
+    while (s->first[k + 1] <= b->start) {
+      k++;
+    }
+    good = b->start + b->size <= s->first[k + 1];
     (void)snprintf(id, sizeof id, "%016llx", (unsigned long long)s->owner[k]);
     json_t *one = json_object();
     json_out_text(one, "id", id);
@@ -66,15 +69,15 @@ static base_status put_rows(json_t *o, const sequence_item *s, base_error *err) 
     json_out_text(one, "set", lcp_set_name((int)b->set));
     json_out_real(one, "soft", b->soft);
     json_t *parts = json_array();
-    for (int i = 0; i < b->n_part; i++) {
-      (void)json_array_append_new(parts, json_pack("[i,f]", b->part_dim[i], b->part_mu[i]));
+    for (int part = 0; part < b->n_part; part++) {
+      (void)json_array_append_new(parts, json_pack("[i,f]", b->part_dim[part], b->part_mu[part]));
     }
     (void)json_object_set_new(one, "parts", parts);
     (void)json_array_append_new(all, one);
   }
   return good ? BASE_OK
               : BASE_FAIL(err, BASE_EINVAL,
-                          "step %ld: a contact has more than one block, which no file tells",
+                          "step %ld: a block of more than one contact, which no file tells",
                           s->step);
 }
 
@@ -162,7 +165,7 @@ typedef struct item_words {
   int verified, n;
   double tolerance;
   json_t *traits, *rows;
-  int n_owner;
+  int n_owner, n_block;
   uint64_t *owner; /* owned, as the next two */
   int *first;
   lcp_block *block;
@@ -208,7 +211,8 @@ static base_status take_rows(item_words *w, base_error *err) {
   if (w->owner == NULL || w->first == NULL || w->block == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the names of %zu contacts", n);
   }
-  w->n_owner = (int)n;
+  w->n_block = (int)n;
+  int row = 0;
   for (size_t k = 0; k < n; k++) {
     const char *id = NULL;
     const char *set = NULL;
@@ -219,17 +223,21 @@ static base_status take_rows(item_words *w, base_error *err) {
                     "set", &set, "soft", &b->soft, "parts", &parts) != 0) {
       return wrong(w, "rows: need id, n, set, soft and parts", err);
     }
-    w->owner[k] = strtoull(id, &end, 16);
+    const uint64_t owner = strtoull(id, &end, 16);
     const int kind = find_word(set, lcp_set_name);
-    if (*end != '\0' || end == id || kind < 0 || b->size < 1 || b->size > w->n - w->first[k]) {
+    if (*end != '\0' || end == id || kind < 0 || b->size < 1 || b->size > w->n - row) {
       return wrong(w, "rows: an id, a set or a number of rows that cannot be", err);
     }
     b->set = (lcp_set)kind;
-    b->start = w->first[k];
-    w->first[k + 1] = b->start + b->size;
+    b->start = row;
+    row += b->size;
+    if (k == 0 || w->owner[w->n_owner - 1] != owner) {
+      w->owner[w->n_owner++] = owner;
+    }
+    w->first[w->n_owner] = row;
     BASE_TRY(take_parts(w, parts, b, err));
   }
-  return (w->first[n] == w->n) ? BASE_OK : wrong(w, "rows: do not add up to n", err);
+  return (w->first[w->n_owner] == w->n) ? BASE_OK : wrong(w, "rows: do not add up to n", err);
 }
 
 static base_status take_traits(const item_words *w, unsigned *traits, base_error *err) {
@@ -250,7 +258,7 @@ static base_status judge_and_put(sequence *q, const item_words *w, lcp_problem *
   lcp_verdict v;
   run_status status = RUN_ERROR;
   p->block = w->block;
-  p->n_block = w->n_owner;
+  p->n_block = w->n_block;
   BASE_TRY(take_traits(w, &p->traits, err));
   if (!run_status_find(w->status, &status)) {
     return wrong(w, "status: a word that is none", err);

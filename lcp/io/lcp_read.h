@@ -23,6 +23,9 @@ base_status lcp_read_mtx(const char *m_path, const char *q_path, lcp_file_proble
  * stored as CSC. BASE_EINVAL also: an array of another name. */
 base_status lcp_read_npz(const char *path, lcp_file_problem *out, base_error *err);
 
+/* The same, written: lcp_read_npz reads it back to the same bits. BASE_EUNSUPPORTED: cones, or more than 2 GiB. */
+base_status lcp_write_npz(const char *path, const lcp_problem *p, base_error *err);
+
 /* A Matrix Market vector of known length n into x[n]. */
 base_status lcp_read_mtx_vector(const char *path, int n, double *x, base_error *err);
 base_status lcp_write_mtx_vector(const char *path, int n, const double *x, base_error *err);

@@ -175,7 +175,7 @@ def _mtx(path: pathlib.Path, q: str | os.PathLike | None) -> Problem:
 
 def read(source: str | os.PathLike, q: str | os.PathLike | None = None) -> Problem:
     """A problem from a file or a family: NAME.npz (docs/FORMATS.md, 9); NAME.M.mtx with NAME.q.mtx
-    beside it, or q; anything else that `lcpbench export --format mtx` takes, such as "murty:n=12"
+    beside it, or q; anything else that `lcpbench export --format npz` takes, such as "murty:n=12"
     or the text of Siconos. InvalidInput with a line that names it."""
     path = pathlib.Path(source)
     if path.suffix == ".npz":
@@ -183,6 +183,6 @@ def read(source: str | os.PathLike, q: str | os.PathLike | None = None) -> Probl
     if path.suffix == ".mtx":
         return _mtx(path, q)
     with tempfile.TemporaryDirectory() as folder:
-        out = pathlib.Path(folder) / "problem"
-        _program.run("export", source, "--format", "mtx", "--out", out)
-        return _mtx(out.with_name("problem.M.mtx"), None)
+        out = pathlib.Path(folder) / "problem.npz"
+        _program.run("export", source, "--format", "npz", "--out", out)
+        return _npz(out)

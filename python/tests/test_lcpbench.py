@@ -221,6 +221,18 @@ def test_matrix_market_and_families(tmp_path):
     assert p.n == 6 and lcpbench.solve(p, solver="lemke").iterations > 6
 
 
+@pytest.mark.parametrize("form", ["dense", "csc"])
+def test_the_program_writes_what_numpy_reads(tmp_path, form):
+    M, q = contacts(4, 5, 0.0)[:2]
+    lo, hi = np.full(15, -np.inf), np.arange(15.0)
+    path = saved(tmp_path, sp.coo_array(M), q, form, lo=lo, hi=hi)
+    program("export", path, "--format", "npz", "--out", tmp_path / "again.npz")
+    p = lcpbench.read(tmp_path / "again.npz")
+    A = p.M if form == "dense" else p.M.toarray()
+    assert (A == M.toarray()).all() and (p.q == q).all()
+    assert (p.lo == lo).all() and (p.hi == hi).all()
+
+
 def test_damaged_files_are_refused(tmp_path):
     M, q = column()
     path = saved(tmp_path, M, q, "csr")

@@ -70,8 +70,15 @@ def bad_input_is_one_line(d: pathlib.Path) -> None:
     )
     one_line_error("export", "murty:n=3", *out, names=["--format"])
     one_line_error("export", "no_scene", *PAIR, *out, names=["no_scene"])
-    box = ("--sequence", "--formulation", "boxed", "--solver", "ppm", "--count", "2")
-    one_line_error("export", "incline", *box, *out, names=["no file format"])
+    cones = ("--sequence", "--formulation", "coulomb", "--solver", "nsgs", "--count", "2")
+    ball = {"shape": {"type": "sphere", "r": 0.1}, "mass": 1}
+    scene = {"id": "smooth_and_rough", "dim": 3, "T": 0.1, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene["bodies"] = [ball | {"name": n, "pos": [x, 0, 0.1]} for n, x in (("a", 0), ("b", 1))]
+    scene["static"] = [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]
+    scene["friction"] = {"default": 0.5, "pairs": [["b", "floor", 0]]}
+    scene |= {"observe": ["a.z"], "checks": [{"type": "finite"}]}
+    (d / "scene.json").write_text(json.dumps(scene))
+    one_line_error("export", d / "scene.json", *cones, *out, names=["no file format"])
     one_line_error("export", "top", *PAIR, *out, "--count", "2", names=["posed no problem"])
     one_line_error("solve", "incline@regularized@lemke@x@5", "--solver", "lemke", names=["step"])
     one_line_error(
@@ -84,6 +91,33 @@ def bad_input_is_one_line(d: pathlib.Path) -> None:
     one_line_error("solve", good, "--solver", "all", names=["one solver"])
     one_line_error("solve", good, "--solver", "lemke", "--z", d / "z", names=["--z"])
     one_line_error("solve", "murty:n=3", "--solver", "lemke", "--start", "cold", names=["--start"])
+
+
+def boxes_are_files_of_numpy(d: pathlib.Path) -> None:
+    """A contact has its normal and its box; read back, the run of the solver is the same."""
+    box = ("--sequence", "--formulation", "boxed", "--solver", "ppm", "--step", "0.01")
+    for scene, joints in (("spin", ""), ("gripper", ""), ("chain", ":joints=mixed")):
+        words = [w if w != "boxed" else f"boxed{joints}" for w in box]
+        run("export", scene, *words, "--count", "5", "--out", d / scene)
+        problems = manifest(d / scene)["problems"]
+        assert problems and all(
+            p["file"].endswith(".npz") == ("box" in p["sets"]) for p in problems
+        )
+        posed = f"{scene}@boxed{joints}@ppm@0.01@5"
+        for start in ("cold", "previous"):
+            for solver in ("ppm", "pgs"):
+                o = [
+                    run_json("solve", source, "--solver", solver, "--start", start, code=None)
+                    for source in (d / scene, posed)
+                ]
+                assert o[0]["solution_hash"] == o[1]["solution_hash"], (scene, start, solver)
+                assert o[0]["n_iter"] == o[1]["n_iter"], (scene, start, solver)
+    rows = [p["rows"] for p in manifest(d / "spin")["problems"]]
+    assert all(
+        [(a["id"], a["set"], b["set"]) for a, b in zip(r[::2], r[1::2], strict=True)]
+        == [(b["id"], "orthant", "box") for b in r[1::2]]
+        for r in rows
+    ), rows[0]
 
 
 def changed_folders_are_refused(d: pathlib.Path) -> None:
@@ -165,6 +199,7 @@ tap(
         the_manifest_tells_every_problem,
         a_cold_pass_is_every_file_alone,
         what_has_no_verified_answer_is_said,
+        boxes_are_files_of_numpy,
         bad_input_is_one_line,
         changed_folders_are_refused,
         cells_are_sequences,

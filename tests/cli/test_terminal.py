@@ -295,6 +295,18 @@ def bounds_of_numpy_problems(d):
     rows = run_json("solve", path, "--solver", "all", "--format", "json")
     word = {r["solver"]: r["status"] for r in rows}
     assert word["pgs"] == "ok" and "unsupported" in word.values(), word
+    want = run_json("solve", path, "--solver", "pgs")
+    run("export", path, "--format", "npz", "--out", d / "again.npz")
+    assert (
+        run_json("solve", d / "again.npz", "--solver", "pgs")["solution_hash"]
+        == want["solution_hash"]
+    )
+    once = (d / "again.npz").read_bytes()
+    run("export", d / "again.npz", "--format", "npz", "--out", d / "third.npz")
+    assert (d / "third.npz").read_bytes() == once
+    friction = next(p for p in (TESTS / "data" / "friction").rglob("*.dat"))
+    for form in ("mtx", "npz"):
+        one_line_error("export", friction, "--format", form, "--out", d / "f", names=["holds"])
 
 
 def every_verb_reads_numpy_problems(d):
