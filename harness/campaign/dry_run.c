@@ -59,34 +59,35 @@ static base_status print_cells(const plan *p, const bool *done, base_error *err)
   return BASE_OK;
 }
 
-/* Each cell's duration is asked for once: seconds[n_cell], negative where it was not. */
-static void add_unit(const plan *p, int u, const outlook *earlier, double *seconds,
+/* Each cell's duration is asked for once: of[n_cell], negative where it was not. */
+static void add_unit(const plan *p, int u, const outlook *earlier, outlook_cell *of,
                      reckoning *sum) {
   const int k = p->unit[u].cell;
-  if (seconds[k] < 0.0) {
-    seconds[k] = outlook_seconds(earlier, p, &p->cell[k]);
+  if (of[k].first < 0.0) {
+    of[k] = outlook_ask(earlier, p, &p->cell[k]);
   }
+  const double seconds = (p->unit[u].process == 0) ? of[k].first : of[k].later;
   sum->todo++;
-  sum->known += (seconds[k] < HUGE_VAL) ? seconds[k] : 0.0;
-  sum->unknown += (seconds[k] < HUGE_VAL) ? 0 : 1;
+  sum->known += (seconds < HUGE_VAL) ? seconds : 0.0;
+  sum->unknown += (seconds < HUGE_VAL) ? 0 : 1;
 }
 
 static base_status reckon(const plan *p, const bool *done, const outlook *earlier, reckoning *sum,
                           base_error *err) {
-  double *seconds = malloc(((size_t)p->n_cell + 1) * sizeof *seconds);
-  if (seconds == NULL) {
+  outlook_cell *of = malloc(((size_t)p->n_cell + 1) * sizeof *of);
+  if (of == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d cells", p->n_cell);
   }
   for (int k = 0; k < p->n_cell; k++) {
-    seconds[k] = -1.0;
+    of[k].first = -1.0;
   }
   for (int u = 0; u < p->n_unit; u++) {
     sum->done += done[u] ? 1 : 0;
     if (!done[u]) {
-      add_unit(p, u, earlier, seconds, sum);
+      add_unit(p, u, earlier, of, sum);
     }
   }
-  free(seconds);
+  free(of);
   return BASE_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "harness/campaign/outlook.h"
 
+#include "harness/campaign/runner.h"
 #include "harness/measure/verdict.h"
 
 #include <math.h>
@@ -116,11 +117,21 @@ static int first_of(const outlook *o, const char *problem) {
   return from;
 }
 
-double outlook_seconds(const outlook *o, const plan *p, const cell *c) {
-  const campaign *m = p->campaign;
+/* One more row that tells of the cell: sums over all of them. */
+static void add_row(outlook_cell *sum, const outlook_row *row, const campaign *m, const cell *c) {
+  const bool refused = row->seconds == 0.0;
+  const bool killed = row->seconds < 0.0;
+  const double evaluation = refused ? 0.0 : foretold(row, c, m->limits.time);
+  const double seconds = refused ? START : process_seconds(m, evaluation);
+  const bool ends = evaluation >= m->limits.time || (!killed && runner_ends_cell(row->r));
+  sum->first += seconds;
+  sum->later += ends ? 0.0 : seconds;
+}
+
+outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c) {
   const int first = first_of(o, c->problem);
   const bool known = first < o->n && strcmp(o->row[first].r->problem, c->problem) == 0;
-  double sum = 0.0;
+  outlook_cell sum = {0.0, 0.0};
   int best = 0;
   int n = 0;
   for (int i = known ? first : 0; i < o->n; i++) {
@@ -131,13 +142,13 @@ double outlook_seconds(const outlook *o, const plan *p, const cell *c) {
     if (agrees > best) {
       best = agrees;
       n = 0;
-      sum = 0.0;
+      sum = (outlook_cell){0.0, 0.0};
     }
     if (agrees == best && best > 0) {
-      const bool refused = o->row[i].seconds == 0.0;
-      sum += refused ? START : process_seconds(m, foretold(&o->row[i], c, m->limits.time));
+      add_row(&sum, &o->row[i], p->campaign, c);
       n++;
     }
   }
-  return (n > 0) ? sum / n : HUGE_VAL;
+  return (n > 0) ? (outlook_cell){sum.first / n, sum.later / n}
+                 : (outlook_cell){HUGE_VAL, HUGE_VAL};
 }

@@ -18,7 +18,12 @@ typedef struct outlook {
 base_status outlook_open(outlook *out, const record_table *rows, int n_table, base_error *err);
 void outlook_close(outlook *o);
 
-/* Wall time of one process of this cell [s]; HUGE_VAL where no row tells: from the rows that agree with it in most of
- * problem, solver, formulation and part (in this order), scaled to its step and duration. A process that was killed
- * earlier takes between its limit then and the limit now. */
-double outlook_seconds(const outlook *o, const plan *p, const cell *c);
+/* Wall time of the processes of one cell [s]; HUGE_VAL where no row tells. */
+typedef struct outlook_cell {
+  double first; /* of its first process */
+  double later; /* of each other one: none where the first one fails, which ends the cell */
+} outlook_cell;
+
+/* From the rows that agree with the cell in most of problem, solver, formulation and part (in this order), scaled to its
+ * step and duration. A process that was killed earlier takes between its limit then and the limit now. */
+outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c);

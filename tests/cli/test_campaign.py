@@ -512,7 +512,8 @@ def paper_prints_its_plan(d):
 
 def rows_of_another_run_foretell_the_time(d):
     """0.1 s an evaluation: a warm-up and two samples, the judge's share, the start; a killed one
-    takes the limit, a refused one nothing. Packed rows tell the same."""
+    takes the limit, a refused one nothing. One that fails ends its cell: no second process. Packed
+    rows tell the same."""
     c = campaign(d, SMALL)
     run("run", c, "--out", d / "p", "--quiet")
     known = rows(d / "p")
@@ -532,8 +533,9 @@ def rows_of_another_run_foretell_the_time(d):
     assert about("plain") == round(36 * each)
     assert about("one", "--filter", "solver=lemke") == round(18 * each)
     killed = {"status": "timeout", "t_total_s": "", "t_limit_s": "10"}
-    assert about("killed", **killed) == 36 * 11
-    assert about("refused", t_total_s="", status="unsupported") == round(36 * 0.005)
+    assert about("killed", **killed) == 18 * 11
+    assert about("failed", status="stalled") == round(18 * each)
+    assert about("refused", t_total_s="", status="unsupported") == round(18 * 0.005)
     text = (d / "plain/results.csv").read_bytes()
     (d / "plain/results.csv.xz").write_bytes(lzma.compress(text))
     (d / "plain/results.csv").unlink()
