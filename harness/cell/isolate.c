@@ -14,6 +14,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static volatile sig_atomic_t stop_signal;
@@ -192,8 +193,9 @@ static int attend(watch *w, struct rusage *usage) {
     struct pollfd fds[2] = {{w->item_fd, POLLIN, 0}, {w->log_fd, POLLIN, 0}};
     const bool open_fds = w->item_fd >= 0 || w->log_fd >= 0;
     const double left = w->deadline - base_seconds();
-    const int ms = open_fds ? (int)fmax(0.0, fmin(left * 1e3 + 1, 200.0)) : 1;
-    if (poll(fds, 2, ms) > 0) {
+    const double wait = open_fds ? fmax(0.0, fmin(left + 1e-3, 0.2)) : 5e-5; /* it is about to go */
+    const struct timespec timeout = {.tv_nsec = lrint(wait * 1e9)};
+    if (ppoll(fds, 2, &timeout, NULL) > 0) {
       if (fds[0].revents != 0) {
         take_items(w);
       }
