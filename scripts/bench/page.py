@@ -19,6 +19,7 @@ from PIL import Image
 from bench import accuracy, registry, style
 from bench import chart as chart_
 from bench.chart import Chart, Heat
+from bench.rows import forms
 from bench.section import Cell, Section, Table, error, si, table_html
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -256,13 +257,12 @@ def masthead(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     cpus = classes or sorted({m["cpu"] for m in machines if m.get("cpu")})
     days = sorted({str(d)[:10] for d in cells["started_utc"] if d})
     commits = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
-    quick = {str(m.get("campaign", {}).get("quick")) for m in manifests.values() if m}
-    form = {"{'True'}": "quick form", "{'False'}": "full form"}.get(str(quick), "")
+    form = forms(manifests)
     parts = [
         f"lcpbench {', '.join(commits)}".strip(),
         f"measured {days[0]}" + (f" to {days[-1]}" if len(days) > 1 else "") if days else "",
         f"on {' and '.join(cpus)}" if cpus else "",
-        f"{form}: a smoke test, not a reference" if form.startswith("quick") else form,
+        f"{form}: a smoke test, not a reference" if form == "quick form" else form,
     ]
     return " · ".join(p for p in parts if p)
 

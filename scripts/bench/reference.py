@@ -229,9 +229,10 @@ def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
+    form = rows.forms(manifests) or "unknown form"
     return (
-        f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns in"
-        f" quick form, commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
+        f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns"
+        f" ({form}), commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
         f" machine named in the manifests. {disturbed_words(cells)}"
     )
 

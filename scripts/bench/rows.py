@@ -240,6 +240,19 @@ def manifest(folder: pathlib.Path) -> dict:
     return json.loads(path.read_text()) if path.exists() else {}
 
 
+def forms(manifests: dict[str, dict]) -> str:
+    """In which form the campaigns were measured; "" where no manifest tells."""
+    names: dict[bool, list[str]] = {False: [], True: []}
+    for name, m in sorted(manifests.items()):
+        if (quick := m.get("campaign", {}).get("quick")) is not None:
+            names[quick].append(name)
+    words = {False: "full form", True: "quick form"}
+    told = [quick for quick in (False, True) if names[quick]]
+    if len(told) == 2:
+        return " and ".join(f"{', '.join(names[quick])} in {words[quick]}" for quick in told)
+    return "".join(words[quick] for quick in told)
+
+
 def options(text: str) -> dict[str, str]:
     """'facets=8,side=in' -> {'facets': '8', 'side': 'in'}; a preset may stand alone, 'paper,k=1e5'
     -> {'variant': 'paper', 'k': '1e5'}"""

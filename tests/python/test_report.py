@@ -280,6 +280,15 @@ class Judged(unittest.TestCase):
         )
         self.assertFalse(any(quiet.hollow))
 
+    def test_the_form_of_each_campaign_is_told(self):
+        def told(**quick):
+            return rows.forms({k: {"campaign": {"quick": q}} for k, q in quick.items()})
+
+        self.assertEqual(told(b=True, a=True), "quick form")
+        self.assertEqual(told(a=False), "full form")
+        self.assertEqual(told(b=True, a=False, c=True), "a in full form and b, c in quick form")
+        self.assertEqual(rows.forms({"a": {}}), "")
+
     def test_a_map_on_the_screen_tells_its_fields(self):
         made = json.loads(
             chart.plotly_heat(stability.section(stability.ladders(self.cells)).charts[0])
