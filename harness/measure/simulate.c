@@ -216,6 +216,9 @@ bool sim_hopeless(const sim *s) {
   return sim_without_solution(s->out->status) || s->out->status == RUN_UNSUPPORTED;
 }
 
+/* Squares of what is larger may overflow before it does. */
+static const double run_away = 1e100;
+
 base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err) {
   sim_result *r = s->out;
   const double from = sim_total_seconds(r);
@@ -235,9 +238,9 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
   const double spent = sim_total_seconds(r) - from;
   r->step_longest = fmax(r->step_longest, spent);
   record->column[SERIES_STEP][record->n_row - 1] = spent;
-  if (!world_finite(s->w)) {
-    r->finite = false;
-    sim_trouble(s, RUN_NUMERICAL, "the state is not finite");
+  if (!world_below(s->w, run_away)) {
+    r->finite = world_finite(s->w);
+    sim_trouble(s, RUN_NUMERICAL, r->finite ? "the state has run away" : "the state is not finite");
   }
   return s->part ? BASE_OK : trajectory_row(s->q->trajectory, s->w, err);
 }

@@ -101,6 +101,9 @@ double world_longest_step(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
 bool world_finite(const world *w);
 
+/* All of them below the limit in size. */
+bool world_below(const world *w, double limit);
+
 /* Names of the two sides of contact id (for pairs in checks); static storage of the world. */
 void world_contact_pair(const world *w, uint64_t id, const char **a, const char **b);
 

@@ -211,19 +211,30 @@ double world_size(const world *w) {
   return w->size;
 }
 
-bool world_finite(const world *w) {
-  double sum = 0.0; /* NaN and infinities survive a sum of zeros */
+/* NaN is below nothing. */
+static bool all_below(double limit, const double *x, int n) {
+  bool below = true;
+  for (int k = 0; k < n; k++) {
+    below = below && fabs(x[k]) < limit;
+  }
+  return below;
+}
+
+bool world_below(const world *w, double limit) {
+  bool below = true;
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
-    for (int k = 0; k < 3; k++) {
-      sum += 0.0 * b->at.x[k] + 0.0 * b->v[k] + 0.0 * b->v[3 + k] + 0.0 * b->quat[k];
-    }
-    sum += 0.0 * b->angle;
+    below = below && all_below(limit, b->at.x, 3) && all_below(limit, b->v, 6) &&
+            all_below(limit, b->quat, 4) && all_below(limit, &b->angle, 1);
   }
-  for (int k = 0; w->model != NULL && k < w->n_dof; k++) {
-    sum += 0.0 * w->q[k] + 0.0 * w->qv[k];
+  if (w->model != NULL) {
+    below = below && all_below(limit, w->q, w->n_dof) && all_below(limit, w->qv, w->n_dof);
   }
-  return sum == 0.0;
+  return below;
+}
+
+bool world_finite(const world *w) {
+  return world_below(w, HUGE_VAL);
 }
 
 /* ---- names, poses, contact points ------------------------------------------------------------- */

@@ -176,6 +176,14 @@ def a_rod_is_struck_without_collision(d):
         assert run_json("simulate", *stops, code=3)["status"] == "infeasible", formulation
 
 
+def what_runs_away_ends_as_numerical(d):
+    """Sweeps that do not converge leave impulses that double: before the speeds overflow, the balls
+    around what they sweep do, and that was an internal error."""
+    words = ("--formulation", "acceleration", "--solver", "pgs")
+    o = run_json("simulate", "stack:dim=2,n=10", *words, "--step", "0.01", code=3)
+    assert o["status"] == "numerical" and 1 < o["steps"] < 100, (o["status"], o["steps"])
+
+
 def a_ball_on_a_rail_jams(d):
     """A ball on a rail at 45 degrees meets the floor with e = 1/2. Back up the rail its friction
     points down the rail: with mu > 1 it holds against any impulse, so Newton's law has no solution,
@@ -265,6 +273,7 @@ tap(
         a_house_of_cards_stands,
         the_same_result_twice,
         a_rod_is_struck_without_collision,
+        what_runs_away_ends_as_numerical,
         a_ball_on_a_rail_jams,
         work_is_limited,
         the_list_names_what_exists,
