@@ -30,6 +30,13 @@ class Reading:
     alone: collections.Counter
     tied: collections.Counter
 
+    def leader(self) -> str | None:
+        """Who is cheapest alone on more scenes than any other would be that won all its ties."""
+        best = max(self.alone, key=lambda f: self.alone[f], default=None)
+        others = {*self.alone, *self.tied} - {best}
+        clear = all(self.alone[best] > self.alone[f] + self.tied[f] for f in others)
+        return best if clear else None
+
 
 def declared() -> set[tuple[str, str]]:
     """(formulation, options): the one default setting of each."""
@@ -151,13 +158,15 @@ def words(cells: pd.DataFrame) -> str:
             reading = read(scenes_of(own, start, name), accuracy.LEVEL)
             if reading.reached and (own["start"] == start).any():
                 n += 1
-                most = max(reading.alone.values(), default=0)
-                leaders.add(tuple(sorted(f for f, n in reading.alone.items() if n == most)))
-    if len(leaders) == 1 and len(next(iter(leaders))) == 1:
+                leaders.add(reading.leader())
+    if len(leaders) == 1 and None not in leaders:
         which = "every reading" if n == READINGS else f"the {n} of {READINGS} measured readings"
-        out.append(f"`{next(iter(leaders))[0]}` leads in {which} at {accuracy.LEVEL:g}.")
+        out.append(f"`{next(iter(leaders))}` leads in {which} at {accuracy.LEVEL:g}.")
     elif leaders:
-        out.append(f"Nobody leads in all of the {n} measured readings at {accuracy.LEVEL:g}.")
+        out.append(
+            f"Nobody leads beyond the ties in all of the {n} measured readings at"
+            f" {accuracy.LEVEL:g}."
+        )
     for start in STARTS:
         spent, gained = price_of_tuning(own, start, accuracy.LEVEL)
         if math.isfinite(spent):

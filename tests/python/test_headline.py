@@ -96,12 +96,23 @@ class Readings(unittest.TestCase):
         self.assertEqual({r[4] for r in unmeasured}, {""})
 
     def test_the_words_do_not_crown_who_leads_in_one_reading(self):
-        self.assertIn("Nobody leads in all of the 4 measured", headline.words(cells(*self.rows)))
+        said = headline.words(cells(*self.rows))
+        self.assertIn("Nobody leads beyond the ties in all of the 4 measured", said)
         once = [r for r in self.rows if r["formulation_options"] == "facets=8"]
         slow = {"formulation": "coulomb", "formulation_options": "", "t_total_s": 9.0}
         other = [{**r, **slow, "t_total_s_low": 9.0} for r in once]
         said = headline.words(cells(*once, *other))
         self.assertIn("`velocity` leads in every reading", said)
+
+    def test_ties_could_turn_a_lead_round(self):
+        def leader(alone, tied):
+            Counter = headline.collections.Counter
+            return headline.Reading(20, Counter(alone), Counter(tied)).leader()
+
+        self.assertEqual(leader({"a": 10, "b": 4}, {"b": 5}), "a")
+        self.assertIsNone(leader({"a": 10, "b": 4}, {"b": 6}))
+        self.assertIsNone(leader({"a": 3}, {"a": 9, "c": 3}))
+        self.assertIsNone(leader({}, {"a": 1, "b": 1}))
 
     def test_readings_that_were_not_measured_are_counted(self):
         said = headline.words(cells(row("velocity", "facets=8", 1.0), row("coulomb", "", 9.0)))
