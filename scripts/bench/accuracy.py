@@ -553,6 +553,7 @@ def largest(here: Scenes, level: float) -> dict | None:
         .drop_duplicates("formulation")[["formulation", "combination", "cost"]]
     )
     others = first[first["formulation"] != best["formulation"]]
+    same = ties(group, best, level)
     return {
         "use": best["combination"],
         "formulation": best["formulation"],
@@ -564,11 +565,11 @@ def largest(here: Scenes, level: float) -> dict | None:
         "per_step": best["cost"] / best["n_steps"],
         "error": best["err_ref"],
         "quantity": best["err_quantity"],
-        "same": ties(group, best, level),
+        "same": same,
         "others": [
             (r["combination"], r["cost"] / best["cost"])
             for r in others.to_dict("records")
-            if r["cost"] > best["noise"] * best["cost"]
+            if r["combination"] not in same
         ],
         "tenth": tenth_words(group, level),
         "command": str(best.get("command", "")),
