@@ -17,21 +17,9 @@ void lin_blocks_close(lin_blocks *s) {
   free(s->value_mem);
   free(s->inverse_mem);
   free(s->pair);
+  free(s->front_mem);
+  free(s->dense_mem);
   *s = (lin_blocks){0};
-}
-
-base_status lin_blocks_memory(lin_blocks *s, void **mem, void (*layout)(lin_blocks *, base_arena *),
-                              base_error *err) {
-  base_arena measure = base_arena_measuring();
-  layout(s, &measure);
-  free(*mem);
-  *mem = measure.overflow ? NULL : base_alloc(measure.used > 0 ? measure.used : 1);
-  if (*mem == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for a factor of %d blocks", s->cap_n);
-  }
-  base_arena real = base_arena_over(*mem, measure.used);
-  layout(s, &real);
-  return BASE_OK;
 }
 
 /* ---- entries --------------------------------------------------------------------------------- */
@@ -81,67 +69,6 @@ void lin_blocks_add(lin_blocks *s, int a, int b, const double *B) {
 }
 
 /* ---- numbers --------------------------------------------------------------------------------- */
-
-/* Smallest and largest pivot so far. */
-typedef struct span {
-  double low, high;
-} span;
-
-/* A = L L' in the lower triangle. */
-static bool cholesky(int n, double *A, span *pivots) {
-  for (int k = 0; k < n; k++) {
-    double pivot = A[k + k * n];
-    for (int j = 0; j < k; j++) {
-      pivot -= A[k + j * n] * A[k + j * n];
-    }
-    if (!(pivot > 0)) {
-      return false;
-    }
-    pivots->low = fmin(pivots->low, pivot);
-    pivots->high = fmax(pivots->high, pivot);
-    const double root = sqrt(pivot);
-    A[k + k * n] = root;
-    for (int i = k + 1; i < n; i++) {
-      double v = A[i + k * n];
-      for (int j = 0; j < k; j++) {
-        v -= A[i + j * n] * A[k + j * n];
-      }
-      A[i + k * n] = v / root;
-    }
-  }
-  return true;
-}
-
-/* P A = L U in place, L with a unit diagonal; swap[k]: row exchanged with row k. */
-static bool lu(int n, double *A, int *swap, span *pivots) {
-  for (int k = 0; k < n; k++) {
-    int p = k;
-    for (int i = k + 1; i < n; i++) {
-      p = (fabs(A[i + k * n]) > fabs(A[p + k * n])) ? i : p;
-    }
-    swap[k] = p;
-    for (int j = 0; j < n && p != k; j++) {
-      const double x = A[p + j * n];
-      A[p + j * n] = A[k + j * n];
-      A[k + j * n] = x;
-    }
-    const double pivot = A[k + k * n];
-    if (!(fabs(pivot) > 0)) {
-      return false;
-    }
-    pivots->low = fmin(pivots->low, fabs(pivot));
-    pivots->high = fmax(pivots->high, fabs(pivot));
-    for (int i = k + 1; i < n; i++) {
-      A[i + k * n] /= pivot;
-    }
-    for (int j = k + 1; j < n; j++) {
-      for (int i = k + 1; i < n; i++) {
-        A[i + j * n] -= A[i + k * n] * A[k + j * n];
-      }
-    }
-  }
-  return true;
-}
 
 /* X <- X T^-1 for X of m rows, column after column: T upper triangular is T(d, c) = t[d * across + c * down]. */
 static void divide(int m, int n, const double *t, int across, int down, bool unit, double *X) {
@@ -194,11 +121,11 @@ static void swap_columns(int m, int n, const int *swap, double *X) {
 }
 
 /* Factors the diagonal block of column p and divides the blocks below and right of it. */
-static bool pivot_on(lin_blocks *s, int p, span *pivots) {
+static bool pivot_on(lin_blocks *s, int p, lin_span *pivots) {
   const int n = lin_blocks_rows(s, p);
   double *D = s->diag + s->at_diag[p];
   int *swap = s->swap + s->first[s->order[p]];
-  if (!(s->symmetric ? cholesky(n, D, pivots) : lu(n, D, swap, pivots))) {
+  if (!lin_blocks_pivot(s, n, D, swap, pivots)) {
     return false;
   }
   for (int k = s->column[p]; k < s->column[p + 1]; k++) {
@@ -237,8 +164,11 @@ static void update(lin_blocks *s, int p) {
 }
 
 bool lin_blocks_factor(lin_blocks *s) {
-  span pivots = {HUGE_VAL, 0};
-  for (int p = 0; p < s->n; p++) {
+  lin_span pivots = {HUGE_VAL, 0};
+  if (s->n_front > 0 && !lin_blocks_factor_fronts(s, &pivots)) {
+    return false;
+  }
+  for (int p = 0; p < s->n && s->n_front == 0; p++) {
     if (!pivot_on(s, p, &pivots)) {
       return false;
     }

@@ -4,7 +4,8 @@
  *   else       A = L U     pivots are exchanged inside a diagonal block and never between blocks: for matrices near a
  *                          positive definite one; what has no such factors is refused, not solved
  *
- * Blocks are eliminated in the order of AMD on their graph (Amestoy, Davis & Duff 1996). Order and fill are kept while the
+ * Blocks are eliminated in the order of AMD on their graph (Amestoy, Davis & Duff 1996), or, where that makes many products of
+ * blocks, of nested dissection by METIS (Karypis & Kumar 1998) if its are fewer, and then by dense fronts. Order and fill are kept while the
  * pattern stays what it was. A block costs two dense products of its size with each pair of blocks below it, so that
  * the work is that of a sparse factor at the speed of a dense one. Owns its memory. */
 #pragma once
@@ -15,6 +16,14 @@
 #include <stddef.h>
 
 enum { LIN_BLOCK_MAX = 12 }; /* rows of a block */
+
+/* Columns that are eliminated in one dense matrix. */
+typedef struct lin_front_plan {
+  int first;    /* place of its first column */
+  int parent;   /* place that its rest goes to; -1: it has none */
+  int children; /* fronts that leave theirs here */
+  size_t at;    /* of its rest on the stack */
+} lin_front_plan;
 
 typedef struct lin_blocks {
   int n;           /* blocks */
@@ -34,6 +43,12 @@ typedef struct lin_blocks {
   long analyses; /* since the first */
   int *pair;     /* of the pattern that the analysis is of */
   size_t n_pair, cap_pair;
+  int n_front; /* 0: factors block by block; else by dense fronts, where products are many */
+  lin_front_plan *front; /* n_front+1 */
+  int *pending, *offset; /* n: fronts whose rest waits; of a place in the front at hand */
+  double *rest, *dense;  /* the stack; the front at hand */
+  size_t cap_rest, cap_dense;
+  void *front_mem, *dense_mem; /* owned */
   int cap_n, cap_rows;
   size_t cap_below, cap_low, cap_diag;
   void *mem, *value_mem, *inverse_mem; /* owned, as are row, at and pair */

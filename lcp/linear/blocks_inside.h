@@ -1,5 +1,5 @@
 /* linear/blocks_inside.h - what the files of lin_blocks share: blocks.c (entries, factors, solutions), blocks_pattern.c
- * (order and fill) and blocks_inverse.c (parts of the inverse). */
+ * (order and fill), blocks_fronts.c (factors by dense fronts) and blocks_inverse.c (parts of the inverse). */
 #pragma once
 
 #include "lcp/base/arena.h"
@@ -13,6 +13,21 @@ static inline int lin_blocks_rows(const lin_blocks *s, int place) {
 
 /* Where block row i of column j < i stands, by places; it must be in the pattern. */
 int lin_blocks_find(const lin_blocks *s, int i, int j);
+
+/* Smallest and largest pivot so far. */
+typedef struct lin_span {
+  double low, high;
+} lin_span;
+
+/* Factors of a diagonal block, n x n: L L' in its lower triangle, or L U with rows exchanged. False: there are none. */
+bool lin_blocks_pivot(const lin_blocks *s, int n, double *D, int *swap, lin_span *pivots);
+
+/* The fronts of the pattern that stands (blocks_fronts.c), and memory for them; n_front = 0 where the order has none. BASE_ENOMEM
+ * only. */
+base_status lin_blocks_plan_fronts(lin_blocks *s, base_error *err);
+
+/* The factor by fronts; false: a pivot that there is none for. */
+bool lin_blocks_factor_fronts(lin_blocks *s, lin_span *pivots);
 
 /* One block of memory for a layout; what stood there before is lost. BASE_ENOMEM only. */
 base_status lin_blocks_memory(lin_blocks *s, void **mem, void (*layout)(lin_blocks *, base_arena *),

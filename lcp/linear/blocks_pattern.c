@@ -1,10 +1,14 @@
 #include "lcp/linear/blocks_inside.h"
 
 #include <suitesparse/amd.h>
+#include <suitesparse/cholmod.h>
 
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* Products of blocks a column beyond which nested dissection is tried, too: it takes the time of some hundred products. */
+static const double dense_work = 200;
 
 static void layout_blocks(lin_blocks *s, base_arena *a) {
   const int n = s->cap_n;
@@ -215,19 +219,67 @@ static base_status place_values(lin_blocks *s, base_error *err) {
   return BASE_OK;
 }
 
-static base_status analyse(lin_blocks *s, graph *g, base_error *err) {
-  neighbours(s, g->start, g->near, g->mark);
-  const int done = (s->n > 0) ? amd_order(s->n, g->start, g->near, s->order, NULL, NULL) : AMD_OK;
-  if (done != AMD_OK) {
-    return BASE_FAIL(err, BASE_ENOMEM, "AMD status %d on %d blocks", done, s->n);
-  }
+/* The fill of s->order; *work: products of blocks that a factor takes. */
+static base_status follow_order(lin_blocks *s, graph *g, double *work, base_error *err) {
   for (int p = 0; p < s->n; p++) {
     s->place[s->order[p]] = p;
   }
   s->column[0] = 0;
-  s->analyses++;
   BASE_TRY(find_fill(s, g, err));
-  return place_values(s, err);
+  *work = 0;
+  for (int p = 0; p < s->n; p++) {
+    const double below = s->column[p + 1] - s->column[p];
+    *work += below * below;
+  }
+  return BASE_OK;
+}
+
+static base_status order_by_degree(lin_blocks *s, graph *g, double *work, base_error *err) {
+  const int done = (s->n > 0) ? amd_order(s->n, g->start, g->near, s->order, NULL, NULL) : AMD_OK;
+  if (done != AMD_OK) {
+    return BASE_FAIL(err, BASE_ENOMEM, "AMD status %d on %d blocks", done, s->n);
+  }
+  return follow_order(s, g, work, err);
+}
+
+/* False: it could not be made. */
+static bool dissect(lin_blocks *s, graph *g) {
+  cholmod_common c;
+  cholmod_sparse a = {.nrow = (size_t)s->n,
+                      .ncol = (size_t)s->n,
+                      .nzmax = (size_t)g->start[s->n],
+                      .p = g->start,
+                      .i = g->near,
+                      .stype = 0,
+                      .itype = CHOLMOD_INT,
+                      .xtype = CHOLMOD_PATTERN,
+                      .dtype = CHOLMOD_DOUBLE,
+                      .sorted = 1,
+                      .packed = 1};
+  cholmod_start(&c);
+  c.print = 0;
+  cholmod_sparse *lower = cholmod_copy(&a, -1, 0, &c); /* symmetric, of the lower triangle */
+  const bool done = lower != NULL && cholmod_metis(lower, NULL, 0, 1, s->order, &c) != 0;
+  cholmod_free_sparse(&lower, &c);
+  cholmod_finish(&c);
+  return done;
+}
+
+static base_status analyse(lin_blocks *s, graph *g, base_error *err) {
+  double work;
+  double other;
+  neighbours(s, g->start, g->near, g->mark);
+  s->analyses++;
+  BASE_TRY(order_by_degree(s, g, &work, err));
+  if (work > dense_work * s->n && dissect(s, g)) {
+    BASE_TRY(follow_order(s, g, &other, err));
+    if (!(other < work)) {
+      BASE_TRY(order_by_degree(s, g, &work, err));
+    }
+  }
+  s->n_front = 0;
+  BASE_TRY(place_values(s, err));
+  return (work > dense_work * s->n) ? lin_blocks_plan_fronts(s, err) : BASE_OK;
 }
 
 base_status lin_blocks_plan(lin_blocks *s, int n, const int *first, const int *pair, size_t n_pair,

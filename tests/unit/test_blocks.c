@@ -136,6 +136,92 @@ static void parts_of_the_inverse(void **state) {
   free(t);
 }
 
+/* A lattice of bodies that all meet their 26 neighbours: wide enough for dense fronts, which have to give what A x says and, where A
+ * has no factors, to say so. */
+enum { SIDE = 7, CELLS = SIDE * SIDE * SIDE, MEET = CELLS * 13 };
+
+typedef struct lattice {
+  int first[CELLS + 1], pair[2 * MEET];
+  size_t n_pair;
+  double x[CELLS * LIN_BLOCK_MAX], b[CELLS * LIN_BLOCK_MAX];
+} lattice;
+
+static void lattice_pattern(lattice *l, base_rng *r) {
+  l->first[0] = 0;
+  l->n_pair = 0;
+  for (int c = 0; c < CELLS; c++) {
+    l->first[c + 1] = l->first[c] + (int)(base_rng_uniform(r) * 7);
+  }
+  for (int a = 0; a < CELLS; a++) {
+    for (int b = 0; b < a; b++) {
+      const int x = a % SIDE - b % SIDE, y = a / SIDE % SIDE - b / SIDE % SIDE,
+                z = a / (SIDE * SIDE) - b / (SIDE * SIDE);
+      if (abs(x) <= 1 && abs(y) <= 1 && abs(z) <= 1) {
+        l->pair[2 * l->n_pair] = a;
+        l->pair[2 * l->n_pair++ + 1] = b;
+      }
+    }
+  }
+}
+
+/* Fills the factor with random blocks and 100 on the diagonal (0 for cell `without`), and b = A x. */
+static void lattice_numbers(lattice *l, lin_blocks *s, base_rng *r, bool symmetric, int without) {
+  lin_blocks_clear(s, symmetric);
+  for (int i = 0; i < l->first[CELLS]; i++) {
+    l->x[i] = number(r);
+    l->b[i] = 100 * l->x[i];
+  }
+  for (int c = 0; c < CELLS; c++) {
+    double one[LIN_BLOCK_MAX * LIN_BLOCK_MAX] = {0};
+    const int m = l->first[c + 1] - l->first[c];
+    for (int i = 0; i < m; i++) {
+      one[i + i * m] = (c == without) ? -100 : 100;
+    }
+    lin_blocks_add(s, c, c, one);
+  }
+  for (size_t k = 0; k < l->n_pair; k++) {
+    const int a = l->pair[2 * k], b = l->pair[2 * k + 1];
+    const int m = l->first[a + 1] - l->first[a], n = l->first[b + 1] - l->first[b];
+    double B[LIN_BLOCK_MAX * LIN_BLOCK_MAX], C[LIN_BLOCK_MAX * LIN_BLOCK_MAX];
+    for (int i = 0; i < m; i++) {
+      for (int j = 0; j < n; j++) {
+        B[i * n + j] = number(r);
+        C[j * m + i] = symmetric ? B[i * n + j] : number(r);
+        l->b[l->first[a] + i] += B[i * n + j] * l->x[l->first[b] + j];
+        l->b[l->first[b] + j] += C[j * m + i] * l->x[l->first[a] + i];
+      }
+    }
+    lin_blocks_add(s, a, b, B);
+    lin_blocks_add(s, b, a, C);
+  }
+}
+
+static void fronts_solve(void **state) {
+  (void)state;
+  base_error err = {0};
+  lattice *l = malloc(sizeof *l);
+  lin_blocks s = {0};
+  base_rng r = base_rng_seeded(23);
+  for (int trial = 0; trial < 3; trial++) {
+    lattice_pattern(l, &r);
+    assert_int_equal(lin_blocks_plan(&s, CELLS, l->first, l->pair, l->n_pair, &err), BASE_OK);
+    assert_true(s.n_front > 1 && s.n_front < CELLS);
+    for (int again = 0; again < 3; again++) {
+      lattice_numbers(l, &s, &r, again == 1, -1);
+      assert_true(lin_blocks_factor(&s));
+      lin_blocks_solve(&s, l->b);
+      for (int i = 0; i < l->first[CELLS]; i++) {
+        check_close(l->b[i], l->x[i], 1e-12);
+      }
+    }
+    lattice_numbers(l, &s, &r, true, CELLS / 2);
+    assert_int_equal(lin_blocks_factor(&s), l->first[CELLS / 2 + 1] == l->first[CELLS / 2]);
+  }
+  assert_int_equal(s.analyses, 3);
+  lin_blocks_close(&s);
+  free(l);
+}
+
 static void what_has_no_factors_is_refused(void **state) {
   (void)state;
   base_error err = {0};
@@ -185,6 +271,7 @@ static void nothing_is_a_pattern_too(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(factors_solve),
+      cmocka_unit_test(fronts_solve),
       cmocka_unit_test(parts_of_the_inverse),
       cmocka_unit_test(what_has_no_factors_is_refused),
       cmocka_unit_test(nothing_is_a_pattern_too),
