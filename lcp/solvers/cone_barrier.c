@@ -3,6 +3,7 @@
 #include <string.h>
 
 enum { SOC = 3 }; /* rows of the largest second-order cone */
+static const double narrowest = 1e-20;
 
 void lcp_barrier_layout(lcp_barrier *b, const lcp_capacity *cap, base_arena *a) {
   double **const arrays[] = {&b->x, &b->y, &b->t, &b->dx, &b->dy, &b->dt, &b->g, &b->gt, &b->r};
@@ -155,6 +156,11 @@ static void start_cone(lcp_barrier *b, const lcp_block *p, double size) {
   }
 }
 
+/* An interval that rounding does not tell from a point. */
+static bool pinned(const lcp_barrier *b, const lcp_cone_scaled *c, int i) {
+  return c->hi[i] - c->lo[i] <= b->point;
+}
+
 static void start_interval(lcp_barrier *b, const lcp_cone_scaled *c, int i, double size) {
   const double lo = c->lo[i], hi = c->hi[i];
   const bool low = lo > -HUGE_VAL, high = hi < HUGE_VAL;
@@ -163,14 +169,17 @@ static void start_interval(lcp_barrier *b, const lcp_cone_scaled *c, int i, doub
   } else {
     b->x[i] = low ? lo + size : (high ? hi - size : 0.0);
   }
-  const bool fixed = lo == hi;
-  b->y[i] = (low && !fixed) ? size : 0.0;
-  b->t[i] = (high && !fixed) ? size : 0.0;
+  const bool fixed = pinned(b, c, i);
+  /* a narrow interval has the same products as the others, else no step from here keeps near the path */
+  const double other = (low && high && !fixed) ? size * (size / (b->x[i] - lo)) : size;
+  b->y[i] = (low && !fixed) ? other : 0.0;
+  b->t[i] = (high && !fixed) ? other : 0.0;
   b->pairs += fixed ? 0 : low + high;
 }
 
 void lcp_barrier_start(lcp_barrier *b, const lcp_cone_scaled *c, lcp_law law, double size) {
   b->law = law;
+  b->point = narrowest * size;
   b->pairs = 0;
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *p = &c->piece[k];
@@ -206,7 +215,7 @@ double lcp_barrier_residual(lcp_barrier *b, const lcp_cone_scaled *c, const doub
           b->r[i] = 0.0;
         }
       }
-    } else if (c->lo[n] == c->hi[n]) {
+    } else if (pinned(b, c, n)) {
       b->r[n] = 0.0;
     }
     for (int i = n; i < n + p->size; i++) {
@@ -307,7 +316,7 @@ void lcp_barrier_linearise(lcp_barrier *b, lcp_cone_scaled *c) {
       for (int j = 0, at = n + 1; j < p->n_part; at += p->part_dim[j++]) {
         linearise_part(b, p, j, at, X, Y);
       }
-    } else if (c->lo[n] == c->hi[n]) {
+    } else if (pinned(b, c, n)) {
       X[0] = 1.0;
       Y[0] = 0.0;
     } else {

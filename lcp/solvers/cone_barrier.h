@@ -27,6 +27,7 @@ typedef struct lcp_nt {
 typedef struct lcp_barrier {
   lcp_law law;
   int pairs;
+  double point;  /* an interval of this length is one */
   double *x, *y; /* n */
   double *t;     /* n: of a part at its first row; of an upper bound */
   double *dx, *dy, *dt;

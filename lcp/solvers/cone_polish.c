@@ -3,7 +3,7 @@
 #include <limits.h>
 #include <string.h>
 
-enum { ROUNDS = 16, STEPS = 12, FIRST = 10, SHARE = 2 };
+enum { ROUNDS = 16, STEPS = 12, FIRST = 10, SHARE = 2, MANY = 64, SHARE_OF_ROWS = 16 };
 static const double least_weight = 1e-11, share = 0.1;
 
 void lcp_cone_polish_layout(lcp_cone_polish *s, const lcp_capacity *cap, base_arena *a) {
@@ -111,6 +111,15 @@ static bool accepted(lcp_cone_polish *s, lcp_loop *loop, const lcp_stop *stop, c
   return true;
 }
 
+/* Rows whose modes are not those that failed last. */
+static int differences(const lcp_cone_polish *s, int n) {
+  int count = 0;
+  for (int i = 0; i < n; i++) {
+    count += s->mode[i] != s->failed[i];
+  }
+  return count;
+}
+
 // NOLINTNEXTLINE(readability-function-size): as lcp_cone_polish_try
 static bool attempt(lcp_cone_polish *s, lcp_loop *loop, const lcp_stop *stop, const lcp_problem *p,
                     double balance, const double *point, double *z, lcp_result *res,
@@ -120,8 +129,9 @@ static bool attempt(lcp_cone_polish *s, lcp_loop *loop, const lcp_stop *stop, co
   place(s, n, z, loop->stop.w);
   for (int round = 0; round < ROUNDS; round++) {
     identify(s, n, balance, (round == 0) ? point : NULL);
-    if (memcmp(s->mode, s->failed, (size_t)n) == 0) {
-      return false;
+    const int now = differences(s, n);
+    if (now == 0 || (round > 0 && now > MANY + n / SHARE_OF_ROWS)) {
+      return false; /* the same again, or all over the place */
     }
     memcpy(s->failed, s->mode, (size_t)n);
     if (!newton(s, loop, p, &res->work, status)) {

@@ -3,7 +3,8 @@
  * The modes (cone_map.h) of a point, or of x - y / balance, are held; what is left is a smooth system, solved by Newton's
  * method until its residual no longer falls to half. Each step is a proximal one around the last point, of a weight that goes with the
  * residual: it keeps the system of redundant contacts regular and leaves no trace where it ends. An answer that contradicts its modes gives
- * others, fifteen times at most. It is the answer only where it passes the method's own test, moved into K; otherwise nothing
+ * others, fifteen times at most, and while they differ in 64 rows and a sixteenth of them at most: where more change from one time to the next,
+ * on piles of spheres, none of 16 rounds came to rest. It is the answer only where it passes the method's own test, moved into K; otherwise nothing
  * has happened. */
 #pragma once
 
