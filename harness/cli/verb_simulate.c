@@ -8,6 +8,8 @@
 #include "harness/util/shell.h"
 #include "lcp/base/output.h"
 #include "lcp/lcp_islands.h"
+#include "problems/world/world.h"
+#include "problems/write/scene_write.h"
 
 #include <string.h>
 
@@ -301,8 +303,33 @@ static void put_combination(json_t *o, const formulation_choice *form,
   json_out_text(o, "solver_options", solver->config);
 }
 
+/* The steps of combination k, where the run came to it. */
+static void put_part(json_t *o, const sim_result *r, int k) {
+  if (k >= r->n_part) {
+    return;
+  }
+  const sim_part *b = &r->part[k];
+  const sim_part end = {.steps_before = r->steps,
+                        .solves_before = r->n_solves,
+                        .unsolved_before = r->n_unsolved,
+                        .work_before = r->work,
+                        .time_before = r->time};
+  const sim_part *e = (k + 1 < r->n_part) ? &r->part[k + 1] : &end;
+  json_out_int(o, "steps", e->steps_before - b->steps_before);
+  json_out_text(o, "status", run_status_name(b->status));
+  json_out_bool(o, "verified", b->verified && b->status == RUN_OK);
+  json_out_real(o, "rho_max", e->solves_before > b->solves_before ? b->rho_max : HUGE_VAL);
+  json_out_int(o, "n_solves", e->solves_before - b->solves_before);
+  json_out_int(o, "n_unsolved", e->unsolved_before - b->unsolved_before);
+  json_out_int(o, "n_pivot", e->work_before.pivots - b->work_before.pivots);
+  json_out_int(o, "n_iter", e->work_before.iterations - b->work_before.iterations);
+  json_out_int(o, "n_factor", e->work_before.factorizations - b->work_before.factorizations);
+  json_out_real(o, "t_solve_s", e->time_before.solve - b->time_before.solve);
+  json_out_real(o, "t_total_s", sim_times_sum(&e->time_before) - sim_times_sum(&b->time_before));
+}
+
 /* Those of a run that changes them, with the steps that are done before. */
-static void put_changes(json_t *o, const combination_plan *p) {
+static void put_changes(json_t *o, const combination_plan *p, const sim_result *r) {
   if (p->n == 0) {
     return;
   }
@@ -311,6 +338,7 @@ static void put_changes(json_t *o, const combination_plan *p) {
     json_t *one = json_object();
     json_out_int(one, "from", p->span[k].from);
     put_combination(one, &p->span[k].form, &p->span[k].solver);
+    put_part(one, r, k);
     (void)json_array_append_new(all, one);
   }
   (void)json_object_set_new(o, "combinations", all);
@@ -325,7 +353,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   json_out_text(o, "scene", s->spec.id);
   json_out_text(o, "parameters", colon != NULL ? colon + 1 : "");
   put_combination(o, s->request.form, s->request.solver);
-  put_changes(o, &s->combinations);
+  put_changes(o, &s->combinations, r);
   json_out_text(o, "variant", r->variant);
   json_out_int(o, "contact_order", (long long)s->request.contact_order); /* 0: given */
   json_out_real(o, "step_s", s->request.h);
@@ -352,7 +380,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
 /* ---- verb ------------------------------------------------------------------------------------ */
 
 typedef struct simulate_files {
-  const char *trajectory, *trace, *dump_step, *dump_steps, *out, *steps;
+  const char *trajectory, *end, *trace, *dump_step, *dump_steps, *out, *steps;
 } simulate_files;
 
 typedef struct simulate_options {
@@ -429,16 +457,39 @@ static base_status with_trace(simulation *s, const char *scene, const simulate_f
   return trace_finish(&history, done, err);
 }
 
+/* With the scene that begins where the run ends. */
+static base_status with_end(simulation *s, const char *scene, const simulate_files *f,
+                            simulate_report *report, base_error *err) {
+  if (f->end == NULL) {
+    return with_trace(s, scene, f, report, err);
+  }
+  scene_spec end;
+  base_out file;
+  BASE_TRY(world_can_restart(&s->spec, err));
+  BASE_TRY(base_out_open(&file, f->end, err));
+  base_status done = spec_copy(&s->spec, &end, err);
+  s->request.end = &end;
+  if (done == BASE_OK) {
+    done = with_trace(s, scene, f, report, err);
+  }
+  if (done == BASE_OK) {
+    done = scene_write(file.to, &end, err);
+  }
+  s->request.end = NULL;
+  spec_free(&end);
+  return base_out_finish(&file, done, err);
+}
+
 /* With the files that the run is to leave behind. */
 static base_status with_files(simulation *s, const char *scene, const simulate_files *f,
                               simulate_report *report, base_error *err) {
   if (f->trajectory == NULL) {
-    return with_trace(s, scene, f, report, err);
+    return with_end(s, scene, f, report, err);
   }
   base_out file;
   BASE_TRY(base_out_open(&file, f->trajectory, err));
   s->request.trajectory = file.to;
-  const base_status done = with_trace(s, scene, f, report, err);
+  const base_status done = with_end(s, scene, f, report, err);
   s->request.trajectory = NULL;
   return base_out_finish(&file, done, err);
 }
@@ -480,6 +531,8 @@ static const arg_option options[] = {
         .unit = "1", .min = 1, .max = LCP_THREADS_MAX),
     ARG(simulate_options, f.trajectory, "--trajectory", ARG_OUTPUT, "FILE.csv",
         "states of all bodies after each step"),
+    ARG(simulate_options, f.end, "--write-end", ARG_OUTPUT, "FILE",
+        "the scene that begins where the run ends, as a scene file"),
     ARG(simulate_options, f.trace, "--trace", ARG_OUTPUT, "FILE.csv", "history of every solve"),
     ARG(simulate_options, f.dump_step, "--dump-step", ARG_TEXT, "N",
         "writes the problems of step N as files; together with --out"),

@@ -179,14 +179,15 @@ static base_status choose_combination(simulation *s, const char *rows, base_erro
 }
 
 static bool wants_files(const sim_request *q) {
-  return q->trajectory != NULL || q->trace != NULL || q->dump != NULL || q->store != NULL ||
-         q->replay != NULL;
+  return q->trajectory != NULL || q->end != NULL || q->trace != NULL || q->dump != NULL ||
+         q->store != NULL || q->replay != NULL;
 }
 
 /* The request without what a run that comes back to earlier steps would spoil. */
 static sim_request without_files(const sim_request *q) {
   sim_request silent = *q;
   silent.trajectory = NULL;
+  silent.end = NULL;
   silent.trace = NULL;
   silent.dump = NULL;
   silent.store = silent.replay = NULL;

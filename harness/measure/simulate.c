@@ -308,6 +308,8 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
                       .verified = true,
                       .finite = true,
                       .stiffness_ratio = HUGE_VAL,
+                      .n_part = 1,
+                      .part = {{.status = RUN_OK, .verified = true}},
                       .hash = SIM_HASH_START};
   *s = (sim){.q = q,
              .out = out,
@@ -335,6 +337,9 @@ void sim_finish(sim *s, series *record) {
   double *deepest = &record->column[SERIES_PENETRATION][record->n_row - 1];
   *deepest = fmax(*deepest, -world_min_gap(s->w));
   summarise(s, record);
+  if (s->q->end != NULL) {
+    world_restart(s->w, s->q->end);
+  }
 }
 
 void sim_close(sim *s) {

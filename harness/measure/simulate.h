@@ -52,8 +52,10 @@ typedef struct sim_request {
   long n_step;
   double duration; /* [s] */
   formulation_start start;
-  uint64_t contact_order;       /* seed of the order of contacts; 0: as the scene lists them */
-  FILE *trajectory;             /* NULL: none; otherwise CSV, one row per body and step */
+  uint64_t contact_order; /* seed of the order of contacts; 0: as the scene lists them */
+  FILE *trajectory;       /* NULL: none; otherwise CSV, one row per body and step */
+  scene_spec
+      *end; /* NULL: none; otherwise a copy of spec, which begins at the end of the run then */
   trace_file *trace;            /* NULL: none; a traced run is not to be timed */
   dump *dump;                   /* NULL: none; the problems of chosen steps are written as files */
   const sim_listener *listener; /* NULL: nobody */
@@ -70,6 +72,16 @@ typedef struct sim_times {
 
 double sim_times_sum(const sim_times *t); /* [s] */
 void sim_times_add(sim_times *sum, const sim_times *t);
+
+/* The steps of one combination of a run that changes it. */
+typedef struct sim_part {
+  run_status status;
+  bool verified;
+  double rho_max;                                    /* [1] */
+  long steps_before, solves_before, unsolved_before; /* of the whole run, as it began */
+  lcp_work work_before;
+  sim_times time_before;
+} sim_part;
 
 typedef struct sim_result {
   run_status status;  /* worst over the steps */
@@ -106,6 +118,8 @@ typedef struct sim_result {
   unsigned effects_seen;
   size_t workspace; /* [B] */
   sim_times time;
+  int n_part; /* 1, and one more with each change of the combination that came */
+  sim_part part[COMBINATION_SPANS];
   double step_longest; /* longest single step [s] */
   uint64_t hash;       /* FNV-1a of every answer z and every velocity: same bits, same hash */
 } sim_result;

@@ -85,12 +85,24 @@ base_status sim_change_combination(sim *s, const formulation_choice *form,
   return BASE_OK;
 }
 
+/* What follows is counted for the next combination. */
+static void begin_part(sim_result *r) {
+  r->part[r->n_part++] = (sim_part){.status = RUN_OK,
+                                    .verified = true,
+                                    .steps_before = r->steps,
+                                    .solves_before = r->n_solves,
+                                    .unsolved_before = r->n_unsolved,
+                                    .work_before = r->work,
+                                    .time_before = r->time};
+}
+
 base_status sim_follow_plans(sim *s, base_error *err) {
   const sim_request *q = s->q;
   const long steps = s->out->steps;
   if (q->combinations != NULL) {
     const combination_span *c = combination_plan_at(q->combinations, steps);
     if (&c->form != q->form) {
+      begin_part(s->out);
       BASE_TRY(sim_change_combination(s, &c->form, &c->solver, err));
     }
   }

@@ -12,7 +12,9 @@ void sim_trouble(sim *s, run_status word, const char *text) {
   if (s->out->note[0] == '\0') {
     (void)snprintf(s->out->note, sizeof s->out->note, "step %ld: %.200s", s->out->steps + 1, text);
   }
+  sim_part *part = &s->out->part[s->out->n_part - 1];
   s->out->status = run_status_worse(s->out->status, word);
+  part->status = run_status_worse(part->status, word);
 }
 
 /* No answer of this step exists: whoever was to give it said so. */
@@ -73,7 +75,10 @@ static bool may_go_on(run_status s) {
 /* Enters a solve into the record. */
 static void count_solve(sim *s, const solved *k) {
   sim_result *r = s->out;
+  sim_part *part = &r->part[r->n_part - 1];
   r->verified = r->verified && k->verified;
+  part->verified = part->verified && k->verified;
+  part->rho_max = fmax(part->rho_max, k->v.rho);
   r->claimed = run_status_worse(r->claimed, k->claimed);
   add_verdict(r, &k->v);
   if (k->word != RUN_OK) {

@@ -37,6 +37,15 @@ base_status world_advance(world *w, const double *v_next, const double *impulse,
 /* q <- q + h N shift of bodies after world_advance (formulation_answer.shift); velocities stay. */
 void world_shift(world *w, const double *shift);
 
+/* Makes s, a copy of the scene that w was opened with, begin where w is now: places and velocities of the bodies, what moves
+ * with them (joints) and with the time (anchors, phases, prescribed velocities). It keeps no check but that all is finite: the others
+ * tell of a motion from the old beginning. Impulses and bristles are no part of a scene. */
+void world_restart(const world *w, scene_spec *s);
+
+/* BASE_EUNSUPPORTED: such a scene has none, for the line says what (generalised coordinates, compliant contact, a force that grows
+ * with the time). */
+base_status world_can_restart(const scene_spec *s, base_error *err);
+
 double world_time(const world *w);
 unsigned world_effects(const world *w);
 unsigned world_occurring(const world *w);   /* those of them that occur in the scene's data */

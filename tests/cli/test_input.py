@@ -711,6 +711,62 @@ def steps_are_dumped(d):
         assert (d / "z.mtx").read_text() == (d / "boxes" / row[6]).read_text(), row
 
 
+def end_begins_a_scene(d: pathlib.Path) -> None:
+    """A run, or its first half and another one from the scene that --write-end leaves: joints,
+    springs, driven bodies and turned ones end at the same place. What grows with the time since
+    the beginning cannot begin anew, and says so."""
+    way = ("--formulation", "velocity", "--solver", "lemke")
+
+    def end(*more: object) -> dict[str, list[float]]:
+        run("simulate", *more, *way, "--trajectory", d / "t.csv", code=None)
+        rows = list(csv.reader((d / "t.csv").open()))
+        return {
+            r[2]: [float(x) for x in r[4:17]]
+            for r in rows
+            if r[1] == "body" and r[0] == rows[-1][0]
+        }
+
+    for scene in (
+        "chain",
+        "oscillator",
+        "gripper",
+        "tablecloth",
+        "belt",
+        "spin",
+        "euler_disc",
+        "wall",
+    ):
+        whole = end(scene, "--step", "0.004", "--duration", "0.08")
+        end(scene, "--step", "0.004", "--duration", "0.04", "--write-end", d / "end.json")
+        half = end(d / "end.json", "--step", "0.004", "--duration", "0.04")
+        assert whole.keys() == half.keys(), scene
+        for body, state in whole.items():
+            worst = max(abs(x - y) for x, y in zip(state, half[body], strict=True))
+            assert worst < 1e-12, (scene, body, worst)
+    one_line_error(
+        *("simulate", "push", *way, "--write-end", d / "x.json"),
+        names=["push", "grows with the time"],
+    )
+    assert not (d / "x.json").exists()
+
+
+def parts_of_a_run_have_verdicts(d: pathlib.Path) -> None:
+    """A budget of sweeps, then a solver with a tolerance: the run is not verified, its second part
+    is."""
+    o = run_json(
+        *("simulate", "stack:n=3", "--duration", "0.2", "--start", "previous"),
+        *("--formulation", "coulomb", "--solver", "nsgs:budget=5/12:cone_newton"),
+        code=3,
+    )
+    first, second = o["combinations"]
+    assert (first["status"], first["verified"], first["steps"]) == ("budget", False, 12), first
+    assert (second["status"], second["verified"], second["steps"]) == ("ok", True, 8), second
+    assert o["status"] == "budget" and not o["verified"]
+    for count in ("n_solves", "n_iter", "n_factor", "n_pivot", "n_unsolved", "steps"):
+        assert first[count] + second[count] == o[count], count
+    assert max(first["rho_max"], second["rho_max"]) == o["rho_max"] > second["rho_max"]
+
+
 def moments_are_refused_where_they_are_not_simulated(d: pathlib.Path) -> None:
     """A formulation without rolling and torsion says so: a ball that never stops is no answer."""
     for formulation in ("event", "penalty", "acceleration"):
@@ -805,5 +861,7 @@ tap(
         export_reads_back,
         friction_stays_physical,
         steps_are_dumped,
+        end_begins_a_scene,
+        parts_of_a_run_have_verdicts,
     ]
 )
