@@ -42,8 +42,10 @@ static const base_field fields[] = {
     BASE_FIELD(event_options, rate, BASE_REAL, "1/s", 20, 0, 1e6,
                "Baumgarte stabilisation of contacts"),
     BASE_FIELD(event_options, rtol, BASE_REAL, "1", 1e-9, 1e-13, 1, "relative error per substep"),
-    BASE_FIELD(event_options, atol, BASE_REAL, "m, m/s", 1e-11, 1e-15, 1,
-               "absolute error per substep, never below 64 roundings of the farthest coordinate"),
+    BASE_FIELD(
+        event_options, atol, BASE_REAL, "m, m/s", 1e-11, 1e-15, 1,
+        "absolute error per substep, never below 64 roundings of the farthest coordinate or of "
+        "what loads that cancel do in a step"),
 };
 
 /* ---- the step ------------------------------------------------------------------------------ */
@@ -101,15 +103,16 @@ static base_status bind(event_run *s, world *w, base_error *err) {
   return BASE_OK;
 }
 
-/* Positions far from the origin carry rounding that the gaps inherit: an error control that asks for
- * less would see nothing else and cut every substep. */
-static void set_tolerance(event_run *s) {
+/* An error control that asks for less than rounding would see nothing else and cut every substep. Positions far from the origin
+ * carry rounding that the gaps inherit, and velocities what rounding leaves of loads that cancel. */
+static void set_tolerance(event_run *s, double h) {
   double far = 0.0;
   for (int i = 0; i < s->n_config; i++) {
     far = fmax(far, fabs(s->y[i]));
   }
-  s->atol = fmax(s->opt->atol, 64.0 * DBL_EPSILON * far);
+  s->atol = fmax(s->opt->atol, 64.0 * DBL_EPSILON * fmax(far, s->arc.load * h));
   (void)s->gsl.gsl_odeiv2_control_init(s->driver->c, s->atol, s->opt->rtol, 1.0, 0.0);
+  event_set_slow(s);
 }
 
 static base_status report(event_run *s, double h, formulation_answer *out, base_error *err) {
@@ -159,7 +162,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   double t = world_time(w);
   const double end = t + h;
   world_get_state(w, s->y, s->y + s->n_config);
-  set_tolerance(s);
+  set_tolerance(s, h);
   joint_log_next_step(&s->joints);
   bool event = !s->started;
   if (!s->started) { /* velocities that joints forbid end before anything else is asked of the state */
@@ -173,6 +176,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
                          s->opt->max_events, t);
       }
       BASE_TRY(event_resolve(s, t, err));
+      set_tolerance(s, h);
       s->answer.work.mode_changes++;
     }
     if (s->solved) {

@@ -158,6 +158,7 @@ static void fill(arc *a, size_t m, const work *w) {
     const arc_contact *k = &a->contact[w->of[i]];
     w->b[i] = -(s->r[s->row[k->at] + w->row[i]] + stabilised(a, k, w->row[i]));
   }
+  memset(w->x, 0, m * sizeof *w->x);
   for (size_t j = 0; j < m; j++) {
     const arc_contact *own = &a->contact[w->of[j]];
     memset(w->lambda, 0, n * sizeof *w->lambda);
@@ -170,7 +171,12 @@ static void fill(arc *a, size_t m, const work *w) {
       }
       w->A[j * m + i] = sum;
       w->b[i] -= sum * own->start[w->row[j]];
+      w->x[i] += fabs(sum * own->start[w->row[j]]);
     }
+  }
+  a->load = 0.0;
+  for (size_t i = 0; i < m; i++) {
+    a->load = fmax(a->load, w->x[i]);
   }
 }
 

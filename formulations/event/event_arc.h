@@ -40,6 +40,7 @@ typedef struct arc {
   int distribution;   /* form_distribution */
   double margin;      /* contacts with a larger gap are not looked for [m] */
   double slow;        /* sliding slower than this keeps its direction [m/s] */
+  double load;        /* largest sum of what the forces, one by one, do to a row [m/s^2] */
   arc_contact *contact;
   int n, cap;
   contact_set set;            /* of the last evaluation */

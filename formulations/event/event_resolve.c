@@ -117,8 +117,7 @@ static void stabilise(const event_run *s, const contact_set *c, double *u0) {
   }
 }
 
-/* What the integrator cannot tell from rest: so many of its errors, at the largest speed so far. */
-static void set_slow(event_run *s) {
+void event_set_slow(event_run *s) {
   s->speed = fmax(s->speed, world_surface_speed(s->w));
   s->slow = s->arc.slow = s->opt->resolve * (s->atol + s->opt->rtol * s->speed);
 }
@@ -255,7 +254,7 @@ static base_status look(event_run *s, double t, contact_set *c, base_error *err)
 base_status event_resolve(event_run *s, double t, base_error *err) {
   contact_set c;
   BASE_TRY(look(s, t, &c, err));
-  set_slow(s);
+  event_set_slow(s);
   if (mark_closing(s, &c)) {
     BASE_TRY(event_impact(s, &c, err));
     if (!s->solved) {

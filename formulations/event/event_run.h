@@ -63,6 +63,8 @@ base_status event_substep(event_run *s, double *t, double end, bool *event, base
 /* Joints hold to rounding after every substep, so that their drift does not grow. What the integrator
  * knows of the rates at the end of the substep is then no longer true. */
 base_status event_onto_joints(event_run *s, double t, base_error *err);
+/* s->slow: what the integrator cannot tell from rest, so many of its errors at the largest speed so far. */
+void event_set_slow(event_run *s);
 /* Everything that happens at one instant: impact, then the contacts that persist and their modes,
  * from the state in s->y and into it. s->solved is false where a problem was not solved. */
 base_status event_resolve(event_run *s, double t, base_error *err);
