@@ -129,11 +129,18 @@ static double closed_up_to(const contact_set *c, int i, const contact_memory *me
   return fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
 }
 
-/* Bias of contact i, which is closed up to the gap tol; HUGE_VAL where it is not active. What has moved apart by more than
- * is usual may come back. */
+/* Gap of contact i without what says nothing [m]: rounding, and of a contact that carried an impulse what the solver's
+ * tolerance left of its velocity. At position level gaps of 1e-14 m would else decide which of redundant contacts carry. */
+static double gap_without_noise(const contact_set *c, int i, const contact_memory *memory) {
+  const double *past = contact_memory_old(memory, i);
+  const bool carried = past != NULL && past[PAST_IMPULSE] > 0 && contact_memory_closed(memory, i);
+  return (fabs(c->gap[i]) <= (carried ? 1 : gap_noise) * c->tol) ? 0 : c->gap[i];
+}
+
+/* Bias of contact i, which has that gap and is closed up to the gap tol; HUGE_VAL where it is not active. What has moved
+ * apart by more than is usual may come back. */
 static double normal_bias(const contact_set *c, int i, const form_rule *rule, double u_free,
-                          double tol) {
-  const double gap = (fabs(c->gap[i]) <= gap_noise * c->tol) ? 0 : c->gap[i];
+                          double gap, double tol) {
   const double u = c->u_before[c->row_start[i]];
   const double test = (rule->activation == FORM_MOREAU) ? gap + 0.5 * c->h * u : gap;
   const bool closed = test <= tol;
@@ -229,7 +236,8 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     const double u = row_velocity(c, &r, 0, &size);
     a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
-    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], closed_up_to(c, i, memory));
+    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], gap_without_noise(c, i, memory),
+                             closed_up_to(c, i, memory));
     a->mode[i] = 0;
     if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
         c->restitution != NULL) {
