@@ -98,8 +98,9 @@ base_status event_impact_without_collision(event_run *s, const contact_set *c, b
   const double h = s->slow / s->pull;
   memset(pull, 0, (size_t)c->n_row * sizeof *pull);
   for (int i = 0; i < a->n_contact; i++) {
-    memcpy(pull + c->row_start[a->group[i]], a->r + a->row[i],
-           (size_t)form_rows_of(a, i) * sizeof *pull);
+    double *to = pull + c->row_start[a->group[i]];
+    memcpy(to, a->r + a->row[i], (size_t)form_rows_of(a, i) * sizeof *pull);
+    to[0] = (form_own_block(a, i)[0] > 0.0) ? to[0] : fmax(to[0], 0.0);
   }
   s->answer.work.fallbacks++;
   BASE_TRY(space_impact(&s->space, c, err));

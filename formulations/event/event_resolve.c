@@ -94,7 +94,8 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
 }
 
 /* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
- * here. */
+ * here. A contact whose normal joints or locks hold needs none, and what its acceleration has is the error of its curvature; if
+ * it closes all the same that is an impact, for which there is no impulse. */
 static void stabilise(const event_run *s, const contact_set *c, double *u0) {
   const double rate = s->opt->rate;
   for (int i = 0; i < s->space.a.n_contact; i++) {
@@ -102,7 +103,9 @@ static void stabilise(const event_run *s, const contact_set *c, double *u0) {
     const double *u = c->u_before + c->row_start[g], *own = form_own_block(&s->space.a, i);
     double *row = u0 + s->space.a.row[i];
     if (!(own[0] > 0.0)) {
-      continue; /* joints or locks hold it */
+      row[0] =
+          fmax(row[0], 0.0); /* no force answers what joints or locks hold, and none is needed */
+      continue;
     }
     double term[3] = {2.0 * rate * u[0] + rate * rate * c->gap[g]};
     if (slip_at_rest(&s->p, &s->space.a, i)) {

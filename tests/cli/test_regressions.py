@@ -233,6 +233,51 @@ def a_ball_on_a_rail_jams(d):
     assert run_json("simulate", path, *stops, code=3)["status"] in ("ray", "infeasible")
 
 
+def a_chain_of_capsules_bounces_flat(d):
+    """Capsules joined end to end reach into each other where their ends coincide: a contact whose
+    normal the joint holds. They fall flat and come back with half of their speed, all alike."""
+    half, radius, fall, end = 0.1, 0.02, 0.05, 0.25
+    meets = math.sqrt(2 * fall / 9.81)
+    up = 0.5 * 9.81 * meets  # of the first flight; the second is half of that
+    since = end - meets - 2 * up / 9.81
+    height = radius + 0.5 * up * since - 9.81 / 2 * since**2
+    shape = {"type": "capsule", "half_length": half, "r": radius}
+    for dim, masses, kinds in (
+        (2, (0.65, 0.39, 1.45), ("ball", "hinge")),
+        (3, (1.65, 0.96, 0.35, 0.72), ("fixed", "fixed", "hinge")),
+    ):
+        scene = {"id": "chain", "dim": dim, "T": end, "hs": [0.005]}
+        across = [0.0] * (dim - 2)
+        scene["gravity"] = [0.0, *across, -9.81]
+        scene["static"] = [{"name": "floor", "normal": [0.0, *across, 1.0], "offset": 0.0}]
+        places = [[2 * half * k, *across, radius + fall] for k in range(len(masses))]
+        scene["bodies"] = [
+            {"name": f"b{k}", "shape": shape, "mass": m, "pos": x}
+            for k, (m, x) in enumerate(zip(masses, places, strict=True))
+        ]
+        scene["joints"] = [
+            {
+                "name": f"j{k}",
+                "type": kind,
+                "body": f"b{k + 1}",
+                "other": f"b{k}",
+                "anchor": [2 * half * k + half, *across, radius + fall],
+                "axis": [0.0, 1.0, 0.0][:dim],
+            }
+            for k, kind in enumerate(kinds)
+        ]
+        scene |= {"friction": {"default": 0.0}, "restitution": {"default": 0.5}}
+        scene["observe"] = [f"b{k}.{'xyz'[dim - 1]}" for k in range(len(masses))]
+        scene["checks"] = [{"type": "finite"}]
+        path = d / "chain.json"
+        path.write_text(json.dumps(scene))
+        o = run_json("simulate", path, "--formulation", "event", "--solver", "lemke")
+        assert o["status"] == "ok", (dim, o["note"])
+        for name in scene["observe"]:
+            got = o["observables"][name]["value"]
+            assert abs(got - height) < 1e-7, (dim, name, got, height)
+
+
 def work_is_limited(d):
     """No step of `event` goes on for ever."""
     words = ("--formulation", "event:max_evaluations=10", "--solver", "lemke")
@@ -307,6 +352,7 @@ tap(
         a_rod_is_struck_without_collision,
         what_runs_away_ends_as_numerical,
         a_ball_on_a_rail_jams,
+        a_chain_of_capsules_bounces_flat,
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
         rounding_does_not_choose_what_carries,
