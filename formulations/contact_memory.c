@@ -87,10 +87,6 @@ base_status contact_memory_begin(contact_memory *m, int stride, const contact_se
   return BASE_OK;
 }
 
-static uint64_t shapes_of(uint64_t id) {
-  return id >> (CONTACT_COPY_BITS + CONTACT_FEATURE_BITS);
-}
-
 /* First of n ascending ids that is not below `id`. */
 static int first_from(const uint64_t *ids, int n, uint64_t id) {
   int low = 0, high = n;
@@ -106,9 +102,9 @@ bool contact_memory_closed(const contact_memory *m, int i) {
   if (m->match[i] >= 0) {
     return contact_memory_old(m, i)[PAST_CLOSED] > 0;
   }
-  const uint64_t shapes = shapes_of(m->id[i]);
+  const uint64_t shapes = contact_shapes_of(m->id[i]);
   int k = first_from(m->id_old, m->n_old, shapes << (CONTACT_COPY_BITS + CONTACT_FEATURE_BITS));
-  for (; k < m->n_old && shapes_of(m->id_old[k]) == shapes; k++) {
+  for (; k < m->n_old && contact_shapes_of(m->id_old[k]) == shapes; k++) {
     const int at = first_from(m->id, m->n, m->id_old[k]);
     const bool gone = at == m->n || m->id[at] != m->id_old[k];
     if (gone && m->old[(ptrdiff_t)k * m->stride + PAST_CLOSED] > 0) {

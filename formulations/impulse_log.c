@@ -67,15 +67,29 @@ void impulse_log_next_step(impulse_log *l) {
   l->n = kept;
 }
 
+/* Contact of the set that has the id, or else the first of its two shapes; -1: they have none. */
+static int teller(const contact_set *c, uint64_t id) {
+  int first = -1;
+  for (int i = 0; i < c->n_contact; i++) {
+    if (c->id[i] == id) {
+      return i;
+    }
+    const bool same = contact_shapes_of(c->id[i]) == contact_shapes_of(id);
+    first = (same && first < 0) ? i : first;
+  }
+  return first;
+}
+
 int impulse_log_write(impulse_log *l, const contact_set *c, double *impulse) {
   int known = 0;
   memset(impulse, 0, (size_t)c->n_row * sizeof *impulse);
-  for (int i = 0; i < c->n_contact; i++) {
-    const impulse_entry *e = impulse_log_find(l, c->id[i]);
-    for (int r = 0; e != NULL && r < 1 + c->rows[i].tangent; r++) {
-      impulse[c->row_start[i] + r] = e->impulse[r];
+  for (int k = 0; k < l->n; k++) {
+    const impulse_entry *e = &l->entry[k];
+    const int i = teller(c, e->id);
+    for (int r = 0; i >= 0 && r < 1 + c->rows[i].tangent; r++) {
+      impulse[c->row_start[i] + r] += e->impulse[r];
     }
-    known += (e != NULL);
+    known += (i >= 0 && c->id[i] == e->id);
   }
   return known;
 }

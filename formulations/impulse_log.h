@@ -28,7 +28,8 @@ void impulse_log_end(impulse_log *l, double dt); /* contacts not seen have lost 
 /* After a step: forgets contacts that no longer touch, zeroes the impulses of the others. */
 void impulse_log_next_step(impulse_log *l);
 /* impulse[n_row] of the set from the log, zero where the log has no entry; returns how many of the
- * set's contacts have one. */
+ * set's contacts have one. What a contact did that is no longer listed is told by the first of the same two shapes, as where
+ * the corner of one took the place of the corner of the other within the step. */
 int impulse_log_write(impulse_log *l, const contact_set *c, double *impulse);
 void impulse_log_close(impulse_log *l);
 

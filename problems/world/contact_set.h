@@ -20,6 +20,9 @@
 /* The low bits of an id tell copies of one contact apart (spec: contact_multiplicity), those above them the features, corners and
  * edges, of two shapes that meet; what is left tells pairs of shapes apart. */
 enum { CONTACT_COPY_BITS = 8, CONTACT_FEATURE_BITS = 12 };
+static inline uint64_t contact_shapes_of(uint64_t id) {
+  return id >> (CONTACT_COPY_BITS + CONTACT_FEATURE_BITS);
+}
 
 /* Row counts of one contact. */
 typedef struct contact_rows {

@@ -7,6 +7,7 @@ import json
 import math
 import re
 
+from laws import Motion, momentum_error
 from support import SANITIZED, TESTS, Skip, run, run_json, tap
 
 FOLDER = TESTS / "cases" / "regressions"
@@ -278,6 +279,29 @@ def a_chain_of_capsules_bounces_flat(d):
             assert abs(got - height) < 1e-7, (dim, name, got, height)
 
 
+def no_force_is_lost_with_its_corner(d):
+    """A box slides over the end of the capsule that it lies on: within a step the end takes the
+    place of the box's corner. The forces printed for that step are those that changed momenta."""
+    scene = {"id": "corners", "dim": 2, "T": 0.2, "hs": [0.005], "gravity": [0, -9.81]}
+    scene["static"] = [{"name": "floor", "normal": [0, 1], "offset": 0}]
+    capsule = {"type": "capsule", "half_length": 0.2, "r": 0.1}
+    box = {"type": "box", "half": [0.2, 0.05]}
+    scene["bodies"] = [
+        {"name": "under", "shape": capsule, "mass": 96, "pos": [0.05, 0.1]},
+        {"name": "over", "shape": box, "mass": 16, "pos": [0, 0.25], "vel": [0.7, 0]},
+    ]
+    scene |= {"friction": {"default": 0.2}, "restitution": {"default": 0.0}}
+    scene |= {"joints": [], "observe": ["over.x"], "checks": [{"type": "finite"}]}
+    path, way = d / "corners.json", d / "way.csv"
+    path.write_text(json.dumps(scene))
+    words = ("--formulation", "event", "--solver", "lemke", "--trajectory", way)
+    assert run_json("simulate", path, *words)["status"] == "ok"
+    motion = Motion.read(way)
+    corners = {len(pushes) for pushes in motion.pushes}
+    off = momentum_error(scene, motion)
+    assert off < 1e-7 and max(corners) >= 4, (off, corners)
+
+
 def work_is_limited(d):
     """No step of `event` goes on for ever."""
     words = ("--formulation", "event:max_evaluations=10", "--solver", "lemke")
@@ -353,6 +377,7 @@ tap(
         what_runs_away_ends_as_numerical,
         a_ball_on_a_rail_jams,
         a_chain_of_capsules_bounces_flat,
+        no_force_is_lost_with_its_corner,
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
         rounding_does_not_choose_what_carries,
