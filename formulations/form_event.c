@@ -71,7 +71,7 @@ static void close(void *st) {
 static base_status open(void *st, const void *opt, base_error *err) {
   event_run *s = st;
   s->opt = opt;
-  return gsl_open(&s->gsl, err);
+  return gsl_integrators(&s->gsl, err);
 }
 
 static base_status bind(event_run *s, world *w, base_error *err) {

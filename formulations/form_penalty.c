@@ -256,7 +256,7 @@ static base_status open(void *st, const void *opt, base_error *err) {
   state *s = st;
   s->opt = opt;
   s->e = -1.0;
-  return gsl_open(&s->gsl, err);
+  return gsl_integrators(&s->gsl, err);
 }
 
 /* Everything whose size the world fixes; done at the first step. */
@@ -268,6 +268,9 @@ static base_status bind(state *s, world *w, base_error *err) {
   s->n_config = world_n_config(w);
   s->n_dof = world_n_dof(w);
   const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
+  if (s->n_dof < 1) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "penalty: nothing moves in this scene");
+  }
   s->y = calloc(5 * n + 1, sizeof *s->y);
   s->system = (gsl_odeiv2_system){right_hand_side, jacobian, n, s};
   s->driver = s->gsl.gsl_odeiv2_driver_alloc_y_new(&s->system, method(s, s->opt->integrator),

@@ -22,7 +22,15 @@
   X(gsl_odeiv2_step_reset) \
   X(gsl_odeiv2_step_rk8pd) \
   X(gsl_odeiv2_step_rkf45) \
+  X(gsl_set_error_handler_off) \
   X(gsl_strerror) \
   X(gsl_version)
 /* clang-format on */
 BASE_LIBRARY(gsl, GSL_SYMBOLS, LCPBENCH_LIB_GSL, "GSL's integrator")
+
+/* The library, which returns its errors from here on instead of ending the program. */
+static inline base_status gsl_integrators(gsl_library *table, base_error *err) {
+  BASE_TRY(gsl_open(table, err));
+  (void)table->gsl_set_error_handler_off();
+  return BASE_OK;
+}

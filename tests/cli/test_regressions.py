@@ -302,6 +302,28 @@ def no_force_is_lost_with_its_corner(d):
     assert off < 1e-7 and max(corners) >= 4, (off, corners)
 
 
+def nothing_moves(d):
+    """A box that is locked in every direction, on the floor: it stays, or the run is refused."""
+    scene = {"id": "still", "dim": 2, "T": 0.05, "hs": [0.01], "gravity": [0, -9.81]}
+    scene["static"] = [{"name": "floor", "normal": [0, 1], "offset": 0}]
+    scene["bodies"] = [{"name": "b", "shape": {"type": "box", "half": [0.2, 0.1]}, "mass": 1}]
+    scene["bodies"][0] |= {"pos": [0, 0.1], "lock": ["x", "y", "rot"]}
+    scene |= {"observe": ["b.y"], "checks": [{"type": "finite"}]}
+    path = d / "still.json"
+    path.write_text(json.dumps(scene))
+    for formulation, solver in (
+        *((f, "lemke") for f in ("velocity", "position", "regularized", "acceleration")),
+        *((f, "lemke") for f in ("event", "penalty", "penalty:integrator=bsimp")),
+        ("boxed", "ppm"),
+        ("coulomb", "cone_newton"),
+    ):
+        done = run("simulate", path, "--formulation", formulation, "--solver", solver, code=None)
+        o = json.loads(done.stdout)
+        assert (o["status"], done.returncode) in (("ok", 0), ("unsupported", 3)), formulation
+        assert o["status"] != "ok" or o["observables"]["b.y"]["value"] == 0.1, formulation
+        assert o["status"] == "ok" or "nothing moves" in o["note"], (formulation, o["note"])
+
+
 def work_is_limited(d):
     """No step of `event` goes on for ever."""
     words = ("--formulation", "event:max_evaluations=10", "--solver", "lemke")
@@ -378,6 +400,7 @@ tap(
         a_ball_on_a_rail_jams,
         a_chain_of_capsules_bounces_flat,
         no_force_is_lost_with_its_corner,
+        nothing_moves,
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
         rounding_does_not_choose_what_carries,
