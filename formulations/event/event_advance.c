@@ -6,6 +6,9 @@
 
 /* Trials of one search; the time is then known to 2^-48 of the substep. */
 static const int max_trials = 48;
+/* A substep after which a slip has left the direction of its acceleration by more than this, over what cannot be told from
+ * none, is taken again at half its length. */
+static const double most_across = 4;
 
 int event_rates(double t, const double y[], double dy[], void *params) {
   event_run *s = params;
@@ -163,6 +166,25 @@ static base_status integrate(event_run *s, double *t, double end, base_error *er
   return arc_forces(&s->arc, s->acc, err);
 }
 
+/* Does a contact that slides where it is accelerated to leave that direction by more than the integrator's error? */
+static bool strays(const event_run *s) {
+  for (int i = 0; i < s->arc.n; i++) {
+    const arc_contact *k = &s->arc.contact[i];
+    if (k->follows && arc_across(k) > most_across * s->slow) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Those that have left it by that much have the direction of their slip from here on. */
+static void let_turn(event_run *s) {
+  for (int i = 0; i < s->arc.n; i++) {
+    arc_contact *k = &s->arc.contact[i];
+    k->follows = k->follows && arc_across(k) <= s->slow;
+  }
+}
+
 base_status event_substep(event_run *s, double *t, double end, bool *event, base_error *err) {
   const double start = *t, before = world_closing_rate(s->w, s->arc.margin);
   const size_t n = (size_t)s->n_config + (size_t)s->n_dof;
@@ -171,7 +193,7 @@ base_status event_substep(event_run *s, double *t, double end, bool *event, base
   /* no pair comes nearer by more than half of the margin of the detection or of its distance: none passes unseen */
   double most = fmin(end - start, 0.25 / before);
   BASE_TRY(integrate(s, t, start + most, err));
-  while ((*t - start) * (before + world_closing_rate(s->w, s->arc.margin)) > 1.0) {
+  while ((*t - start) * (before + world_closing_rate(s->w, s->arc.margin)) > 1.0 || strays(s)) {
     most = 0.5 * (*t - start);
     *t = start;
     memcpy(s->y, s->from, n * sizeof *s->y);
@@ -193,6 +215,7 @@ base_status event_substep(event_run *s, double *t, double end, bool *event, base
     (void)s->gsl.gsl_odeiv2_step_reset(s->driver->s);
   }
   BASE_TRY(watch_take(&s->watch, &s->arc, false, event_touching * s->arc.set.tol, err));
+  let_turn(s);
   BASE_TRY(log_substep(s, dt, err));
   return event_onto_joints(s, *t, err);
 }

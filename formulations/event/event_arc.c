@@ -15,7 +15,8 @@ static const double rank_tol = 1e-11; /* singular directions of redundant contac
 /* delta over the largest diagonal entry, and that of friction over it: what redundancy leaves open is 1e-10 noise, and
  * each iteration takes four digits of delta away. */
 static const double spring = 1e-6, friction_share = 1e-2;
-enum { CORRECTIONS = 100 };
+enum { CORRECTIONS = 100, TURNS = 50 };
+static const double settled = 1e-13;   /* a direction of sliding [1] */
 static const double corrected = 1e-12; /* what delta may still hold, of the right side */
 /* Where speeds of rounding are taken out, a direction that is nearly redundant would magnify them. */
 static const double settle_rank_tol = 1e-8;
@@ -82,6 +83,10 @@ static int find(const arc *a, uint64_t id) {
   return -1;
 }
 
+double arc_across(const arc_contact *k) {
+  return fabs(k->u[2] * k->direction[0] - k->u[1] * k->direction[1]);
+}
+
 /* Gaps and velocities of the listed contacts, which alone take part. */
 static void read_set(arc *a) {
   const contact_set *c = &a->set;
@@ -108,7 +113,7 @@ static void read_set(arc *a) {
     k->mu = (c->rows[g].tangent > 0) ? (rests ? c->mu_static[g] : c->mu_kinetic[g]) : 0.0;
     const double along = k->u[1] * k->direction[0] + k->u[2] * k->direction[1];
     /* beyond the instant at which it turns round, which is an event, it keeps its side */
-    if (!k->stick && slip > a->slow && along > 0.0) {
+    if (!k->stick && !k->follows && slip > a->slow && along > 0.0) {
       k->direction[0] = k->u[1] / slip;
       k->direction[1] = k->u[2] / slip;
     }
@@ -251,38 +256,74 @@ static base_status share(arc *a, size_t m, const work *w, base_error *err) {
   return BASE_OK;
 }
 
+/* Forces, accelerations and what tangents are accelerated by, for the directions that stand. */
+static base_status solve_forces(arc *a, size_t m, const work *w, base_error *err) {
+  form_assembly *s = &a->space->a;
+  fill(a, m, w);
+  BASE_TRY((a->distribution != FORM_EXTREME) ? share(a, m, w, err) : solve(m, rank_tol, w, err));
+  memset(w->lambda, 0, (size_t)s->n_row * sizeof *w->lambda);
+  for (size_t j = 0; j < m; j++) {
+    const arc_contact *k = &a->contact[w->of[j]];
+    spread(a, k, w->row[j], k->start[w->row[j]] + w->b[j], w->lambda);
+  }
+  double *rate = w->C; /* C has been read */
+  form_assembly_velocity(s, w->lambda, rate);
+  for (int i = 0; i < a->n; i++) {
+    arc_contact *k = &a->contact[i];
+    memset(k->force, 0, sizeof k->force);
+    memset(k->rate, 0, sizeof k->rate);
+    if (k->present) {
+      memcpy(k->force, w->lambda + s->row[k->at],
+             (size_t)form_rows_of(s, k->at) * sizeof *k->force);
+      memcpy(k->rate, rate + s->row[k->at] + 1,
+             (size_t)(form_rows_of(s, k->at) - 1) * sizeof *k->rate);
+    }
+  }
+  form_assembly_answer(s, w->lambda);
+  return BASE_OK;
+}
+
+/* d <- (a_t + c mu f d) / |...| of the contacts that slide where they are accelerated to, c the mean of what friction does to
+ * its own tangents: a contraction with a_t parallel to d at its fixed point. Returns whether a direction moved. */
+static bool follow(arc *a) {
+  bool moved = false;
+  for (int i = 0; i < a->n; i++) {
+    arc_contact *k = &a->contact[i];
+    if (!k->follows || k->stick || !k->present || form_rows_of(&a->space->a, k->at) < 3) {
+      continue;
+    }
+    const double *own = form_own_block(&a->space->a, k->at);
+    const double hold = 0.5 * (own[4] + own[8]) * k->mu * k->force[0];
+    const double d[2] = {k->rate[0] + hold * k->direction[0], k->rate[1] + hold * k->direction[1]};
+    const double size = hypot(d[0], d[1]);
+    if (!(size > 0.0)) {
+      continue;
+    }
+    for (int t = 0; t < 2; t++) {
+      moved = moved || fabs(d[t] / size - k->direction[t]) > settled;
+      k->direction[t] = d[t] / size;
+    }
+  }
+  return moved;
+}
+
 base_status arc_forces(arc *a, double *acc, base_error *err) {
   form_assembly *s = &a->space->a;
   BASE_TRY(world_contacts_curved(a->w, probe, a->margin, &a->set, err));
   BASE_TRY(world_acceleration(a->w, acc, err));
   BASE_TRY(space_reserve(a->space, &a->set, err));
   read_set(a);
-  a->evaluations++;
   BASE_TRY(space_forces(a->space, &a->set, acc, err));
   work w = {0};
   const size_t m = number(a, false, NULL);
   BASE_TRY(reserve_work(a, m, (size_t)s->n_row, &w, err));
   (void)number(a, false, &w);
-  fill(a, m, &w);
-  BASE_TRY((a->distribution != FORM_EXTREME) ? share(a, m, &w, err) : solve(m, rank_tol, &w, err));
-  memset(w.lambda, 0, (size_t)s->n_row * sizeof *w.lambda);
-  for (size_t j = 0; j < m; j++) {
-    const arc_contact *k = &a->contact[w.of[j]];
-    spread(a, k, w.row[j], k->start[w.row[j]] + w.b[j], w.lambda);
+  bool turned = true;
+  for (int k = 0; turned && k < TURNS; k++) {
+    a->evaluations++;
+    BASE_TRY(solve_forces(a, m, &w, err));
+    turned = follow(a);
   }
-  double *rate = w.C; /* C has been read */
-  form_assembly_velocity(s, w.lambda, rate);
-  for (int i = 0; i < a->n; i++) {
-    arc_contact *k = &a->contact[i];
-    memset(k->force, 0, sizeof k->force);
-    memset(k->rate, 0, sizeof k->rate);
-    if (k->present) {
-      memcpy(k->force, w.lambda + s->row[k->at], (size_t)form_rows_of(s, k->at) * sizeof *k->force);
-      memcpy(k->rate, rate + s->row[k->at] + 1,
-             (size_t)(form_rows_of(s, k->at) - 1) * sizeof *k->rate);
-    }
-  }
-  form_assembly_answer(s, w.lambda);
   memcpy(acc, s->v_next, (size_t)a->set.n_dof * sizeof *acc);
   return BASE_OK;
 }

@@ -9,8 +9,9 @@
  * Redundant contacts leave the forces undetermined. Of all that satisfy the equations those are taken that springs
  * share (MATHEMATICS 2.8), or with FORM_EXTREME those nearest to the forces at the start of the arc (least-norm correction,
  * LAPACK dgelsy). The latter lie in their cones at the start, the former only where arc_carries says so; both change
- * continuously with the motion. d = u_t/|u_t| while
- * sliding, the direction of departure at the start of it.
+ * continuously with the motion. d = u_t/|u_t| while sliding. Friction turns a slip u_t towards what drives it at the rate
+ * mu f/(m |u_t|), which has no bound where sliding begins: there d is the direction of a_t, the limit of a fast turn, as long
+ * as u_t leaves it by nothing that the integrator can tell from none.
  */
 #pragma once
 
@@ -22,6 +23,7 @@ typedef struct arc_contact {
   uint64_t id;
   bool stick;
   bool starts;         /* slides from rest: its tangential speed at the start of the arc is none */
+  bool follows;        /* started so, and slides where it is accelerated to since */
   bool edge;           /* at rest on the edge of its cone, and its kinetic coefficient is smaller */
   bool held;           /* there, by its neighbours */
   double direction[2]; /* of sliding: at the start of the arc, then of the last accepted state */
@@ -39,7 +41,7 @@ typedef struct arc {
   double rate;        /* s [1/s] */
   int distribution;   /* form_distribution */
   double margin;      /* contacts with a larger gap are not looked for [m] */
-  double slow;        /* sliding slower than this keeps its direction [m/s] */
+  double slow;        /* what cannot be told from rest [m/s]: such a slip keeps its direction */
   double load;        /* largest sum of what the forces, one by one, do to a row [m/s^2] */
   arc_contact *contact;
   int n, cap;
@@ -55,6 +57,8 @@ void arc_close(arc *a);
 /* Accelerations (n_dof) at the world's present state, with forces, gaps and velocities of the listed
  * contacts. BASE_EEXTERNAL if the equations cannot be solved. */
 base_status arc_forces(arc *a, double *acc, base_error *err);
+/* How fast contact k slides across its direction [m/s]. */
+double arc_across(const arc_contact *k);
 /* Can the contacts carry the forces last evaluated: all touching, none pulls, sticking ones inside their cones? */
 bool arc_carries(const arc *a);
 /* Takes out of v (n_dof, the world's present velocities) what is left of the normal velocities of the listed
