@@ -33,6 +33,7 @@ static base_status read_earlier(const char *dir, record_table *rows, base_error 
 typedef struct reckoning {
   int done, todo, unknown; /* processes; of unknown duration */
   double known, doctor;    /* [s] of the others, and of the noise floor */
+  int reached;             /* units before which the budget is not spent */
 } reckoning;
 
 static void print_cell(const plan *p, const cell *c, bool todo) {
@@ -72,8 +73,17 @@ static void add_unit(const plan *p, int u, const outlook *earlier, outlook_cell 
   sum->unknown += (seconds < HUGE_VAL) ? 0 : 1;
 }
 
-static base_status reckon(const plan *p, const bool *done, const outlook *earlier, reckoning *sum,
-                          base_error *err) {
+static double usual_seconds(const campaign *c) {
+  return fmin(c->limits.time, c->sampling.budget);
+}
+
+/* [s] */
+static double spent(const plan *p, const reckoning *s) {
+  return s->known + s->unknown * usual_seconds(p->campaign) + s->doctor;
+}
+
+static base_status reckon(const plan *p, const bool *done, const outlook *earlier, double budget,
+                          reckoning *sum, base_error *err) {
   outlook_cell *of = malloc(((size_t)p->n_cell + 1) * sizeof *of);
   if (of == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d cells", p->n_cell);
@@ -86,24 +96,43 @@ static base_status reckon(const plan *p, const bool *done, const outlook *earlie
     if (!done[u]) {
       add_unit(p, u, earlier, of, sum);
     }
+    sum->reached = (spent(p, sum) <= budget) ? u + 1 : sum->reached;
   }
   free(of);
   return BASE_OK;
 }
 
+/* The cells that a budget reaches, stage by stage: all of each stage before the one in which it ends. */
+static void print_budget(const plan *p, const cover *order, double budget, const reckoning *s) {
+  const int processes = p->campaign->sampling.processes;
+  int cells[COVER_STAGE_COUNT] = {0};
+  int reached[COVER_STAGE_COUNT] = {0};
+  for (int k = 0; k < order->n; k++) {
+    cells[order->stage[k]]++;
+    reached[order->stage[k]] += ((k + 1) * processes <= s->reached) ? 1 : 0;
+  }
+  (void)printf("a budget of %.0f s reaches about %d of %d cells:", budget, s->reached / processes,
+               order->n);
+  for (int i = 0; i < COVER_STAGE_COUNT; i++) {
+    (void)printf("%s %d of %d by %s", i > 0 ? "," : "", reached[i], cells[i],
+                 cover_stage_name((cover_stage)i));
+  }
+  (void)printf("\n");
+}
+
 static void print_reckoning(const plan *p, const reckoning *s) {
   const campaign *c = p->campaign;
-  const double usual = fmin(c->limits.time, c->sampling.budget);
+  const double usual = usual_seconds(c);
   const double longest = c->limits.time + c->limits.grace;
   (void)printf("%d cells, %d processes: %d done, %d to do; about %.0f s (%.3g s by earlier rows, %d"
                " processes of %.3g s each, %.3g s for the noise floor), by the limits at most"
                " %.0f s\n",
-               p->n_cell, p->n_unit, s->done, s->todo, s->known + s->unknown * usual + s->doctor,
-               s->known, s->unknown, usual, s->doctor, s->todo * longest + s->doctor);
+               p->n_cell, p->n_unit, s->done, s->todo, spent(p, s), s->known, s->unknown, usual,
+               s->doctor, s->todo * longest + s->doctor);
 }
 
-static base_status print_plan(const plan *p, const record_table rows[2], double doctor,
-                              base_error *err) {
+static base_status print_plan(const plan *p, const runner_options *o, const record_table rows[2],
+                              double doctor, base_error *err) {
   outlook earlier = {0};
   reckoning sum = {.doctor = doctor};
   bool *done = calloc((size_t)p->n_unit + 1, sizeof *done);
@@ -116,7 +145,10 @@ static base_status print_plan(const plan *p, const record_table rows[2], double 
     s = outlook_open(&earlier, rows, 2, err);
   }
   if (s == BASE_OK) {
-    s = reckon(p, done, &earlier, &sum, err);
+    s = reckon(p, done, &earlier, o->budget, &sum, err);
+  }
+  if (s == BASE_OK && o->order != NULL) {
+    print_budget(p, o->order, o->budget, &sum);
   }
   if (s == BASE_OK) {
     print_reckoning(p, &sum);
@@ -135,7 +167,7 @@ base_status dry_run(const plan *p, const runner_options *o, const char *like, ba
     s = read_earlier(like, &rows[1], err);
   }
   if (s == BASE_OK) {
-    s = print_plan(p, rows, due ? p->campaign->sampling.doctor : 0.0, err);
+    s = print_plan(p, o, rows, due ? p->campaign->sampling.doctor : 0.0, err);
   }
   record_table_free(&rows[0]);
   record_table_free(&rows[1]);

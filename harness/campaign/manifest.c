@@ -1,6 +1,7 @@
 #include "harness/campaign/manifest.h"
 
 #include "formulations/gsl_library.h"
+#include "harness/campaign/account.h"
 #include "harness/campaign/noise.h"
 #include "harness/campaign/runner.h"
 #include "harness/choice/plugins.h"
@@ -179,7 +180,16 @@ static json_t *environment_json(void) {
   return o;
 }
 
-base_status manifest_write(const char *dir, const plan *p, const plan_filter *f, base_error *err) {
+static json_t *filters_json(const plan_filter *f) {
+  json_t *a = json_array();
+  for (int i = 0; i < f->filter.count; i++) {
+    (void)json_array_append_new(a, json_string(f->filter.item[i]));
+  }
+  return a;
+}
+
+base_status manifest_write(const char *dir, const plan *p, const plan_filter *f, const cover *order,
+                           const bool *done, base_error *err) {
   char path[1100];
   char sum[SHA256_HEX] = "";
   char when[24];
@@ -193,6 +203,11 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
   json_out_int(o, "n_processes", p->n_unit);
   json_out_int(o, "shard", f->shard);
   json_out_int(o, "n_shards", f->n_shard);
+  (void)json_object_set_new(o, "filters", filters_json(f));
+  json_t *cut = account_json(p, order, done);
+  if (cut != NULL) {
+    (void)json_object_set_new(o, "cut", cut);
+  }
   (void)json_object_set_new(o, "build", build_json());
   (void)json_object_set_new(o, "machine", machine_json());
   (void)json_object_set_new(o, "libraries", libraries_json());
@@ -203,7 +218,7 @@ base_status manifest_write(const char *dir, const plan *p, const plan_filter *f,
   if (sha256_file(path, sum, NULL) == BASE_OK) {
     json_out_text(o, "results_sha256", sum);
   }
-  const base_status done = json_file_write(o, dir, "manifest.json", err);
+  const base_status written = json_file_write(o, dir, "manifest.json", err);
   json_decref(o);
-  return done;
+  return written;
 }

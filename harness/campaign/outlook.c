@@ -124,6 +124,7 @@ static void add_row(outlook_cell *sum, const outlook_row *row, const campaign *m
   const double evaluation = refused ? 0.0 : foretold(row, c, m->limits.time);
   const double seconds = refused ? START : process_seconds(m, evaluation);
   const bool ends = evaluation >= m->limits.time || (!killed && runner_ends_cell(row->r));
+  sum->refused = sum->refused && refused;
   sum->first += seconds;
   sum->later += ends ? 0.0 : seconds;
 }
@@ -131,7 +132,7 @@ static void add_row(outlook_cell *sum, const outlook_row *row, const campaign *m
 outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c) {
   const int first = first_of(o, c->problem);
   const bool known = first < o->n && strcmp(o->row[first].r->problem, c->problem) == 0;
-  outlook_cell sum = {0.0, 0.0};
+  outlook_cell sum = {0.0, 0.0, true};
   int best = 0;
   int n = 0;
   for (int i = known ? first : 0; i < o->n; i++) {
@@ -142,13 +143,13 @@ outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c) {
     if (agrees > best) {
       best = agrees;
       n = 0;
-      sum = (outlook_cell){0.0, 0.0};
+      sum = (outlook_cell){0.0, 0.0, true};
     }
     if (agrees == best && best > 0) {
       add_row(&sum, &o->row[i], p->campaign, c);
       n++;
     }
   }
-  return (n > 0) ? (outlook_cell){sum.first / n, sum.later / n}
-                 : (outlook_cell){HUGE_VAL, HUGE_VAL};
+  return (n > 0) ? (outlook_cell){sum.first / n, sum.later / n, sum.refused}
+                 : (outlook_cell){HUGE_VAL, HUGE_VAL, false};
 }

@@ -22,6 +22,7 @@ void outlook_close(outlook *o);
 typedef struct outlook_cell {
   double first; /* of its first process */
   double later; /* of each other one: none where the first one fails, which ends the cell */
+  bool refused; /* every row that tells was refused: no evaluation, no time */
 } outlook_cell;
 
 /* From the rows that agree with the cell in most of problem, solver, formulation and part (in this order), scaled to its

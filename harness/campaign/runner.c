@@ -67,6 +67,23 @@ static base_status settle_canaries(const runner *r, base_error *err) {
              : BASE_FAIL(err, BASE_EIO, "%s: %s", path, strerror(errno));
 }
 
+static base_status write_manifest(const runner *r, base_error *err) {
+  return manifest_write(r->o->out, r->plan, r->o->filter, r->o->order, r->done, err);
+}
+
+/* Not before one process: whoever asks again and again comes to the end. */
+static bool spent(const runner *r) {
+  return r->o->budget > 0.0 && r->sum->measured > 0 && base_seconds() - r->begun > r->o->budget;
+}
+
+/* A cell that has ended leaves no process, also where the budget was spent before its turn. */
+static void count_left(runner *r) {
+  for (int u = 0; u < r->plan->n_unit; u++) {
+    r->done[u] = r->done[u] || r->ended[r->plan->unit[u].cell];
+    r->sum->left += r->done[u] ? 0 : 1;
+  }
+}
+
 /* What unit u still needs: its rows, or only the history of its cell. */
 static base_status attend(runner *r, int u, base_error *err) {
   const int c = r->plan->unit[u].cell;
@@ -74,12 +91,14 @@ static base_status attend(runner *r, int u, base_error *err) {
     return r->o->trace ? runner_twin(r, c, err) : BASE_OK;
   }
   if (r->ended[c]) {
+    r->done[u] = true;
     r->progress.done++;
     r->progress.skipped++;
     return BASE_OK;
   }
   if (base_seconds() - r->canary_at > r->o->canary_every) {
     measure_canary(r);
+    BASE_TRY(write_manifest(r, err)); /* what is left, should the run be killed */
   }
   return runner_unit(r, u, err);
 }
@@ -88,13 +107,16 @@ static base_status run_units(runner *r, base_error *err) {
   measure_canary(r);
   r->other = runner_busy_now();
   for (int u = 0; u < r->plan->n_unit && isolate_stop_requested() == 0; u++) {
-    BASE_TRY(attend(r, u, err));
+    if (r->done[u] || !spent(r)) {
+      BASE_TRY(attend(r, u, err));
+    }
   }
+  count_left(r);
   measure_canary(r);
   runner_watch_others(&r->other, isnan(r->other.load) ? 0.05 : 0.5); /* of a short session */
   r->sum->interrupted = isolate_stop_requested() != 0;
   BASE_TRY(runner_close_rows(r, err));
-  BASE_TRY(manifest_write(r->o->out, r->plan, r->o->filter, err));
+  BASE_TRY(write_manifest(r, err));
   return runner_count_cells(r->plan, r->o->out, r->sum->by_status, err);
 }
 
@@ -153,14 +175,14 @@ static base_status settle(runner *r, record_table *rows, base_error *err) {
   const plan *p = r->plan;
   const double seconds = p->campaign->sampling.doctor;
   BASE_TRY(runner_open_rows(r, rows, err));
-  BASE_TRY(manifest_write(r->o->out, p, r->o->filter, err)); /* stays if the run is killed */
+  BASE_TRY(runner_done(p, rows, r->done, err));
+  BASE_TRY(write_manifest(r, err)); /* stays if the run is killed */
   BASE_TRY(make_folders(r, err));
   BASE_TRY(settle_canaries(r, err));
   if (seconds > 0.0) {
     BASE_TRY(doctor_visit(r->o->out, seconds, err));
   }
   BASE_TRY(runner_twins_open(r, err));
-  BASE_TRY(runner_done(p, rows, r->done, err));
   for (int u = 0; u < p->n_unit; u++) {
     r->sum->resumed += r->done[u] ? 1 : 0;
   }
@@ -172,6 +194,7 @@ static base_status prepare(runner *r, base_error *err) {
   BASE_TRY(folder_make(r->o->out, err));
   BASE_TRY(lock_directory(r, err));
   BASE_TRY(allocate(r, err));
+  r->begun = base_seconds();
   const base_status done = settle(r, &rows, err);
   record_table_free(&rows);
   return done;

@@ -4,7 +4,7 @@
 #pragma once
 
 #include "harness/measure/verdict.h"
-#include "harness/plan/plan.h"
+#include "harness/plan/cover.h"
 
 typedef enum rerun_what {
   RERUN_NONE,
@@ -22,12 +22,15 @@ typedef struct runner_options {
   bool pin, quiet;
   bool solutions, trace; /* answers are stored; histories are recorded by untimed twins */
   double canary_every;   /* [s] */
+  double budget;         /* wall time after which no process is begun [s]; 0: all are measured */
+  const cover *order;    /* of the plan's units, where it is a cover's; NULL: the plan's own */
 } runner_options;
 
 typedef struct runner_summary {
   int units, measured, resumed; /* processes: in the plan, measured now, found done */
   int rows, stale; /* rows of cells that the plan does not know any more, moved to stale.csv */
   int cells, by_status[RUN_STATUS_COUNT]; /* cells of the plan; those with rows, of any session */
+  int left;                               /* processes that are still to be measured */
   bool interrupted;
   double wall, inside; /* [s] of the measuring; of it spent in child processes */
 } runner_summary;

@@ -30,6 +30,7 @@ typedef struct runner {
   bool *done;
   bool *ended; /* per cell: failed, no further processes */
   progress progress;
+  double begun;             /* the clock, when no other run held the folder any more [s] */
   double canary, canary_at; /* [s] */
   busy_watch other;
   record_table unit_rows; /* of the process being measured */

@@ -37,6 +37,7 @@ base_status runner_unit(runner *r, int u, base_error *err) {
     runner_twin_check(r, un->cell);
   }
   BASE_TRY(runner_append_rows(r, err));
+  r->done[u] = true;
   r->ended[un->cell] =
       r->ended[un->cell] || runner_ends_cell(&r->unit_rows.row[r->unit_rows.n - 1]);
   r->sum->measured++;

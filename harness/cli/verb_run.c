@@ -1,4 +1,5 @@
 /* lcpbench run: measures a campaign, or goes on with one. */
+#include "harness/campaign/budget.h"
 #include "harness/campaign/dry_run.h"
 #include "harness/campaign/runner.h"
 #include "harness/cell/isolate.h"
@@ -21,7 +22,7 @@ typedef struct run_options {
   plan_filter filter;
   int reps;
   int seed;
-  double time_limit, memory_limit;
+  double time_limit, memory_limit, budget;
   bool dry_run, resume, quick, quiet, strict, no_pin, trace;
 } run_options;
 
@@ -106,6 +107,10 @@ static void print_summary(const runner_summary *s, const char *out) {
   }
   (void)printf("; harness %.1f %% of %.3g s\n",
                s->wall > 0 ? 100.0 * (1.0 - s->inside / s->wall) : 0.0, s->wall);
+  if (s->left > 0 && !s->interrupted) {
+    (void)printf("  the budget is spent: %d processes are left; the same command goes on\n",
+                 s->left);
+  }
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
     if (s->by_status[i] > 0) {
       (void)printf("  %-11s %d cells\n", run_status_name((run_status)i), s->by_status[i]);
@@ -116,6 +121,9 @@ static void print_summary(const runner_summary *s, const char *out) {
 static int exit_code(const runner_summary *s, bool strict) {
   if (s->interrupted) {
     return cli_stopped();
+  }
+  if (s->left > 0) {
+    return CLI_INTERRUPTED;
   }
   int bad = 0;
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
@@ -136,24 +144,33 @@ static base_status measure(const plan *p, const run_options *o, const runner_opt
 static base_status run_campaign(const char *text, const run_options *o, int *code,
                                 base_error *err) {
   char out[600];
-  runner_options ro = {
-      .filter = &o->filter, .pin = !o->no_pin, .quiet = o->quiet, .canary_every = 120.0};
+  runner_options ro = {.filter = &o->filter,
+                       .pin = !o->no_pin,
+                       .quiet = o->quiet,
+                       .canary_every = 120.0,
+                       .budget = (o->budget != NOT_GIVEN) ? o->budget : 0.0};
   BASE_TRY(parse_rerun(o->rerun, &ro, err));
   campaign c;
   BASE_TRY(campaign_read(text, o->quick, &c, err));
   (void)snprintf(out, sizeof out, "results/%.48s%s", c.name, o->quick ? "-quick" : "");
   ro.out = (o->out != NULL) ? o->out : out;
   plan p;
+  cover order = {0};
   base_status done = override(o, &c, err);
   ro.solutions = c.solutions;
   ro.trace = c.trace;
   if (done == BASE_OK) {
     done = plan_make(&c, &o->filter, &p, err);
+    if (done == BASE_OK && ro.budget > 0.0) {
+      done = budget_order(&p, text, o->like, &order, err);
+      ro.order = &order;
+    }
     if (done == BASE_OK) {
       *code = CLI_OK;
       done = o->dry_run ? dry_run(&p, &ro, o->like, err) : measure(&p, o, &ro, code, err);
-      plan_free(&p);
     }
+    cover_free(&order);
+    plan_free(&p);
   }
   campaign_free(&c);
   return done;
@@ -177,7 +194,10 @@ static const arg_option options[] = {
     ARG(run_options, dry_run, "--dry-run", ARG_FLAG, NULL,
         "prints what would be measured and how long it takes"),
     ARG(run_options, like, "--like", ARG_TEXT, "DIR",
-        "earlier rows, packed or not, that tell --dry-run how long cells take"),
+        "earlier rows, packed or not, that tell --dry-run and --budget how long cells take"),
+    ARG(run_options, budget, "--budget", ARG_SECONDS, "T",
+        "begins no process after this time, and takes the cells in an order that keeps every axis",
+        .unit = "s", .above = true),
     ARG(run_options, rerun, "--rerun", ARG_TEXT, "failed|timeouts|all|SOLVER",
         "measures these cells again"),
     ARG(run_options, resume, "--resume", ARG_FLAG, NULL,
@@ -197,8 +217,11 @@ static const arg_table args = {options, BASE_COUNT(options), 1,
                                1,       "CAMPAIGN",          "shipped campaign, or a .yaml file"};
 
 static int run(int argc, char **argv) {
-  run_options o = {
-      .reps = NOT_GIVEN, .seed = NOT_GIVEN, .time_limit = NOT_GIVEN, .memory_limit = NOT_GIVEN};
+  run_options o = {.reps = NOT_GIVEN,
+                   .seed = NOT_GIVEN,
+                   .time_limit = NOT_GIVEN,
+                   .memory_limit = NOT_GIVEN,
+                   .budget = NOT_GIVEN};
   const char *text;
   int n_positional;
   base_error err = {0};
@@ -207,8 +230,13 @@ static int run(int argc, char **argv) {
   if (done == BASE_OK) {
     done = check_out(&o, &err);
   }
-  if (done == BASE_OK && o.like != NULL && !o.dry_run) {
-    done = BASE_FAIL(&err, BASE_EINVAL, "--like %s: tells --dry-run only", o.like);
+  if (done == BASE_OK && o.like != NULL && !o.dry_run && o.budget == NOT_GIVEN) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--like %s: tells --dry-run and --budget only", o.like);
+  }
+  if (done == BASE_OK && o.rerun != NULL && o.budget != NOT_GIVEN) {
+    done = BASE_FAIL(
+        &err, BASE_EINVAL,
+        "--rerun %s: sets rows aside each time, which --budget would not come to measure", o.rerun);
   }
   if (done == BASE_OK) {
     done = parse_shard(o.shard, &o.filter, &err);

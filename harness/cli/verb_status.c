@@ -1,15 +1,17 @@
 /* lcpbench status: what a campaign folder holds. */
+#include "harness/campaign/account.h"
 #include "harness/campaign/runner.h"
 #include "harness/cell/stats.h"
 #include "harness/cli/cli.h"
 #include "harness/measure/verdict.h"
-#include "harness/util/json_out.h"
+#include "harness/util/json_file.h"
 #include "harness/util/table.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static const char *const flag_words[] = {
     "zero_iterations", "fallback",     "allocates", "same_bits",  "not_repeatable",
@@ -71,6 +73,22 @@ static void print_status(const record_table *t, const status_counts *c, const ch
     (void)printf("  the canary drifted by %.1f %%: times are not comparable throughout\n",
                  100.0 * (c->slow / c->fast - 1.0));
   }
+}
+
+/* What the run in this folder has left out, by its manifest. A file of rows has none. */
+static base_status print_left(const char *dir, int n_cell, base_error *err) {
+  json_t *manifest = NULL;
+  struct stat st;
+  if (stat(dir, &st) != 0 || !S_ISDIR(st.st_mode)) {
+    return BASE_OK;
+  }
+  BASE_TRY(json_file_read(dir, "manifest.json", &manifest, err));
+  json_t *cut = json_object_get(manifest, "cut");
+  if (cut != NULL) {
+    account_print(cut, n_cell, stdout);
+  }
+  json_decref(manifest);
+  return BASE_OK;
 }
 
 /* ---- by combination -------------------------------------------------------------------------- */
@@ -238,6 +256,7 @@ static int run(int argc, char **argv) {
     done = count_rows(&t, &c, &err);
     if (done == BASE_OK) {
       print_status(&t, &c, dir);
+      done = print_left(dir, c.cells, &err);
     }
   }
   record_table_free(&t);

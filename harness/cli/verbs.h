@@ -9,7 +9,7 @@ enum {
   CLI_INTERNAL = 1,     /* internal error, or stdout could not be written */
   CLI_USAGE = 2,        /* usage, bad input, a file that cannot be read or written */
   CLI_HONEST = 3,       /* not solved, unsolvable, prediction missed, failed checks */
-  CLI_INTERRUPTED = 4,  /* stopped by SIGTERM, resumable */
+  CLI_INTERRUPTED = 4,  /* stopped by SIGTERM, or a budget is spent; resumable */
   CLI_SIGINT_EXIT = 130 /* stopped by Ctrl-C, results flushed */
 };
 
