@@ -19,7 +19,8 @@ from PIL import Image
 from bench import accuracy, registry, style
 from bench import chart as chart_
 from bench.chart import Chart, Heat
-from bench.rows import forms
+from bench.cut import forms
+from bench.cut import table as left_out
 from bench.section import Cell, Section, Table, error, si, table_html
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -207,7 +208,8 @@ def flatten(data: dict, prefix: str = "") -> Iterator[tuple[str, str]]:
 
 
 def method_tables(manifests: dict[str, dict]) -> list[Table]:
-    return [
+    left = left_out(manifests)
+    return ([left] if left else []) + [
         Table(
             f"manifest_{name}",
             f"Manifest of {name}: what was run, on what, with what.",

@@ -15,6 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import (
     accuracy,
     chart,
+    cut,
     effects,
     headline,
     moving,
@@ -35,12 +36,12 @@ EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
 
 
 def pack(source: pathlib.Path, target: pathlib.Path) -> None:
-    """Rows and manifests of every campaign; packed rows have the same bytes for the same rows. What
-    other scripts measured beside them stays."""
-    for old in target.glob("*/results.csv.xz"):
+    """Rows and manifests of every campaign, and of the full forms that are begun (cut/); packed
+    rows have the same bytes for the same rows. What other scripts measured beside them stays."""
+    for old in [*target.glob("*/results.csv.xz"), *target.glob("cut/*/results.csv.xz")]:
         shutil.rmtree(old.parent)
-    for found in sorted(source.glob("*/results.csv")):
-        out = target / found.parent.name
+    for found in sorted([*source.glob("*/results.csv"), *source.glob("cut/*/results.csv")]):
+        out = target / found.parent.relative_to(source)
         out.mkdir(parents=True, exist_ok=True)
         (out / "results.csv.xz").write_bytes(lzma.compress(found.read_bytes(), preset=9))
         for name in ("manifest.json", *EXTRA):
@@ -229,7 +230,7 @@ def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
-    form = rows.forms(manifests) or "unknown form"
+    form = cut.forms(manifests) or "unknown form"
     return (
         f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns"
         f" ({form}), commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
@@ -270,6 +271,7 @@ def long_words(
 ) -> str:
     """results/README.md: all figures, each with what it says."""
     table = paper.summary(paper.own(cells))
+    left = cut.table(manifests)
     out = [
         advice_words(cells),
         "\n",
@@ -283,6 +285,7 @@ def long_words(
         f"{table.caption}\n\n{section.table_md(table)}\n" if table is not None else "",
         measured_words(cells, manifests),
         "\n",
+        f"\n{left.caption}\n\n{section.table_md(left)}\n" if left else "",
     ]
     return "".join(out)
 

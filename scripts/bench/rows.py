@@ -217,7 +217,7 @@ def load_all(folder: pathlib.Path | str) -> tuple[pd.DataFrame, dict[str, dict]]
     if not found:
         raise BadRows(f"{folder}: no results.csv here or one level below")
     return pd.concat([load(f) for f in found], ignore_index=True), {
-        f.name: manifest(f) for f in found
+        f.name: manifest(f) | begun(f) for f in found
     }
 
 
@@ -240,17 +240,10 @@ def manifest(folder: pathlib.Path) -> dict:
     return json.loads(path.read_text()) if path.exists() else {}
 
 
-def forms(manifests: dict[str, dict]) -> str:
-    """In which form the campaigns were measured; "" where no manifest tells."""
-    names: dict[bool, list[str]] = {False: [], True: []}
-    for name, m in sorted(manifests.items()):
-        if (quick := m.get("campaign", {}).get("quick")) is not None:
-            names[quick].append(name)
-    words = {False: "full form", True: "quick form"}
-    told = [quick for quick in (False, True) if names[quick]]
-    if len(told) == 2:
-        return " and ".join(f"{', '.join(names[quick])} in {words[quick]}" for quick in told)
-    return "".join(words[quick] for quick in told)
+def begun(folder: pathlib.Path) -> dict:
+    """What the full form has that waits in cut/ beside a quick one (scripts/bench/budget.py)."""
+    found = manifest(folder.parent / "cut" / folder.name).get("cut")
+    return {"begun": found} if found else {}
 
 
 def options(text: str) -> dict[str, str]:

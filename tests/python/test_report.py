@@ -25,6 +25,7 @@ from bench import (  # noqa: E402
     accuracy,
     asked,
     chart,
+    cut,
     effects,
     latex,
     library,
@@ -175,13 +176,19 @@ class Judged(unittest.TestCase):
 
     def test_a_new_reference_leaves_what_no_campaign_makes(self):
         target, source = pathlib.Path(self.tmp.name) / "target", pathlib.Path(self.tmp.name) / "new"
-        for path in ("target/error/table.tsv", "target/gone/results.csv.xz", "new/x/results.csv"):
+        for path in (
+            "target/error/table.tsv",
+            "target/gone/results.csv.xz",
+            "target/cut/gone/results.csv.xz",
+            "new/x/results.csv",
+            "new/cut/begun/results.csv",
+        ):
             made = pathlib.Path(self.tmp.name) / path
             made.parent.mkdir(parents=True)
             made.write_text("row\n")
         reference.pack(source, target)
         left = sorted(str(f.relative_to(target)) for f in target.rglob("*") if f.is_file())
-        self.assertEqual(left, ["error/table.tsv", "x/results.csv.xz"])
+        self.assertEqual(left, ["cut/begun/results.csv.xz", "error/table.tsv", "x/results.csv.xz"])
 
     def test_an_error_that_was_asked_for_is_held_against_the_one_got(self):
         names = "problem error chosen sure promised err_estimate err_got t_chosen_s t_best_s"
@@ -282,12 +289,47 @@ class Judged(unittest.TestCase):
 
     def test_the_form_of_each_campaign_is_told(self):
         def told(**quick):
-            return rows.forms({k: {"campaign": {"quick": q}} for k, q in quick.items()})
+            return cut.forms({k: {"campaign": {"quick": q}} for k, q in quick.items()})
 
         self.assertEqual(told(b=True, a=True), "quick form")
         self.assertEqual(told(a=False), "full form")
         self.assertEqual(told(b=True, a=False, c=True), "a in full form and b, c in quick form")
-        self.assertEqual(rows.forms({"a": {}}), "")
+        self.assertEqual(cut.forms({"a": {}}), "")
+
+    def test_a_cut_campaign_tells_what_it_left_out(self):
+        def told(stages, **more):
+            account = {"cells": 30, "measured": 9, "begun": 1, "stages": stages} | {
+                "parts": {"size": [9, 20], "all there": [4, 4], "none": [0, 6]},
+                "absent": {"size": {"problems": ["stack:n=100"], "tolerances": [""]}},
+            }
+            return {"campaign": {"quick": False}, "cut": account} | more
+
+        short = told({"quick": [9, 20], "rest": [0, 10]})
+        enough = told({"quick": [5, 5], "values": [4, 4], "rest": [0, 21]})
+        words = cut.forms({"b": short, "a": {"campaign": {"quick": True}}})
+        self.assertEqual(
+            words,
+            "b in full form, cut: 9 of 30 cells, in an order that keeps every axis and a in quick"
+            " form",
+        )
+        chosen = {"campaign": {"quick": False}, "filters": ["solver=lemke"]}
+        self.assertEqual(cut.form(chosen), "full form of what solver=lemke chose")
+        self.assertEqual(
+            cut.table({"b": short}).rows,
+            [
+                ["b", "size", "9", "20", "problems stack:n=100; tolerances its own"],
+                ["b", "none", "0", "6", "all"],
+            ],
+        )
+        self.assertIsNone(cut.table({"a": {"campaign": {"quick": False}}}))
+        self.assertIn("left_out", [t.name for t in page.method_tables({"b": short})])
+        self.assertFalse(cut.stands(short))
+        self.assertTrue(cut.stands(enough))
+        self.assertFalse(cut.stands({"campaign": {"quick": True}}))
+        self.assertFalse(cut.stands(chosen))
+        waiting = {"campaign": {"quick": True}, "begun": short["cut"]}
+        self.assertIn("quick form (full form begun: 9 of 30 cells", cut.form(waiting))
+        self.assertEqual(len(cut.table({"b": waiting}).rows), 2)
 
     def test_a_map_on_the_screen_tells_its_fields(self):
         made = json.loads(
