@@ -106,7 +106,7 @@ static base_status attend(runner *r, int u, base_error *err) {
 static base_status run_units(runner *r, base_error *err) {
   measure_canary(r);
   r->other = runner_busy_now();
-  for (int u = 0; u < r->plan->n_unit && isolate_stop_requested() == 0; u++) {
+  for (int u = 0; u < r->o->units && isolate_stop_requested() == 0; u++) {
     if (r->done[u] || !spent(r)) {
       BASE_TRY(attend(r, u, err));
     }

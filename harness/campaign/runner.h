@@ -23,6 +23,7 @@ typedef struct runner_options {
   bool solutions, trace; /* answers are stored; histories are recorded by untimed twins */
   double canary_every;   /* [s] */
   double budget;         /* wall time after which no process is begun [s]; 0: all are measured */
+  int units;             /* of the plan that are measured; the others are left */
   const cover *order;    /* of the plan's units, where it is a cover's; NULL: the plan's own */
 } runner_options;
 

@@ -18,7 +18,7 @@
 enum { NOT_GIVEN = INT_MIN };
 
 typedef struct run_options {
-  const char *out, *like, *shard, *rerun, *cache, *solutions;
+  const char *out, *like, *shard, *rerun, *cache, *solutions, *stage;
   plan_filter filter;
   int reps;
   int seed;
@@ -108,8 +108,7 @@ static void print_summary(const runner_summary *s, const char *out) {
   (void)printf("; harness %.1f %% of %.3g s\n",
                s->wall > 0 ? 100.0 * (1.0 - s->inside / s->wall) : 0.0, s->wall);
   if (s->left > 0 && !s->interrupted) {
-    (void)printf("  the budget is spent: %d processes are left; the same command goes on\n",
-                 s->left);
+    (void)printf("  cut: %d processes are left; a later run goes on\n", s->left);
   }
   for (int i = 0; i < RUN_STATUS_COUNT; i++) {
     if (s->by_status[i] > 0) {
@@ -149,7 +148,9 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
                        .quiet = o->quiet,
                        .canary_every = 120.0,
                        .budget = (o->budget != NOT_GIVEN) ? o->budget : 0.0};
+  cover_stage last = COVER_rest;
   BASE_TRY(parse_rerun(o->rerun, &ro, err));
+  BASE_TRY(o->stage != NULL ? cover_stage_find(o->stage, &last, err) : BASE_OK);
   campaign c;
   BASE_TRY(campaign_read(text, o->quick, &c, err));
   (void)snprintf(out, sizeof out, "results/%.48s%s", c.name, o->quick ? "-quick" : "");
@@ -161,9 +162,11 @@ static base_status run_campaign(const char *text, const run_options *o, int *cod
   ro.trace = c.trace;
   if (done == BASE_OK) {
     done = plan_make(&c, &o->filter, &p, err);
+    ro.units = p.n_unit;
     if (done == BASE_OK && ro.budget > 0.0) {
       done = budget_order(&p, text, o->like, &order, err);
       ro.order = &order;
+      ro.units = cover_until(&order, last) * c.sampling.processes;
     }
     if (done == BASE_OK) {
       *code = CLI_OK;
@@ -198,6 +201,8 @@ static const arg_option options[] = {
     ARG(run_options, budget, "--budget", ARG_SECONDS, "T",
         "begins no process after this time, and takes the cells in an order that keeps every axis",
         .unit = "s", .above = true),
+    ARG(run_options, stage, "--stage", ARG_TEXT, "quick|values|pairs|rest",
+        "with --budget: the last stage of that order from which cells are taken"),
     ARG(run_options, rerun, "--rerun", ARG_TEXT, "failed|timeouts|all|SOLVER",
         "measures these cells again"),
     ARG(run_options, resume, "--resume", ARG_FLAG, NULL,
@@ -232,6 +237,9 @@ static int run(int argc, char **argv) {
   }
   if (done == BASE_OK && o.like != NULL && !o.dry_run && o.budget == NOT_GIVEN) {
     done = BASE_FAIL(&err, BASE_EINVAL, "--like %s: tells --dry-run and --budget only", o.like);
+  }
+  if (done == BASE_OK && o.stage != NULL && o.budget == NOT_GIVEN) {
+    done = BASE_FAIL(&err, BASE_EINVAL, "--stage %s: is one of the order of --budget", o.stage);
   }
   if (done == BASE_OK && o.rerun != NULL && o.budget != NOT_GIVEN) {
     done = BASE_FAIL(

@@ -10,6 +10,16 @@ const char *cover_stage_name(cover_stage s) {
   return stage_names[s];
 }
 
+base_status cover_stage_find(const char *name, cover_stage *out, base_error *err) {
+  for (int i = 0; i < COVER_STAGE_COUNT; i++) {
+    if (strcmp(stage_names[i], name) == 0) {
+      *out = (cover_stage)i;
+      return BASE_OK;
+    }
+  }
+  return BASE_FAIL(err, BASE_EINVAL, "--stage %.60s: need quick, values, pairs or rest", name);
+}
+
 /* ---- what a cell brings -----------------------------------------------------------------------*/
 
 /* Of every cell: its part, a value of every axis, the names alone of problem, formulation and solver (so that a new name
@@ -296,6 +306,14 @@ void cover_free(cover *c) {
   free(c->cell);
   free(c->stage);
   *c = (cover){0};
+}
+
+int cover_until(const cover *c, cover_stage last) {
+  int n = 0;
+  while (n < c->n && c->stage[n] <= last) {
+    n++;
+  }
+  return n;
 }
 
 void cover_order(const cover *c, plan *p) {

@@ -13,6 +13,7 @@ void cell_values(const cell *c, const char *value[AXIS_COUNT]);
 /* What brought a cell into the order: the quick form names it, a new value, a new pair, nothing new. */
 typedef enum cover_stage { COVER_STAGES(COVER_STAGE_ENUM_) COVER_STAGE_COUNT } cover_stage;
 const char *cover_stage_name(cover_stage s);
+base_status cover_stage_find(const char *name, cover_stage *out, base_error *err);
 
 /* What is foretold of a cell. It decides between cells that bring equally much; a wrong one costs time, no value. */
 typedef struct cover_hint {
@@ -31,6 +32,9 @@ typedef struct cover {
 base_status cover_make(const plan *p, const plan *quick, const cover_hint *hint, cover *out,
                        base_error *err);
 void cover_free(cover *c);
+
+/* Cells up to the end of this stage. */
+int cover_until(const cover *c, cover_stage last);
 
 /* The units in the order of the cover, all processes of a cell in a row: what is cut off was not begun, but for one cell. */
 void cover_order(const cover *c, plan *p);

@@ -1,7 +1,8 @@
 """budget BINARY TIME RUNS [CAMPAIGN ...] - measures the full form of campaigns until TIME is spent.
 
 One campaign after the other: those named, in their order; without names those whose full form is
-not whole, the one of which least is left first, by the rows of results/reference. Rows go to
+not whole, the one of which least is left first, by the rows of results/reference. First each as far
+as it tells what the quick form tells, then each to its end. Rows go to
 RUNS/cut/CAMPAIGN, in an order that may be cut anywhere (lcpbench run --budget), and take the place
 of RUNS/CAMPAIGN once they tell at least what the quick form tells. What is not there yet is taken
 from results/reference: its rows stand in for what is not measured now, and a full form that was
@@ -139,7 +140,10 @@ def measure(
 ) -> None:
     begun = time.monotonic()
     spent = False  # not before one call: whoever asks again and again comes to the end
-    for name in names:
+    todo = [(name, True) for name in names] + [(name, False) for name in names]
+    for name, short in todo:
+        if short and cut.stands(rows.manifest(standing(runs, name))):
+            continue
         if not left(binary, name, standing(runs, name), reference) and not waits(runs, name):
             print(f"{name}: nothing is left")
             continue
@@ -149,6 +153,7 @@ def measure(
         spent = True
         work = prepare(runs, name)
         command = [*asked(binary, name, work, reference), "--budget", f"{max(remains, 0.001):.3f}s"]
+        command += ["--stage", cut.STAGES[-1]] if short else []
         done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False)
         if done.returncode not in (0, CUT):
             raise Failed(f"{name}: {' '.join(command)}: exit {done.returncode}")

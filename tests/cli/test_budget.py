@@ -202,7 +202,7 @@ def a_cut_run_goes_on(d):
         seen = len(cells)
         cut = left_of(d / "o")
         if codes[-1] == 4:
-            assert re.search(r"the budget is spent: \d+ processes are left", done.stdout)
+            assert re.search(r"cut: \d+ processes are left; a later run goes on", done.stdout)
             assert cut["cells"] == 12 and cut["measured"] + cut["begun"] == seen < 12 + cut["begun"]
             assert sum(a for a, _ in cut["stages"].values()) == cut["measured"]
             assert cut["stages"]["quick"][1] == 3 and cut["parts"]["a"] == [cut["measured"], 12]
@@ -215,6 +215,19 @@ def a_cut_run_goes_on(d):
     assert cut is None and counted(d / "o") == whole
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
     assert counted(d / "o") == whole
+
+
+def a_stage_can_be_the_last(d):
+    """Whatever time there is: the quick form's cells, and the values of all axes, and no other."""
+    c = small_campaign(d)
+    plan = plan_of(c, d / "none")
+    words = ("run", c, "--out", d / "o", "--quiet", "--budget", "1h")
+    for stage, n in (("quick", 3), ("values", 6), ("values", 6)):
+        run(*words, "--stage", stage, exe=FAULTY, code=4)
+        assert list(dict.fromkeys(r["cell_id"] for r in rows(d / "o"))) == plan[:n], stage
+    assert left_of(d / "o")["stages"] == {"quick": [3, 3], "values": [3, 3], "pairs": [0, 6]}
+    run(*words, "--stage", "rest", exe=FAULTY)
+    assert counted(d / "o") == counted(d / "whole")
 
 
 def rows_of_another_order_stay(d):
@@ -281,6 +294,8 @@ def the_dry_run_says_how_far_it_gets(d):
 def nonsense_is_refused(d):
     one_line_error("run", "smoke", "--budget", "0", names=["--budget", "above 0"])
     one_line_error("run", "smoke", "--budget", "soon", names=["--budget", "soon"])
+    one_line_error("run", "smoke", "--stage", "rest", names=["--stage", "--budget"])
+    one_line_error("run", "smoke", "--budget", "9s", "--stage", "all", names=["all", "pairs"])
     one_line_error(
         "run", "smoke", "--budget", "9s", "--rerun", "all", names=["--rerun", "--budget"]
     )
@@ -293,6 +308,7 @@ tap(
         the_order_is_one,
         wrong_forecasts_cost_no_value,
         a_cut_run_goes_on,
+        a_stage_can_be_the_last,
         rows_of_another_order_stay,
         killed_it_goes_on,
         the_dry_run_says_how_far_it_gets,

@@ -1,9 +1,8 @@
-"""scripts/reproduce --full --budget: what the reference has is taken from there, a full form that was
-begun waits until it tells what the quick form tells, and nothing is lost on the way."""
+"""scripts/reproduce --full --budget: what the reference has is taken from there, a full form that
+was begun waits until it tells what the quick form tells, and nothing is lost on the way."""
 
 import contextlib
 import io
-import json
 import lzma
 import os
 import pathlib
@@ -58,13 +57,13 @@ class Budget(unittest.TestCase):
 
     def spend(self, seconds):
         with contextlib.redirect_stdout(io.StringIO()) as said:
-            budget.measure(
-                os.environ["LCPBENCH"], seconds, self.runs, ["small"], self.reference
-            )
+            budget.measure(os.environ["LCPBENCH"], seconds, self.runs, ["small"], self.reference)
         return said.getvalue()
 
     def test_times_are_read_as_lcpbench_reads_them(self):
-        self.assertEqual([budget.seconds(t) for t in ("90", "90s", "40m", "4h")], [90, 90, 2400, 14400])
+        self.assertEqual(
+            [budget.seconds(t) for t in ("90", "90s", "40m", "4h")], [90, 90, 2400, 14400]
+        )
         for wrong in ("", "0", "-1", "4d", "m", "1h30"):
             with self.assertRaises(ValueError):
                 budget.seconds(wrong)
