@@ -17,7 +17,7 @@ from support import FAULTY, SANITIZED, TESTS, campaign, diagonal, one_line_error
 CAMPAIGNS = (
     ["claims", "moving", "scaling", "warmstart", "paper"]
     + ["effects", "families", "library"]
-    + ([] if SANITIZED else ["accuracy", "stability"])
+    + ([] if SANITIZED else ["accuracy"])
 )
 NAMED = ("problem", "--formulation", "--solver")
 TIMED = """
