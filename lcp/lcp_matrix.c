@@ -1,5 +1,6 @@
 /* lcp_matrix.c - products and copies of the three storages. The factored form is handled through
  * body velocities: y = J (W (J' x)) + S x, linear in the number of groups. */
+#include "lcp/base/clones.h"
 #include "lcp/lcp_column.h"
 
 #include <string.h>
@@ -13,8 +14,9 @@ static void stored_apply_add(const lcp_matrix *M, const double *x, double *y) {
   }
 }
 
-/* out[rows] += A x, or out[cols] += A' x, of the block of one side of a group. */
-static void side_times(const double *A, int rows, int cols, const double *x, double *out) {
+/* out[rows] += A x, or out[cols] += A' x, of the block of one side of a group: inline, so that six and three columns, a body in
+ * space and in the plane, are loops without a counter. */
+BASE_INLINE void times(const double *A, int rows, int cols, const double *x, double *out) {
   for (int r = 0; r < rows; r++) {
     double sum = 0.0;
     for (int c = 0; c < cols; c++) {
@@ -24,12 +26,33 @@ static void side_times(const double *A, int rows, int cols, const double *x, dou
   }
 }
 
-static void side_times_transposed(const double *A, int rows, int cols, const double *x,
-                                  double *out) {
+BASE_INLINE void times_transposed(const double *A, int rows, int cols, const double *x,
+                                  double *restrict out) {
   for (int r = 0; r < rows; r++) {
     for (int c = 0; c < cols; c++) {
       out[c] += A[r * cols + c] * x[r];
     }
+  }
+}
+
+BASE_INLINE void side_times(const double *A, int rows, int cols, const double *x, double *out) {
+  if (cols == 6) {
+    times(A, rows, 6, x, out);
+  } else if (cols == 3) {
+    times(A, rows, 3, x, out);
+  } else {
+    times(A, rows, cols, x, out);
+  }
+}
+
+BASE_INLINE void side_times_transposed(const double *A, int rows, int cols, const double *x,
+                                       double *out) {
+  if (cols == 6) {
+    times_transposed(A, rows, 6, x, out);
+  } else if (cols == 3) {
+    times_transposed(A, rows, 3, x, out);
+  } else {
+    times_transposed(A, rows, cols, x, out);
   }
 }
 
@@ -53,7 +76,8 @@ static void weight_times(const lcp_factored *f, const double *force, double *v) 
 }
 
 /* y += J W J' x. */
-static void factored_apply_add(const lcp_factored *f, const double *x, double *y, double *scratch) {
+BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *x, double *y,
+                                           double *scratch) {
   const int m = f->dof_start[f->n_body];
   double *force = scratch, *v = scratch + m;
   memset(force, 0, (size_t)m * sizeof *force);
@@ -97,5 +121,7 @@ void lcp_matrix_apply(const lcp_matrix *M, const double *x, const double *b, dou
   if (M->storage == LCP_FACTORED) {
     factored_apply_add(M->factored, x, y, scratch);
   }
-  stored_apply_add(M, x, y);
+  if (M->storage != LCP_FACTORED || M->factored->shift != NULL) {
+    stored_apply_add(M, x, y);
+  }
 }

@@ -7,3 +7,6 @@
 #else
 #define BASE_CLONES
 #endif
+
+/* Before a static function that is to be part of those that call it, and so of their clones. */
+#define BASE_INLINE static inline __attribute__((always_inline))

@@ -1,67 +1,11 @@
 #include "lcp/linear/body_space.h"
 
 #include "lcp/base/arena.h"
+#include "lcp/linear/body_space_inside.h"
 
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- W = L L', G = J L ------------------------------------------------------------------------- */
-
-static bool cholesky(int n, const double *W, double *L) {
-  memcpy(L, W, (size_t)(n * n) * sizeof *L);
-  for (int k = 0; k < n; k++) {
-    double pivot = L[k + k * n];
-    for (int j = 0; j < k; j++) {
-      pivot -= L[k + j * n] * L[k + j * n];
-    }
-    if (pivot < -1e-12 * fabs(W[k + k * n])) {
-      return false;
-    }
-    const double root = (pivot > 0.0) ? sqrt(pivot) : 0.0;
-    for (int i = 0; i < n; i++) {
-      double v = (i < k) ? 0.0 : L[i + k * n];
-      for (int j = 0; i >= k && j < k; j++) {
-        v -= L[i + j * n] * L[k + j * n];
-      }
-      L[i + k * n] = (root > 0.0) ? v / root : 0.0;
-    }
-    L[k + k * n] = root;
-  }
-  return true;
-}
-
-/* G = J L of one group. */
-static void weigh_group(const lcp_factored *f, int g, const double *L, double *G) {
-  double *out = G + f->jac_start[g];
-  const int rows = f->row_start[g + 1] - f->row_start[g];
-  for (int k = 0; k < 2; k++) {
-    const lin_side s = lin_side_of(f, f->jac, g, k);
-    const double *own = L + ((s.body >= 0) ? f->weight_start[s.body] : 0);
-    const double *jac = s.jac;
-    for (int r = 0; r < rows; r++, jac += s.dof, out += s.dof) {
-      for (int j = 0; j < s.dof; j++) { /* (J L)_j = sum_i>=j J_i L_ij */
-        out[j] = 0.0;
-        for (int i = j; i < s.dof; i++) {
-          out[j] += jac[i] * own[i + j * s.dof];
-        }
-      }
-    }
-  }
-}
-
-base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err) {
-  for (int b = 0; b < f->n_body; b++) {
-    const int n = f->dof_start[b + 1] - f->dof_start[b];
-    if (!cholesky(n, f->weight + f->weight_start[b], L + f->weight_start[b])) {
-      return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
-    }
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    weigh_group(f, g, L, G);
-  }
-  return BASE_OK;
-}
 
 /* ---- the rows of the system -------------------------------------------------------------------- */
 
@@ -193,8 +137,7 @@ static void swap_back(int n, const int *from, double *A) {
   }
 }
 
-/* A (n x n, by columns) -> its inverse by Gauss-Jordan with row pivoting; B <- A^-1 B. False: singular. */
-static bool invert(int n, double *A, double *B) {
+static inline bool invert_of(int n, double *A, double *B) {
   double copy[LIN_GROUP_MAX];
   int from[LIN_GROUP_MAX];
   for (int k = 0; k < n; k++) {
@@ -225,6 +168,11 @@ static bool invert(int n, double *A, double *B) {
   return true;
 }
 
+/* A (n x n, by columns) -> its inverse by Gauss-Jordan with row pivoting; B <- A^-1 B. False: singular. */
+static bool invert(int n, double *A, double *B) {
+  return (n == 1) ? invert_of(1, A, B) : (n == 3) ? invert_of(3, A, B) : invert_of(n, A, B);
+}
+
 static void mirror(int n, double *K) {
   for (int j = 0; j < n; j++) {
     for (int i = 0; i < j; i++) {
@@ -234,22 +182,24 @@ static void mirror(int n, double *K) {
 }
 
 /* Q = K A, rows x n, A's rows that many. */
-static void multiply(int rows, int n, const double *K, const double *A, double *Q) {
-  memset(Q, 0, (size_t)(rows * n) * sizeof *Q);
+BASE_INLINE void multiply(int rows, int n, const double *K, const double *A, double *Q) {
   for (int r = 0; r < rows; r++) {
-    for (int i = 0; i < rows; i++) {
-      const double factor = K[r + i * rows];
-      for (int j = 0; j < n && factor != 0.0; j++) {
-        Q[r * n + j] += factor * A[i * n + j];
+    for (int j = 0; j < n; j++) {
+      Q[r * n + j] = K[r] * A[j];
+    }
+    for (int i = 1; i < rows; i++) {
+      for (int j = 0; j < n; j++) {
+        Q[r * n + j] += K[r + i * rows] * A[i * n + j];
       }
     }
   }
 }
 
-/* B = A' Q, m x n, over `rows` rows. */
-static inline void cross(int rows, const double *A, const double *Q, double *B, int m, int n) {
-  for (int r = 0; r < rows; r++) {
-    for (int i = 0; i < m; i++) {
+/* B += A' Q, m x n, over `rows` rows. */
+BASE_INLINE void cross(int rows, const double *A, const double *Q, double *restrict B, int m,
+                       int n) {
+  for (int i = 0; i < m; i++) {
+    for (int r = 0; r < rows; r++) {
       for (int j = 0; j < n; j++) {
         B[i * n + j] += A[r * m + i] * Q[r * n + j];
       }
@@ -257,57 +207,108 @@ static inline void cross(int rows, const double *A, const double *Q, double *B, 
   }
 }
 
-static void add_sides(lin_body_space *s, int count, const lin_side *a, const lin_side *b,
-                      const double *Q) {
-  double B[LIN_BLOCK_MAX * LIN_BLOCK_MAX] = {0};
-  if (a->dof == 6 && b->dof == 6) {
-    cross(count, a->jac, Q, B, 6, 6);
+/* The same with what contacts in space mostly have, three rows or one and bodies of six velocities, as constants. */
+BASE_INLINE void multiply_sized(int rows, int n, const double *K, const double *A, double *Q) {
+  if (n == 6 && rows == 3) {
+    multiply(3, 6, K, A, Q);
+  } else if (n == 6 && rows == 1) {
+    multiply(1, 6, K, A, Q);
   } else {
-    cross(count, a->jac, Q, B, a->dof, b->dof);
+    multiply(rows, n, K, A, Q);
   }
-  lin_blocks_add(&s->blocks, a->body, b->body, B);
 }
 
-/* K of group g, scaled, over the span of its rows; returns how wide that is. */
-static int spread(const lin_body_space *s, int g, double *out) {
-  const int *row;
-  const int n = lin_body_space_rows(s, g, &row), wide = row[n - 1] - row[0] + 1;
-  const double *K = s->Y + s->at[g];
-  memset(out, 0, (size_t)(wide * wide) * sizeof *out);
-  for (int j = 0; j < n; j++) {
-    for (int i = 0; i < n; i++) {
-      const double unit = (s->scale != NULL) ? s->scale[row[i]] * s->scale[row[j]] : 1;
-      out[row[i] - row[0] + (row[j] - row[0]) * wide] = unit * K[i + j * n];
-    }
+BASE_INLINE void cross_sized(int rows, const double *A, const double *Q, double *B, int m, int n) {
+  if (m == 6 && n == 6 && rows == 3) {
+    cross(3, A, Q, B, 6, 6);
+  } else if (m == 6 && n == 6 && rows == 1) {
+    cross(1, A, Q, B, 6, 6);
+  } else {
+    cross(rows, A, Q, B, m, n);
   }
-  return wide;
 }
 
-/* Adds G'KG of a group with rows in the system. */
-static void add_group(lin_body_space *s, int g) {
-  double K[LIN_GROUP_MAX * LIN_GROUP_MAX];
-  const lcp_factored *f = s->f;
-  const int wide = spread(s, g, K), skip = s->row[s->first[g]] - f->row_start[g];
-  lin_side side[2];
-  for (int k = 0; k < 2; k++) {
-    side[k] = lin_side_of(f, s->G, g, k);
-    side[k].jac += skip * side[k].dof;
-  }
-  for (int k = 0; k < 2; k++) {
-    double Q[LIN_GROUP_MAX * LIN_BLOCK_MAX];
-    const lin_side *b = &side[k];
-    if (b->body < 0 || b->dof == 0) {
-      continue;
-    }
-    multiply(wide, b->dof, K, b->jac, Q);
+/* G'KG of groups that follow one another between the same bodies: block [l][k] has rows of body l and columns of body k. */
+typedef struct meeting {
+  const int *body; /* 2; NULL: no group yet */
+  int dof[2];
+  double B[2][2][LIN_BLOCK_MAX * LIN_BLOCK_MAX];
+} meeting;
+
+static void end_meeting(lin_body_space *s, meeting *m) {
+  for (int k = 0; k < 2 && m->body != NULL; k++) {
     for (int l = 0; l < 2; l++) {
-      const lin_side *a = &side[l];
-      const bool above = a->body >= 0 && s->blocks.place[a->body] < s->blocks.place[b->body];
-      if (a->body >= 0 && a->dof > 0 && !(above && s->blocks.symmetric)) {
-        add_sides(s, wide, a, b, Q);
+      if (m->dof[k] > 0 && m->dof[l] > 0) {
+        lin_blocks_add(&s->blocks, m->body[l], m->body[k], m->B[l][k]);
       }
     }
   }
+  m->body = NULL;
+}
+
+static void meet(lin_body_space *s, int g, meeting *m) {
+  const int *body = &s->f->body[2 * (ptrdiff_t)g];
+  if (m->body != NULL && m->body[0] == body[0] && m->body[1] == body[1]) {
+    return;
+  }
+  end_meeting(s, m);
+  m->body = body;
+  for (int k = 0; k < 2; k++) {
+    m->dof[k] = (body[k] >= 0) ? s->f->dof_start[body[k] + 1] - s->f->dof_start[body[k]] : 0;
+  }
+  for (int k = 0; k < 2; k++) {
+    for (int l = 0; l < 2; l++) {
+      memset(m->B[l][k], 0, (size_t)(m->dof[l] * m->dof[k]) * sizeof(double));
+    }
+  }
+}
+
+const double *lin_body_space_gather(const lin_body_space *s, int g, const lin_side *a,
+                                    double *room) {
+  const int *row;
+  const int n = lin_body_space_rows(s, g, &row);
+  for (int m = 0; m < n; m++) {
+    const double *G = a->jac + (ptrdiff_t)(row[m] - s->f->row_start[g]) * a->dof;
+    for (int i = 0; i < a->dof; i++) {
+      room[m * a->dof + i] = ((s->scale != NULL) ? s->scale[row[m]] : 1) * G[i];
+    }
+  }
+  return room;
+}
+
+/* Adds G'KG of a group with rows in the system. */
+BASE_INLINE void add_group(lin_body_space *s, int g, meeting *m) {
+  double room[2][LIN_GROUP_MAX * LIN_BLOCK_MAX], Q[LIN_GROUP_MAX * LIN_BLOCK_MAX];
+  const double *A[2], *K = s->Y + s->at[g];
+  const int n = s->first[g + 1] - s->first[g];
+  meet(s, g, m);
+  for (int k = 0; k < 2; k++) {
+    const lin_side side = lin_side_of(s->f, s->G, g, k);
+    A[k] = (m->dof[k] > 0) ? lin_body_space_part(s, g, n, &side, room[k]) : NULL;
+  }
+  for (int k = 0; k < 2; k++) {
+    if (m->dof[k] > 0) {
+      multiply_sized(n, m->dof[k], K, A[k], Q);
+    }
+    for (int l = 0; l < 2; l++) {
+      const bool read =
+          m->dof[k] > 0 && m->dof[l] > 0 &&
+          !(s->blocks.symmetric && s->blocks.place[m->body[l]] < s->blocks.place[m->body[k]]);
+      if (read) {
+        cross_sized(n, A[l], Q, m->B[l][k], m->dof[l], m->dof[k]);
+      }
+    }
+  }
+}
+
+BASE_CLONES static void add_groups(lin_body_space *s) {
+  meeting m = {.body = NULL};
+  for (int g = 0; g < s->f->n_group; g++) {
+    if (s->joined[g]) {
+      add_group(s, g, &m);
+    }
+  }
+  end_meeting(s, &m);
 }
 
 /* The pairs of bodies that meet in groups of the system: contacts of two bodies follow one another, one pair for them. */
@@ -354,108 +355,7 @@ base_status lin_body_space_factor(lin_body_space *s, bool symmetric, bool *regul
   BASE_TRY(lin_blocks_plan(&s->blocks, f->n_body, f->dof_start, s->pair, find_pairs(s), err));
   lin_blocks_clear(&s->blocks, symmetric);
   add_one(s);
-  for (int g = 0; g < f->n_group; g++) {
-    if (s->joined[g]) {
-      add_group(s, g);
-    }
-  }
+  add_groups(s);
   *regular = lin_blocks_factor(&s->blocks);
-  return BASE_OK;
-}
-
-/* ---- solutions ------------------------------------------------------------------------------- */
-
-static double unit_of(const lin_body_space *s, int i) {
-  return (s->scale != NULL) ? s->scale[i] : 1;
-}
-
-/* v += G' s x over the rows of group g in the system. */
-static void push(lin_body_space *s, int g, const double *x) {
-  const int *row;
-  const int n = lin_body_space_rows(s, g, &row);
-  for (int k = 0; k < 2; k++) {
-    const lin_side a = lin_side_of(s->f, s->G, g, k);
-    double *to = s->v + ((a.body >= 0) ? s->f->dof_start[a.body] : 0);
-    for (int m = 0; m < n; m++) {
-      const double *G = a.jac + (ptrdiff_t)(row[m] - s->f->row_start[g]) * a.dof;
-      const double f = unit_of(s, row[m]) * x[row[m]];
-      for (int i = 0; i < a.dof; i++) {
-        to[i] += G[i] * f;
-      }
-    }
-  }
-}
-
-/* y_m = s G v of row m of group g in the system. */
-static void pull(const lin_body_space *s, int g, double *y) {
-  const int *row;
-  const int n = lin_body_space_rows(s, g, &row);
-  memset(y, 0, (size_t)n * sizeof *y);
-  for (int k = 0; k < 2; k++) {
-    const lin_side a = lin_side_of(s->f, s->G, g, k);
-    const double *from = s->v + ((a.body >= 0) ? s->f->dof_start[a.body] : 0);
-    for (int m = 0; m < n; m++) {
-      const double *G = a.jac + (ptrdiff_t)(row[m] - s->f->row_start[g]) * a.dof;
-      double sum = 0;
-      for (int i = 0; i < a.dof; i++) {
-        sum += G[i] * from[i];
-      }
-      y[m] += unit_of(s, row[m]) * sum;
-    }
-  }
-}
-
-void lin_body_space_solve(lin_body_space *s, const double *r, double *x) {
-  const lcp_factored *f = s->f;
-  memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
-  memset(x, 0, (size_t)f->row_start[f->n_group] * sizeof *x);
-  for (int g = 0; g < f->n_group; g++) {
-    const int *row;
-    const int n = lin_body_space_rows(s, g, &row);
-    const double *T = s->T + s->at[g];
-    for (int j = 0; j < n; j++) {
-      for (int i = 0; i < n; i++) {
-        x[row[i]] += T[i + j * n] * r[row[j]];
-      }
-    }
-    push(s, g, x);
-  }
-  lin_blocks_solve(&s->blocks, s->v);
-  for (int g = 0; g < f->n_group; g++) {
-    double y[LIN_GROUP_MAX];
-    const int *row;
-    const int n = lin_body_space_rows(s, g, &row);
-    const double *K = s->Y + s->at[g];
-    pull(s, g, y);
-    for (int j = 0; j < n; j++) {
-      for (int i = 0; i < n; i++) {
-        x[row[i]] -= K[i + j * n] * y[j];
-      }
-    }
-  }
-}
-
-base_status lin_body_space_deficit(lin_body_space *s, int *deficit, base_error *err) {
-  const lcp_factored *f = s->f;
-  double left = 0;
-  BASE_TRY(lin_blocks_invert(&s->blocks, err));
-  for (int g = 0; g < f->n_group; g++) {
-    const int *row;
-    const int n = lin_body_space_rows(s, g, &row);
-    for (int k = 0; k < n; k++) {
-      const double unit = unit_of(s, row[k]);
-      const int at = row[k] - f->row_start[g];
-      double form = 0;
-      for (int a = 0; a < 4; a++) {
-        const lin_side x = lin_side_of(f, s->G, g, a / 2), y = lin_side_of(f, s->G, g, a % 2);
-        if (x.body >= 0 && y.body >= 0) {
-          form += lin_blocks_inverse_form(&s->blocks, x.body, x.jac + at * x.dof, y.body,
-                                          y.jac + at * y.dof);
-        }
-      }
-      left += 1 - s->Y[s->at[g] + (size_t)(k + k * n)] * unit * unit * form;
-    }
-  }
-  *deficit = (int)lround(left);
   return BASE_OK;
 }

@@ -1,0 +1,70 @@
+/* body_weights.c - W = L L', G = J L. */
+#include "lcp/linear/body_space.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool cholesky(int n, const double *W, double *L) {
+  memcpy(L, W, (size_t)(n * n) * sizeof *L);
+  for (int k = 0; k < n; k++) {
+    double pivot = L[k + k * n];
+    for (int j = 0; j < k; j++) {
+      pivot -= L[k + j * n] * L[k + j * n];
+    }
+    if (pivot < -1e-12 * fabs(W[k + k * n])) {
+      return false;
+    }
+    const double root = (pivot > 0.0) ? sqrt(pivot) : 0.0;
+    for (int i = 0; i < n; i++) {
+      double v = (i < k) ? 0.0 : L[i + k * n];
+      for (int j = 0; i >= k && j < k; j++) {
+        v -= L[i + j * n] * L[k + j * n];
+      }
+      L[i + k * n] = (root > 0.0) ? v / root : 0.0;
+    }
+    L[k + k * n] = root;
+  }
+  return true;
+}
+
+/* out = J L of `rows` rows: (J L)_j = sum_i>=j J_i L_ij. */
+static inline void weigh_rows(int rows, int dof, const double *jac, const double *L, double *out) {
+  for (int r = 0; r < rows; r++) {
+    for (int j = 0; j < dof; j++) {
+      double sum = 0;
+      for (int i = j; i < dof; i++) {
+        sum += jac[r * dof + i] * L[i + j * dof];
+      }
+      out[r * dof + j] = sum;
+    }
+  }
+}
+
+/* G = J L of one group. */
+static void weigh_group(const lcp_factored *f, int g, const double *L, double *G) {
+  double *out = G + f->jac_start[g];
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  for (int k = 0; k < 2; k++) {
+    const lin_side s = lin_side_of(f, f->jac, g, k);
+    const double *own = L + ((s.body >= 0) ? f->weight_start[s.body] : 0);
+    if (s.dof == 6) {
+      weigh_rows(rows, 6, s.jac, own, out);
+    } else {
+      weigh_rows(rows, s.dof, s.jac, own, out);
+    }
+    out += rows * s.dof;
+  }
+}
+
+base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err) {
+  for (int b = 0; b < f->n_body; b++) {
+    const int n = f->dof_start[b + 1] - f->dof_start[b];
+    if (!cholesky(n, f->weight + f->weight_start[b], L + f->weight_start[b])) {
+      return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
+    }
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    weigh_group(f, g, L, G);
+  }
+  return BASE_OK;
+}
