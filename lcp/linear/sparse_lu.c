@@ -1,5 +1,7 @@
 #include "lcp/linear/sparse_lu.h"
 
+#include "lcp/base/clones.h"
+
 #include <suitesparse/colamd.h>
 
 #include <cblas.h>
@@ -7,7 +9,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { DENSE_FROM = 4 }; /* rows below which a call of LAPACK costs more than it saves */
+enum {
+  DENSE_FROM = 4,   /* rows below which a dense factor costs more than it saves */
+  LAPACK_FROM = 64, /* rows below which a call of LAPACK does */
+};
 static const double colamd_trial = 40; /* operations per entry of A that make it worth a trial */
 static const double colamd_gain = 0.7; /* share of them left when it is kept */
 
@@ -228,9 +233,56 @@ static void unpack(lin_lu *f, const lin_columns *A) {
     double top = 0;
     for (int p = A->colptr[j]; p < A->colptr[j + 1]; ++p) {
       column[A->rowind[p]] = A->val[p];
-      top = fmax(top, fabs(A->val[p]));
+      const double size = fabs(A->val[p]);
+      top = (size > top) ? size : top;
     }
     f->x[j] = top;
+  }
+}
+
+/* y -= f x. */
+static inline void subtract(int n, double f, const double *restrict x, double *restrict y) {
+  for (int i = 0; i < n; ++i) {
+    y[i] -= f * x[i];
+  }
+}
+
+/* P A = L U in place with partial pivoting, as dgetrf; swap[k]: row exchanged with row k. False: a pivot is zero. */
+BASE_CLONES static bool factor_small(int n, double *A, int *swap) {
+  for (int k = 0; k < n; ++k) {
+    double *own = A + (ptrdiff_t)k * n;
+    int p = k;
+    for (int i = k + 1; i < n; ++i) {
+      p = (fabs(own[i]) > fabs(own[p])) ? i : p;
+    }
+    swap[k] = p;
+    for (int j = 0; j < n && p != k; ++j) {
+      const double x = A[p + j * n];
+      A[p + j * n] = A[k + j * n];
+      A[k + j * n] = x;
+    }
+    if (!(fabs(own[k]) > 0)) {
+      return false;
+    }
+    for (int i = k + 1; i < n; ++i) {
+      own[i] /= own[k];
+    }
+    for (int j = k + 1; j < n; ++j) {
+      double *other = A + (ptrdiff_t)j * n;
+      subtract(n - k - 1, other[k], own + k + 1, other + k + 1);
+    }
+  }
+  return true;
+}
+
+/* b <- U^-1 L^-1 b. */
+BASE_CLONES static void solve_small(int n, const double *A, double *b) {
+  for (int k = 0; k < n; ++k) {
+    subtract(n - k - 1, b[k], A + k + k * n + 1, b + k + 1);
+  }
+  for (int k = n - 1; k >= 0; --k) {
+    b[k] /= A[k + k * n];
+    subtract(k, b[k], A + k * n, b);
   }
 }
 
@@ -243,7 +295,9 @@ static bool factor_dense(lin_lu *f, const lin_columns *A) {
     return false;
   }
   unpack(f, A);
-  bool regular = LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->value, n, f->stack) == 0;
+  bool regular = (n < LAPACK_FROM)
+                     ? factor_small(n, f->value, f->stack)
+                     : LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, f->value, n, f->stack) == 0;
   for (int k = 0; k < n; ++k) {
     f->prow[k] = k;
     f->col[k] = k;
@@ -252,7 +306,7 @@ static bool factor_dense(lin_lu *f, const lin_columns *A) {
     f->x[k] = 0;
   }
   for (int k = 0; k < n; ++k) { /* the exchanges of rows, one after another */
-    const int other = f->stack[k] - 1;
+    const int other = f->stack[k] - ((n < LAPACK_FROM) ? 0 : 1);
     const int row = f->prow[other];
     f->prow[other] = f->prow[k];
     f->prow[k] = row;
@@ -300,8 +354,12 @@ static void solve_dense(const lin_lu *f, double *b) {
   for (int k = 0; k < n; ++k) {
     f->x[k] = b[f->prow[k]];
   }
-  cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, n, f->value, n, f->x, 1);
-  cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, n, f->value, n, f->x, 1);
+  if (n < LAPACK_FROM) {
+    solve_small(n, f->value, f->x);
+  } else {
+    cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasUnit, n, f->value, n, f->x, 1);
+    cblas_dtrsv(CblasColMajor, CblasUpper, CblasNoTrans, CblasNonUnit, n, f->value, n, f->x, 1);
+  }
   for (int k = 0; k < n; ++k) {
     b[f->prow[k]] = f->x[k];
     f->x[k] = 0;
