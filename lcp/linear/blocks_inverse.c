@@ -98,6 +98,19 @@ base_status lin_blocks_invert(lin_blocks *s, base_error *err) {
   return BASE_OK;
 }
 
+/* x' Z y, Z m x n by columns. */
+static inline double form(int m, int n, const double *Z, const double *x, const double *y) {
+  double sum = 0;
+  for (int c = 0; c < n; c++) {
+    double column = 0;
+    for (int r = 0; r < m; r++) {
+      column += x[r] * Z[r + c * m];
+    }
+    sum += column * y[c];
+  }
+  return sum;
+}
+
 double lin_blocks_inverse_form(const lin_blocks *s, int a, const double *x, int b,
                                const double *y) {
   const bool later = s->place[a] > s->place[b];
@@ -106,11 +119,5 @@ double lin_blocks_inverse_form(const lin_blocks *s, int a, const double *x, int 
   const double *Z =
       (i == j) ? s->inverse_diag + s->at_diag[i] : s->inverse_low + s->at[lin_blocks_find(s, i, j)];
   const int m = lin_blocks_rows(s, i), n = lin_blocks_rows(s, j);
-  double sum = 0;
-  for (int c = 0; c < n; c++) {
-    for (int r = 0; r < m; r++) {
-      sum += left[r] * Z[r + c * m] * right[c];
-    }
-  }
-  return sum;
+  return (m == 6 && n == 6) ? form(6, 6, Z, left, right) : form(m, n, Z, left, right);
 }

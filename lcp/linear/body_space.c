@@ -168,9 +168,37 @@ static inline bool invert_of(int n, double *A, double *B) {
   return true;
 }
 
+static inline bool is_diagonal(int n, const double *A) {
+  bool diagonal = true;
+  for (int j = 0; j < n && diagonal; j++) {
+    for (int i = 0; i < n; i++) {
+      diagonal = diagonal && (i == j || A[i + j * n] == 0);
+    }
+  }
+  return diagonal;
+}
+
+/* The same of a diagonal A. */
+static bool invert_diagonal(int n, double *A, double *B) {
+  for (int k = 0; k < n; k++) {
+    double *pivot = &A[k + k * n];
+    if (!(fabs(*pivot) > 0)) {
+      return false;
+    }
+    for (int j = 0; j < n; j++) {
+      B[k + j * n] /= *pivot;
+    }
+    *pivot = 1 / *pivot;
+  }
+  return true;
+}
+
 /* A (n x n, by columns) -> its inverse by Gauss-Jordan with row pivoting; B <- A^-1 B. False: singular. */
 static bool invert(int n, double *A, double *B) {
-  return (n == 1) ? invert_of(1, A, B) : (n == 3) ? invert_of(3, A, B) : invert_of(n, A, B);
+  if (is_diagonal(n, A)) {
+    return invert_diagonal(n, A, B);
+  }
+  return (n == 3) ? invert_of(3, A, B) : invert_of(n, A, B);
 }
 
 static void mirror(int n, double *K) {

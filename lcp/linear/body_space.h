@@ -25,14 +25,12 @@ typedef struct lin_side {
 } lin_side;
 
 static inline lin_side lin_side_of(const lcp_factored *f, const double *jac, int group, int which) {
-  const int *body = &f->body[2 * (ptrdiff_t)group];
-  int dof[2];
-  for (int k = 0; k < 2; k++) {
-    dof[k] = (body[k] >= 0) ? f->dof_start[body[k] + 1] - f->dof_start[body[k]] : 0;
-  }
+  const int *body = &f->body[2 * (ptrdiff_t)group], *dof = f->dof_start;
   const int rows = f->row_start[group + 1] - f->row_start[group];
-  return (lin_side){jac + f->jac_start[group] + ((which == 0) ? 0 : rows * dof[0]), body[which],
-                    dof[which]};
+  const bool second = which == 1 && body[0] >= 0;
+  return (lin_side){jac + f->jac_start[group] +
+                        (second ? rows * (dof[body[0] + 1] - dof[body[0]]) : 0),
+                    body[which], (body[which] >= 0) ? dof[body[which] + 1] - dof[body[which]] : 0};
 }
 
 /* A system over some rows of some groups: T and Y of each group, n x n by columns over its rows in the system. */

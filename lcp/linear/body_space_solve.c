@@ -110,6 +110,25 @@ BASE_CLONES void lin_body_space_solve(lin_body_space *s, const double *r, double
   }
 }
 
+/* g (I + G'KG)^-1 g' of row r of group g. */
+static double seen_by(const lin_body_space *s, int g, int r) {
+  lin_side side[2];
+  double form = 0;
+  for (int k = 0; k < 2; k++) {
+    side[k] = lin_side_of(s->f, s->G, g, k);
+    side[k].jac += (ptrdiff_t)r * side[k].dof;
+  }
+  for (int k = 0; k < 2; k++) {
+    for (int l = 0; l < 2 && side[k].body >= 0; l++) {
+      if (side[l].body >= 0) {
+        form += lin_blocks_inverse_form(&s->blocks, side[k].body, side[k].jac, side[l].body,
+                                        side[l].jac);
+      }
+    }
+  }
+  return form;
+}
+
 base_status lin_body_space_deficit(lin_body_space *s, int *deficit, base_error *err) {
   const lcp_factored *f = s->f;
   double left = 0;
@@ -119,15 +138,7 @@ base_status lin_body_space_deficit(lin_body_space *s, int *deficit, base_error *
     const int n = lin_body_space_rows(s, g, &row);
     for (int k = 0; k < n; k++) {
       const double unit = unit_of(s, row[k]);
-      const int at = row[k] - f->row_start[g];
-      double form = 0;
-      for (int a = 0; a < 4; a++) {
-        const lin_side x = lin_side_of(f, s->G, g, a / 2), y = lin_side_of(f, s->G, g, a % 2);
-        if (x.body >= 0 && y.body >= 0) {
-          form += lin_blocks_inverse_form(&s->blocks, x.body, x.jac + at * x.dof, y.body,
-                                          y.jac + at * y.dof);
-        }
-      }
+      const double form = seen_by(s, g, row[k] - f->row_start[g]);
       left += 1 - s->Y[s->at[g] + (size_t)(k + k * n)] * unit * unit * form;
     }
   }

@@ -1,5 +1,5 @@
 /* body_weights.c - W = L L', G = J L. */
-#include "lcp/linear/body_space.h"
+#include "lcp/linear/body_space_inside.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,7 +28,7 @@ static bool cholesky(int n, const double *W, double *L) {
 }
 
 /* out = J L of `rows` rows: (J L)_j = sum_i>=j J_i L_ij. */
-static inline void weigh_rows(int rows, int dof, const double *jac, const double *L, double *out) {
+static void weigh_rows(int rows, int dof, const double *jac, const double *L, double *out) {
   for (int r = 0; r < rows; r++) {
     for (int j = 0; j < dof; j++) {
       double sum = 0;
@@ -40,19 +40,44 @@ static inline void weigh_rows(int rows, int dof, const double *jac, const double
   }
 }
 
+/* The same of a body in space, as sums of the rows of L. */
+BASE_INLINE void weigh_six(int rows, const double *restrict jac, const double *L,
+                           double *restrict out) {
+  double row[36];
+  for (int i = 0; i < 36; i++) {
+    row[i] = L[i / 6 + i % 6 * 6];
+  }
+  for (int r = 0; r < rows; r++) {
+    for (int j = 0; j < 6; j++) {
+      out[r * 6 + j] = jac[r * 6] * row[j];
+    }
+    for (int i = 1; i < 6; i++) {
+      for (int j = 0; j < 6; j++) {
+        out[r * 6 + j] += jac[r * 6 + i] * row[i * 6 + j];
+      }
+    }
+  }
+}
+
 /* G = J L of one group. */
-static void weigh_group(const lcp_factored *f, int g, const double *L, double *G) {
+BASE_INLINE void weigh_group(const lcp_factored *f, int g, const double *L, double *G) {
   double *out = G + f->jac_start[g];
   const int rows = f->row_start[g + 1] - f->row_start[g];
   for (int k = 0; k < 2; k++) {
     const lin_side s = lin_side_of(f, f->jac, g, k);
     const double *own = L + ((s.body >= 0) ? f->weight_start[s.body] : 0);
     if (s.dof == 6) {
-      weigh_rows(rows, 6, s.jac, own, out);
+      weigh_six(rows, s.jac, own, out);
     } else {
       weigh_rows(rows, s.dof, s.jac, own, out);
     }
     out += rows * s.dof;
+  }
+}
+
+BASE_CLONES static void weigh_groups(const lcp_factored *f, const double *L, double *G) {
+  for (int g = 0; g < f->n_group; g++) {
+    weigh_group(f, g, L, G);
   }
 }
 
@@ -63,8 +88,6 @@ base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *e
       return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
     }
   }
-  for (int g = 0; g < f->n_group; g++) {
-    weigh_group(f, g, L, G);
-  }
+  weigh_groups(f, L, G);
   return BASE_OK;
 }
