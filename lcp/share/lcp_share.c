@@ -40,9 +40,13 @@ static void layout(lcp_share *s, base_arena *a) {
   s->w = BASE_ARRAY(a, double, n);
   s->size = BASE_ARRAY(a, double, n);
   s->right = BASE_ARRAY(a, double, n);
+  s->step = BASE_ARRAY(a, double, n);
   s->anchor = BASE_ARRAY(a, double, n);
   s->diagonal = BASE_ARRAY(a, double, n);
-  s->kept = BASE_ARRAY(a, double, n);
+  s->seen_z = BASE_ARRAY(a, double, n);
+  s->seen_w = BASE_ARRAY(a, double, n);
+  s->answer_w = BASE_ARRAY(a, double, n);
+  s->answer_size = BASE_ARRAY(a, double, n);
   s->lower = BASE_ARRAY(a, double, n);
   s->had = BASE_ARRAY(a, double, n);
   s->before = BASE_ARRAY(a, unsigned char, n);
@@ -52,6 +56,7 @@ static void layout(lcp_share *s, base_arena *a) {
   s->island = BASE_ARRAY(a, int, n);
   s->met = BASE_ARRAY(a, int, s->cap_body);
   s->rests = BASE_ARRAY(a, bool, n);
+  s->held = BASE_ARRAY(a, bool, n);
   s->rows.kind = BASE_ARRAY(a, unsigned char, n);
   s->rows.delta = BASE_ARRAY(a, double, n);
   s->rows.part = BASE_ARRAY(a, int, n);
@@ -179,18 +184,7 @@ static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_err
   return BASE_OK;
 }
 
-/* A contact of a resting island is held up by the friction that it was found with. */
-static bool is_held(const lcp_share *s) {
-  for (int k = 0; k < s->n_contact; k++) {
-    const int i = lcp_share_block(s, k)->start;
-    if (s->rests[k] && s->rows.kind[i] == SHARE_FIXED && s->lower[i] > 0) {
-      return true;
-    }
-  }
-  return false;
-}
-
-/* Of those there was one in `start`. */
+/* A contact of a resting island was held up by its friction in `start`. */
 static bool was_held(const lcp_share *s, const double *start) {
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);
@@ -212,47 +206,72 @@ static bool is_same(const lcp_share *s, const double *z, const double *chosen) {
   return true;
 }
 
-/* The rows of the last step's answer first, where there is one; then those of z. */
-static base_status search(lcp_share *s, const double *z, const double *start, int rounds,
-                          share_end *end, lcp_share_result *out, base_error *err) {
+/* The rows of the last step's answer first, where there is one; then those of the solver's. */
+static base_status search(lcp_share *s, const share_search *how, share_end *end,
+                          lcp_share_result *out, base_error *err) {
+  share_search own = *how;
+  own.start = NULL;
   *end = SHARE_LOST;
-  if (start != NULL) {
-    const share_search recalled = {.z = z, .start = start, .rounds = RESTING_ROUNDS};
+  if (how->start != NULL) {
+    share_search recalled = *how;
+    recalled.rounds = RESTING_ROUNDS;
     BASE_TRY(lcp_share_search(s, &recalled, end, out, err));
   }
-  const share_search own = {.z = z, .rounds = rounds};
   return (*end == SHARE_LOST) ? lcp_share_search(s, &own, end, out, err) : BASE_OK;
 }
 
-/* Where nothing moves normal impulses alone are chosen; where the friction found stands in the way of that, friction
- * is chosen anew with them, unless the last step left it so. */
+/* Friction is chosen anew with the normal impulses. */
+static base_status choose_anew(lcp_share *s, const share_search *how, share_end *end,
+                               lcp_share_result *out, base_error *err) {
+  memset(s->rests, 0, (size_t)s->n_contact * sizeof *s->rests);
+  return lcp_share_search(s, how, end, out, err);
+}
+
+static bool any_rests(const lcp_share *s) {
+  bool any = false;
+  for (int k = 0; k < s->n_contact; k++) {
+    any = any || s->rests[k];
+  }
+  return any;
+}
+
+/* Where nothing moves normal impulses alone are chosen. Where the friction found stands in the way of that, friction is chosen anew
+ * with them, unless the last step left it so; and where that does not end it stays. */
+static base_status find_choice(lcp_share *s, const double *start, share_end *end,
+                               lcp_share_result *out, base_error *err) {
+  lcp_share_find_islands(s);
+  share_search resting = {.start = start, .rounds = MOST_ROUNDS};
+  if (!any_rests(s)) {
+    return search(s, &resting, end, out, err);
+  }
+  resting.rounds = RESTING_ROUNDS;
+  resting.until_held = !(start != NULL && was_held(s, start));
+  BASE_TRY(search(s, &resting, end, out, err));
+  if (*end == SHARE_HELD) {
+    const share_search brief = {.rounds = FREE_ROUNDS, .brief = true, .held = true};
+    BASE_TRY(choose_anew(s, &brief, end, out, err));
+    if (*end == SHARE_DONE) {
+      return BASE_OK;
+    }
+    lcp_share_restore_answer(s);
+    lcp_share_find_islands(s);
+    resting.until_held = false;
+    BASE_TRY(search(s, &resting, end, out, err));
+  }
+  if (*end == SHARE_OFF) {
+    BASE_TRY(lcp_share_follow(s, FOLLOW_ROUNDS, end, out, err));
+  }
+  const share_search whole = {.rounds = MOST_ROUNDS};
+  return (*end == SHARE_DONE) ? BASE_OK : choose_anew(s, &whole, end, out, err);
+}
+
 static base_status choose_among(lcp_share *s, const double *start, double *z, lcp_share_result *out,
                                 base_error *err) {
   const size_t n = (size_t)s->p->M.n;
-  share_end end, anew = SHARE_LOST;
-  bool any_rest = false;
-  lcp_share_find_islands(s);
-  for (int k = 0; k < s->n_contact; k++) {
-    any_rest = any_rest || s->rests[k];
-  }
-  BASE_TRY(search(s, z, start, any_rest ? RESTING_ROUNDS : MOST_ROUNDS, &end, out, err));
-  const bool held =
-      any_rest && end != SHARE_LOST && is_held(s) && !(start != NULL && was_held(s, start));
-  if (any_rest && end == SHARE_OFF) {
-    BASE_TRY(lcp_share_follow(s, FOLLOW_ROUNDS, &end, out, err));
-  }
-  const bool made = end == SHARE_DONE;
-  if (any_rest && (!made || held)) {
-    const share_search free_too = {
-        .z = z, .rounds = made ? FREE_ROUNDS : MOST_ROUNDS, .brief = made};
-    memcpy(s->kept, s->z, n * sizeof *z);
-    memset(s->rests, 0, (size_t)s->n_contact * sizeof *s->rests);
-    BASE_TRY(lcp_share_search(s, &free_too, &anew, out, err));
-    if (anew != SHARE_DONE) {
-      memcpy(s->z, s->kept, n * sizeof *z);
-    }
-  }
-  out->outcome = (made || anew == SHARE_DONE) ? LCP_SHARE_MADE : LCP_SHARE_MISSED;
+  share_end end;
+  lcp_share_keep_answer(s, z);
+  BASE_TRY(find_choice(s, start, &end, out, err));
+  out->outcome = (end == SHARE_DONE) ? LCP_SHARE_MADE : LCP_SHARE_MISSED;
   if (out->outcome == LCP_SHARE_MADE && !s->counted && is_same(s, z, s->z)) {
     out->outcome = LCP_SHARE_UNIQUE; /* as far as delta tells */
   } else if (out->outcome == LCP_SHARE_MADE) {
@@ -313,7 +332,11 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *st
   }
   const long factored = s->system.factorizations, solved = s->system.backsolves;
   memcpy(s->z, z, (size_t)n * sizeof *z);
-  lcp_matrix_diagonal(&s->M, s->diagonal);
+  if (s->by_bodies) {
+    lcp_share_bodies_diagonal(&s->bodies, s->diagonal);
+  } else {
+    lcp_matrix_diagonal(&s->M, s->diagonal);
+  }
   lcp_share_product(s, s->size);
   lcp_share_level_sizes(s);
   set_delta(s, most_soft);

@@ -1,11 +1,10 @@
 #include "lcp/share/lcp_share_bodies.h"
 
+#include "lcp/base/clones.h"
 #include "lcp/lcp_column.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-enum { SOLUTIONS = 8 }; /* most, with corrections: delta costs seven to ten digits of each */
 
 void lcp_share_bodies_close(share_bodies *s) {
   lin_body_space_close(&s->space);
@@ -25,10 +24,6 @@ static void layout(share_bodies *s, base_arena *a) {
   s->scratch = BASE_ARRAY(a, double, s->cap_scratch);
   s->v = BASE_ARRAY(a, double, s->cap_dof);
   s->member = BASE_ARRAY(a, unsigned char, s->cap_n);
-  s->x = BASE_ARRAY(a, double, s->cap_n);
-  s->w = BASE_ARRAY(a, double, s->cap_n);
-  s->off = BASE_ARRAY(a, double, s->cap_n);
-  s->sum = BASE_ARRAY(a, double, s->cap_n);
 }
 
 static base_status memory(share_bodies *s, base_error *err) {
@@ -68,32 +63,44 @@ base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_e
 
 /* ---- products -------------------------------------------------------------------------------- */
 
-/* s->v = |G|' |z|: what the impulses z come to at most, by degrees of freedom. */
-static void gather_sizes(share_bodies *s, const double *z) {
-  const lcp_factored *f = s->p->M.factored;
-  memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
-  for (int g = 0; g < f->n_group; g++) {
-    for (int k = 0; k < 2; k++) {
-      const lin_side a = lin_side_of(f, s->G, g, k);
-      for (int r = 0; r < group_rows(f, g) && a.body >= 0; r++) {
-        const double x = fabs(z[f->row_start[g] + r]);
-        for (int i = 0; i < a.dof && x > 0; i++) {
-          s->v[f->dof_start[a.body] + i] += fabs(a.jac[r * a.dof + i]) * x;
-        }
-      }
+/* v += |A|' |x|, and y += |A| v, of `rows` rows. */
+BASE_INLINE void gather(int rows, int dof, const double *A, const double *x, double *restrict v) {
+  for (int r = 0; r < rows; r++) {
+    const double most = fabs(x[r]);
+    for (int i = 0; i < dof; i++) {
+      v[i] += fabs(A[r * dof + i]) * most;
     }
   }
 }
 
-/* size += |G| s->v. */
-static void spread_sizes(const share_bodies *s, double *size) {
+BASE_INLINE void spread(int rows, int dof, const double *A, const double *v, double *restrict y) {
+  for (int r = 0; r < rows; r++) {
+    double sum = 0;
+    for (int i = 0; i < dof; i++) {
+      sum += fabs(A[r * dof + i]) * v[i];
+    }
+    y[r] += sum;
+  }
+}
+
+/* size += |G| |G|' |z|: what the rows are made of at most, by degrees of freedom. */
+BASE_CLONES static void add_sizes(share_bodies *s, const double *z, double *size) {
   const lcp_factored *f = s->p->M.factored;
-  for (int g = 0; g < f->n_group; g++) {
-    for (int k = 0; k < 2; k++) {
-      const lin_side a = lin_side_of(f, s->G, g, k);
-      for (int r = 0; r < group_rows(f, g) && a.body >= 0; r++) {
-        for (int i = 0; i < a.dof; i++) {
-          size[f->row_start[g] + r] += fabs(a.jac[r * a.dof + i]) * s->v[f->dof_start[a.body] + i];
+  memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
+  for (int pass = 0; pass < 2; pass++) {
+    for (int g = 0; g < f->n_group; g++) {
+      const int rows = group_rows(f, g), first = f->row_start[g];
+      for (int k = 0; k < 2; k++) {
+        const lin_side a = lin_side_of(f, s->G, g, k);
+        double *v = s->v + ((a.dof > 0) ? f->dof_start[a.body] : 0);
+        if (pass == 0 && a.dof == 6) {
+          gather(rows, 6, a.jac, z + first, v);
+        } else if (pass == 0) {
+          gather(rows, a.dof, a.jac, z + first, v);
+        } else if (a.dof == 6) {
+          spread(rows, 6, a.jac, v, size + first);
+        } else {
+          spread(rows, a.dof, a.jac, v, size + first);
         }
       }
     }
@@ -107,11 +114,10 @@ void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, doubl
   if (size == NULL) {
     return;
   }
-  gather_sizes(s, z);
   for (int i = 0; i < p->M.n; i++) {
     size[i] = fabs(p->q[i]);
   }
-  spread_sizes(s, size);
+  add_sizes(s, z, size);
   for (int j = 0; f->shift != NULL && j < p->M.n; j++) {
     if (z[j] != 0) {
       lcp_column_add_size(lcp_csc_column(f->shift, j), z[j], size);
@@ -119,11 +125,27 @@ void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, doubl
   }
 }
 
-void lcp_share_bodies_right(share_bodies *s, const share_rows *r, const double *z, double *right) {
-  for (int i = 0; i < s->p->M.n; i++) {
-    s->x[i] = (r->kind[i] == SHARE_FIXED) ? z[i] : 0;
+void lcp_share_bodies_diagonal(const share_bodies *s, double *d) {
+  const lcp_factored *f = s->p->M.factored;
+  for (int g = 0; g < f->n_group; g++) {
+    const lin_side a = lin_side_of(f, s->G, g, 0), b = lin_side_of(f, s->G, g, 1);
+    for (int r = 0; r < group_rows(f, g); r++) {
+      double sum = 0;
+      for (int i = 0; i < a.dof; i++) {
+        sum += a.jac[r * a.dof + i] * a.jac[r * a.dof + i];
+      }
+      for (int i = 0; i < b.dof; i++) {
+        sum += b.jac[r * b.dof + i] * b.jac[r * b.dof + i];
+      }
+      d[f->row_start[g] + r] = sum;
+    }
   }
-  lcp_matrix_apply(&s->p->M, s->x, s->p->q, right, s->scratch);
+  for (int j = 0; f->shift != NULL && j < s->p->M.n; j++) {
+    const lcp_column c = lcp_csc_column(f->shift, j);
+    for (int k = 0; k < c.count; k++) {
+      d[j] += (c.row[k] == j) ? c.val[k] : 0;
+    }
+  }
 }
 
 /* ---- the system ------------------------------------------------------------------------------ */
@@ -187,9 +209,10 @@ static bool local(share_bodies *s, const share_rows *r, int g) {
     (active ? set_active : set_slip)(&a, r, k);
     symmetric = symmetric && active;
   }
-  if (s->p->M.factored->shift != NULL) {
-    add_shift(&a, s->p->M.factored->shift);
+  if (s->p->M.factored->shift == NULL) {
+    return symmetric; /* diagonal, where nothing slips */
   }
+  add_shift(&a, s->p->M.factored->shift);
   for (int k = 0; k < a.n; k++) {
     for (int m = 0; m < k; m++) {
       symmetric = symmetric && a.T[m + k * a.n] == a.T[k + m * a.n];
@@ -210,62 +233,4 @@ base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *
     symmetric = local(s, r, g) && symmetric;
   }
   return lin_body_space_factor(&s->space, symmetric, regular, err);
-}
-
-/* s->off = right less the system's rows at z; z is zero outside the system. */
-static void residual(share_bodies *s, const share_rows *r, const double *right, const double *z) {
-  const int n = s->p->M.n;
-  lcp_matrix_apply(&s->p->M, z, NULL, s->w, s->scratch);
-  for (int i = 0; i < n; i++) {
-    s->off[i] = 0;
-    if (r->kind[i] == SHARE_ACTIVE) {
-      s->off[i] = right[i] - s->w[i] - r->delta[i] * z[i];
-    } else if (r->kind[i] == SHARE_SLIP) {
-      s->off[i] = right[i] - r->own[i] * z[i];
-      for (int m = 0; m < r->part_dim[i] && r->part_dim[i] == 2; m++) {
-        s->off[i] -= r->gain[2 * i + m] * s->w[r->part[i] + m];
-      }
-    }
-  }
-  for (int i = 0; i < n; i++) {
-    for (int m = i + 1; r->kind[i] == SHARE_ACTIVE && m < r->slips[i]; m++) {
-      s->off[m] -= (r->kind[m] == SHARE_SLIP) ? r->pull[m] * z[i] : 0;
-    }
-  }
-}
-
-int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *right, double *z) {
-  const int n = s->p->M.n;
-  memcpy(s->off, right, (size_t)n * sizeof *right);
-  memset(s->sum, 0, (size_t)n * sizeof *s->sum);
-  int count = 0;
-  for (double last = HUGE_VAL, step = 0; count < SOLUTIONS && (count < 3 || step < 0.5 * last);) {
-    last = (count > 0) ? step : last;
-    if (count++ > 0) {
-      residual(s, r, right, s->sum);
-    }
-    lin_body_space_solve(&s->space, s->off, s->x);
-    step = 0;
-    for (int i = 0; i < n; i++) {
-      s->sum[i] += s->x[i];
-      step = fmax(step, fabs(s->x[i]));
-    }
-  }
-  for (int i = 0; i < n; i++) {
-    z[i] = (r->kind[i] != SHARE_FIXED) ? s->sum[i] : z[i];
-  }
-  return count;
-}
-
-void lcp_share_bodies_correct(share_bodies *s, const share_rows *r, const double *right,
-                              double *z) {
-  const int n = s->p->M.n;
-  for (int i = 0; i < n; i++) {
-    s->sum[i] = (r->kind[i] != SHARE_FIXED) ? z[i] : 0;
-  }
-  residual(s, r, right, s->sum);
-  lin_body_space_solve(&s->space, s->off, s->x);
-  for (int i = 0; i < n; i++) {
-    z[i] += s->x[i];
-  }
 }

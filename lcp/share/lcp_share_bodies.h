@@ -7,11 +7,10 @@
 
 typedef struct share_bodies {
   lin_body_space space;
-  const lcp_problem *p;      /* of the last begin */
-  double *L, *G;             /* lin_weigh */
-  unsigned char *member;     /* cap_n: rows in the system */
-  double *scratch, *v;       /* of lcp_matrix_apply; cap_dof */
-  double *x, *w, *off, *sum; /* cap_n */
+  const lcp_problem *p;  /* of the last begin */
+  double *L, *G;         /* lin_weigh */
+  unsigned char *member; /* cap_n: rows in the system */
+  double *scratch, *v;   /* of lcp_matrix_apply; cap_dof */
   size_t cap_weight, cap_jac, cap_scratch;
   int cap_dof, cap_n;
   void *mem; /* owned */
@@ -26,15 +25,8 @@ base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_e
  * NULL. */
 void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, double *size);
 
-/* right = q + M z over the z that stand outside the system. */
-void lcp_share_bodies_right(share_bodies *s, const share_rows *r, const double *z, double *right);
+void lcp_share_bodies_diagonal(const share_bodies *s, double *d); /* of M */
 
 /* The system for the kinds in r. *regular = false: singular. */
 base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *regular,
                                     base_error *err);
-
-/* z of the unknowns from right, with corrections from the residual; returns how many solutions that took. */
-int lcp_share_bodies_solve(share_bodies *s, const share_rows *r, const double *right, double *z);
-
-/* One correction of z towards the solution for right. */
-void lcp_share_bodies_correct(share_bodies *s, const share_rows *r, const double *right, double *z);

@@ -1,8 +1,6 @@
 /* lcp_share_islands.c - contacts that M couples, which of them rest, and what friction asks of their normal impulses. */
 #include "lcp/share/lcp_share_facets.h"
 
-static const double at_bound = 1e-9; /* a normal impulse over what its friction asks for */
-
 static int root_of(const lcp_share *s, int k) {
   while (s->island[k] != k) {
     k = s->island[k];
@@ -13,6 +11,7 @@ static int root_of(const lcp_share *s, int k) {
 static void join(lcp_share *s, int k, int m) {
   const int a = root_of(s, k), b = root_of(s, m);
   s->island[(a > b) ? a : b] = (a > b) ? b : a;
+  s->n_island -= a != b;
 }
 
 /* The friction of a touching contact b works on nothing. */
@@ -39,34 +38,53 @@ static bool is_still(const lcp_share *s, const lcp_block *b) {
   return still;
 }
 
+/* Least normal impulse that carries the friction of the part at `row`, of facets or of a cone. */
+static double carried_by_facets(const lcp_share *s, const lcp_block *b, int part, const double *z) {
+  const share_facets f =
+      lcp_share_facets(b, part); /* the slip speed's row is mu z_n less friction */
+  const lcp_column c = lcp_column_of(&s->M, b->start);
+  double slope = 0, sum = 0;
+  for (int m = 0; m < c.count; m++) {
+    slope = (lcp_column_row(&c, m) == f.speed) ? c.val[m] : slope;
+  }
+  for (int i = f.first; i < f.first + f.count; i++) {
+    sum += z[i];
+  }
+  const double friction = lcp_share_speed_unit(s, f) * sum - s->p->q[f.speed];
+  return (slope > 0) ? friction / slope : z[b->start];
+}
+
+static double carried_by_cone(const lcp_block *b, int part, int row, const double *z) {
+  const double force = lcp_share_length(z + row, b->part_dim[part]);
+  return (force > 0) ? force / b->part_mu[part] : 0;
+}
+
+double lcp_share_carried_by(const lcp_share *s, const lcp_block *b, int part, int row,
+                            const double *z) {
+  return (b->set == LCP_CONE) ? carried_by_cone(b, part, row, z) : carried_by_facets(s, b, part, z);
+}
+
 double lcp_share_carried(const lcp_share *s, const lcp_block *b, const double *z) {
-  const double normal = z[b->start];
+  const int parts = (b->set == LCP_CONE || lcp_share_is_faceted(b)) ? b->n_part : 0;
   double least = 0;
-  if (b->set == LCP_CONE) {
-    for (int k = 0, row = b->start + 1; k < b->n_part; row += b->part_dim[k++]) {
-      const double force = lcp_share_length(z + row, b->part_dim[k]);
-      least = (force > 0) ? fmax(least, force / b->part_mu[k]) : least;
-    }
+  for (int k = 0, row = b->start + 1; k < parts; row += b->part_dim[k++]) {
+    least = fmax(least, lcp_share_carried_by(s, b, k, row, z));
   }
-  for (int k = 0; lcp_share_is_faceted(b) && k < b->n_part;
-       k++) { /* the row of the slip speed is mu z_n less the friction */
-    const share_facets f = lcp_share_facets(b, k);
-    const lcp_column c = lcp_column_of(&s->M, b->start);
-    double slope = 0, sum = 0;
-    for (int m = 0; m < c.count; m++) {
-      slope = (lcp_column_row(&c, m) == f.speed) ? c.val[m] : slope;
-    }
-    for (int i = f.first; i < f.first + f.count; i++) {
-      sum += z[i];
-    }
-    const double friction = lcp_share_speed_unit(s, f) * sum - s->p->q[f.speed];
-    least = (slope > 0) ? fmax(least, friction / slope) : normal;
-  }
-  return fmin(fmax(least, 0.0), normal);
+  return fmin(least, z[b->start]);
 }
 
 bool lcp_share_is_at_least(const lcp_share *s, const lcp_block *b, const double *z) {
-  return z[b->start] <= (1 + at_bound) * lcp_share_carried(s, b, z);
+  return z[b->start] <= (1 + LCP_SHARE_AT_BOUND) * lcp_share_carried(s, b, z);
+}
+
+bool lcp_share_note_held(lcp_share *s) {
+  bool any = false;
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    s->held[k] = s->rests[k] && s->rows.kind[i] == SHARE_FIXED && s->lower[i] > 0;
+    any = any || s->held[k];
+  }
+  return any;
 }
 
 /* Contacts and joints have a node each: contact k the k-th, the j-th free block the one j places after them all. */
@@ -78,7 +96,7 @@ static int node_of(const lcp_share *s, int row) {
 static void join_column(lcp_share *s, int row) {
   const lcp_column c = lcp_column_of(&s->M, row);
   const int own = node_of(s, row);
-  for (int m = 0; m < c.count; m++) {
+  for (int m = 0; m < c.count && s->n_island > 1; m++) {
     const int other = node_of(s, lcp_column_row(&c, m));
     if (other > own && s->island[other] != s->island[own] && c.val[m] != 0) {
       join(s, own, other);
@@ -128,6 +146,7 @@ static void own_free_rows(lcp_share *s) {
     }
     s->island[s->n_contact + n_free] = s->n_contact + n_free;
     n_free++;
+    s->n_island++;
     for (int i = b->start; i < b->start + b->size; i++) {
       s->owner[i] = LCP_SHARE_NOBODY - n_free;
     }
@@ -141,6 +160,7 @@ void lcp_share_find_islands(lcp_share *s) {
     s->owner[i] = LCP_SHARE_NOBODY;
     s->lower[i] = 0;
   }
+  s->n_island = s->n_contact;
   own_free_rows(s);
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);

@@ -1,13 +1,13 @@
 /* lcp_share_limit.c - steps 2 and 3 of lcp_share.h: the active rows, and the limit on them. */
-#include "lcp/base/clones.h"
-#include "lcp/lcp_column.h"
 #include "lcp/share/lcp_share_state.h"
 
+#include <float.h>
 #include <limits.h>
 #include <string.h>
 
 enum {
   MOST_CORRECTIONS = 12,
+  MOST_SOLUTIONS = 8,
   JOINT_ROUNDS = 4,
   BLOCK_ROUNDS =
       3 /* without fewer rows that ask for a change: then one by one, which cannot go round (Judice & Pires 1994) */
@@ -16,55 +16,8 @@ enum {
 static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
-/* ---- products and systems ---------------------------------------------------------------------- */
+/* ---- systems ------------------------------------------------------------------------------------ */
 
-BASE_CLONES void lcp_share_product(lcp_share *s, double *size) {
-  const int n = s->p->M.n;
-  if (s->by_bodies) {
-    lcp_share_bodies_product(&s->bodies, s->z, s->w, size);
-    return;
-  }
-  memcpy(s->w, s->p->q, (size_t)n * sizeof *s->w);
-  for (int i = 0; i < n && size != NULL; i++) {
-    size[i] = fabs(s->p->q[i]);
-  }
-  for (int j = 0; j < n; j++) {
-    if (s->z[j] != 0) {
-      const lcp_column c = lcp_column_of(&s->M, j);
-      if (size != NULL) {
-        lcp_column_add_sized(c, s->z[j], s->w, size);
-      } else {
-        lcp_column_add(c, s->z[j], s->w);
-      }
-    }
-  }
-}
-
-/* Row i is held against row `other` as well, in its own unit. */
-static void level_row(lcp_share *s, int i, int other) {
-  const double a = s->diagonal[i], b = s->diagonal[other];
-  const double unit = (a > 0 && b > 0) ? sqrt(a / b) : 1;
-  s->size[i] = fmax(s->size[i], unit * s->size[other]);
-}
-
-/* Rows of one contact share their roundings: those of friction at rest are made of nothing, and are held against
- * the normal row. So do rows of one joint, which are held against all of them. */
-void lcp_share_level_sizes(lcp_share *s) {
-  for (int k = 0; k < s->n_contact; k++) {
-    const lcp_block *b = lcp_share_block(s, k);
-    for (int i = b->start + 1; i < lcp_share_end(s, b); i++) {
-      level_row(s, i, b->start);
-    }
-  }
-  for (int k = 0; k < s->p->n_block; k++) {
-    const lcp_block *b = &s->p->block[k];
-    for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
-      for (int other = b->start; other < b->start + b->size; other++) {
-        level_row(s, i, other);
-      }
-    }
-  }
-}
 base_status lcp_share_factor(lcp_share *s, bool *regular, base_error *err) {
   if (!s->by_bodies) {
     return lcp_share_system_factor(&s->system, &s->M, &s->rows, regular, err);
@@ -74,46 +27,76 @@ base_status lcp_share_factor(lcp_share *s, bool *regular, base_error *err) {
   return lcp_share_bodies_factor(&s->bodies, &s->rows, regular, err);
 }
 
-/* s->z of the unknowns from s->right. */
-static void solve(lcp_share *s) {
+/* ---- the limit ----------------------------------------------------------------------------------- */
+
+/* What row i of the system misses at s->z, of which s->w is known. */
+static double missing(const lcp_share *s, int i) {
+  const share_rows *r = &s->rows;
+  if (r->kind[i] == SHARE_ACTIVE) {
+    return r->delta[i] * (s->anchor[i] - s->z[i]) - s->w[i];
+  }
+  const int first = r->part[i];
+  const double own = r->own[i] * s->z[i] + r->gain[2 * i] * s->w[first];
+  return -((r->part_dim[i] == 2) ? own + r->gain[2 * i + 1] * s->w[first + 1] : own);
+}
+
+/* One correction of s->z towards the solution of the system, in s->step, from s->w = M z + q. */
+static void correct(lcp_share *s) {
+  const share_rows *r = &s->rows;
+  const share_system *y = &s->system;
+  for (int k = 0; k < y->count; k++) {
+    s->right[y->unknown[k]] = missing(s, y->unknown[k]);
+  }
+  for (int k = 0; k < y->count && y->slips; k++) {
+    const int i = y->unknown[k];
+    for (int m = i + 1; r->kind[i] == SHARE_ACTIVE && m < r->slips[i]; m++) {
+      s->right[m] -= (r->kind[m] == SHARE_SLIP) ? r->pull[m] * s->z[i] : 0;
+    }
+  }
   if (s->by_bodies) {
-    s->system.backsolves += lcp_share_bodies_solve(&s->bodies, &s->rows, s->right, s->z);
+    lin_body_space_solve(&s->bodies.space, s->right, s->step);
+    s->system.backsolves++;
   } else {
-    lcp_share_system_solve(&s->system, s->right, s->z);
+    lcp_share_system_solve(&s->system, s->right, s->step);
+  }
+  for (int k = 0; k < y->count; k++) {
+    s->z[y->unknown[k]] += s->step[y->unknown[k]];
   }
 }
 
-/* ---- the limit ----------------------------------------------------------------------------------- */
+static double largest_step(const lcp_share *s) {
+  double most = 0;
+  for (int k = 0; k < s->system.count; k++) {
+    const double step = fabs(s->step[s->system.unknown[k]]);
+    most = (step > most) ? step : most;
+  }
+  return most;
+}
 
-/* Right-hand side of the system, with delta C times the point that it is anchored at. */
-static void fill_right(lcp_share *s) {
-  const int n = s->p->M.n;
-  const share_rows *r = &s->rows;
-  if (s->by_bodies) {
-    lcp_share_bodies_right(&s->bodies, r, s->z, s->right);
-  } else {
-    memcpy(s->right, s->p->q, (size_t)n * sizeof *s->right);
+/* w for the next correction. In contact space, where one is exact, from zero: what z has beside the solution would leave its
+ * roundings, over delta, in what M does not see. */
+static void prepare(lcp_share *s) {
+  for (int k = 0; k < s->system.count && !s->by_bodies; k++) {
+    s->z[s->system.unknown[k]] = 0;
   }
-  for (int j = 0; j < n && !s->by_bodies; j++) {
-    if (r->kind[j] == SHARE_FIXED && s->z[j] != 0) {
-      lcp_column_add(lcp_column_of(&s->M, j), s->z[j], s->right);
-    }
-  }
-  for (int k = 0; k < s->system.count; k++) {
-    const int i = s->system.unknown[k];
-    if (r->kind[i] == SHARE_ACTIVE) {
-      s->right[i] = r->delta[i] * s->anchor[i] - s->right[i];
-    }
-  }
-  for (int k = 0; k < s->system.count; k++) {
-    const int i = s->system.unknown[k], first = r->part[i];
-    if (r->kind[i] == SHARE_SLIP && first == i) {
-      const double u[2] = {s->right[i], (r->part_dim[i] == 2) ? s->right[i + 1] : 0};
-      for (int m = 0; m < r->part_dim[i]; m++) {
-        s->right[i + m] = -(r->gain[2 * (i + m)] * u[0] + r->gain[2 * (i + m) + 1] * u[1]);
-      }
-    }
-  }
+  lcp_share_refresh_product(s);
+}
+
+/* s->z is the solution of the system, w that of z. In body space delta costs seven to ten digits of a correction: there are more
+ * until the next one would be rounding. */
+static void solve(lcp_share *s) {
+  double first = 0, last = HUGE_VAL, step = 0;
+  int count = 0;
+  prepare(s);
+  do {
+    correct(s);
+    lcp_share_product(s, NULL);
+    last = (count > 0) ? step : HUGE_VAL;
+    step = largest_step(s);
+    first = (count == 0) ? step : first;
+    count++;
+  } while (s->by_bodies && count < MOST_SOLUTIONS && step < 0.5 * last &&
+           (count == 1 || step * (step / last) > DBL_EPSILON * first));
 }
 
 static bool is_finite(const lcp_share *s) {
@@ -143,7 +126,6 @@ static void stiffen_joints(lcp_share *s) {
         s->anchor[i] = s->z[i];
       }
     }
-    fill_right(s);
     solve(s);
   }
 }
@@ -161,20 +143,20 @@ static int few_changes(const lcp_share *s) {
   return 8 + s->p->M.n / 64;
 }
 
-/* Step 2. True: active rows and z of M + delta C agree. `brief`: given up where the second round changes many rows. */
-static base_status find_rows(lcp_share *s, int last, bool brief, lcp_share_result *out, bool *found,
-                             base_error *err) {
+/* Step 2. SHARE_FOUND: active rows and z of M + delta C agree. */
+static base_status find_rows(lcp_share *s, const share_search *how, int last, share_end *end,
+                             lcp_share_result *out, base_error *err) {
   const int first = out->rounds;
   for (int k = 0; k < s->n_contact; k++) {
     s->anchor[lcp_share_block(s, k)->start] =
         0; /* Tikhonov's term; all other rows stay near the answer */
   }
   int fewest = INT_MAX, more = BLOCK_ROUNDS;
-  *found = false;
+  *end = SHARE_LOST;
   s->one_by_one = false;
   s->pull = 1;
   s->speed_slack = 1e-2 * LCP_SHARE_DELTA;
-  while (!*found && out->rounds < last) {
+  while (*end == SHARE_LOST && out->rounds < last) {
     bool regular = true;
     if (out->rounds++ > 0 || !is_factored(s)) {
       BASE_TRY(lcp_share_factor(s, &regular, err));
@@ -182,41 +164,39 @@ static base_status find_rows(lcp_share *s, int last, bool brief, lcp_share_resul
     if (!regular) {
       return BASE_OK;
     }
-    fill_right(s);
     solve(s);
     stiffen_joints(s);
-    lcp_share_product(s, NULL);
     if (!is_finite(s)) {
       return BASE_OK;
     }
     memcpy(s->before, s->rows.kind, (size_t)s->p->M.n);
-    *found = !lcp_share_settle(s);
+    if (!lcp_share_settle(s)) {
+      *end = SHARE_FOUND;
+    } else if (how->until_held && lcp_share_note_held(s)) {
+      *end = SHARE_HELD;
+    }
     more = (s->asked < fewest) ? BLOCK_ROUNDS : more - 1;
     fewest = (s->asked < fewest) ? s->asked : fewest;
     s->one_by_one = more <= 0;
-    if (brief && out->rounds > first + 1 && changes(s) > few_changes(s)) {
+    if (how->brief && out->rounds > first + 1 && changes(s) > few_changes(s)) {
+      *end = SHARE_LOST;
       return BASE_OK;
     }
   }
   return BASE_OK;
 }
 
-/* Step 3, on the factor of the rows found. */
+/* Step 3, on the factor of the rows found: every solution is anchored at the last one. */
 static void approach_limit(lcp_share *s) {
   for (int k = 0; k < MOST_CORRECTIONS; k++) {
     double off = 0;
     memcpy(s->anchor, s->z, (size_t)s->p->M.n * sizeof *s->z);
-    fill_right(s);
-    if (s->by_bodies) { /* each step corrects what the last one left */
-      lcp_share_bodies_correct(&s->bodies, &s->rows, s->right, s->z);
-      s->system.backsolves++;
-    } else {
-      solve(s);
-    }
+    prepare(s);
+    correct(s);
     for (int m = 0; m < s->system.count; m++) {
       const int i = s->system.unknown[m];
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);
-      off = fmax(off, (s->size[i] > 0) ? moved / s->size[i] : 0);
+      off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
     if (off <= 1e-2 * LCP_SHARE_ROW_TOL) {
       return;
@@ -252,18 +232,36 @@ static void drop_delta(lcp_share *s) {
   s->speed_slack = solved_tol;
 }
 
+void lcp_share_keep_answer(lcp_share *s, const double *z) {
+  const size_t n = (size_t)s->p->M.n;
+  s->answer = z;
+  memcpy(s->answer_w, s->w, n * sizeof *s->w);
+  memcpy(s->answer_size, s->size, n * sizeof *s->size);
+  for (size_t i = 0; i < n; i++) {
+    const double off = fabs(s->w[i]);
+    s->had[i] = (off <= answer_tol * s->size[i]) ? off : 0;
+  }
+}
+
+void lcp_share_restore_answer(lcp_share *s) {
+  const size_t n = (size_t)s->p->M.n;
+  memcpy(s->z, s->answer, n * sizeof *s->z);
+  memcpy(s->w, s->answer_w, n * sizeof *s->w);
+  memcpy(s->size, s->answer_size, n * sizeof *s->size);
+  memcpy(s->seen_z, s->z, n * sizeof *s->z);
+  memcpy(s->seen_w, s->w, n * sizeof *s->w);
+}
+
 static void begin(lcp_share *s, const share_search *how) {
   const size_t n = (size_t)s->p->M.n;
-  memcpy(s->z, how->z, n * sizeof *s->z);
-  lcp_share_product(s, s->size);
-  lcp_share_level_sizes(s);
-  for (int i = 0; i < s->p->M.n; i++) {
-    s->had[i] = (fabs(s->w[i]) <= answer_tol * s->size[i]) ? fabs(s->w[i]) : 0;
-  }
+  lcp_share_restore_answer(s);
   memset(s->by_limit, 0, n);
   lcp_share_begin_rows(s);
   if (how->start != NULL) {
     lcp_share_recall_rows(s, how->start);
+  }
+  if (how->held) {
+    lcp_share_begin_held(s);
   }
   memcpy(s->anchor, s->z, n * sizeof *s->z);
 }
@@ -272,20 +270,21 @@ base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *e
                              lcp_share_result *out, base_error *err) {
   const int last = out->rounds + how->rounds;
   begin(s, how);
-  *end = SHARE_LOST;
-  bool found = true;
-  while (found && out->rounds < last) {
-    BASE_TRY(find_rows(s, last, how->brief, out, &found, err));
-    if (!found) {
+  *end = SHARE_FOUND;
+  while (*end == SHARE_FOUND && out->rounds < last) {
+    BASE_TRY(find_rows(s, how, last, end, out, err));
+    if (*end != SHARE_FOUND) {
       return BASE_OK;
     }
     approach_limit(s);
     drop_delta(s);
     if (!lcp_share_settle(s)) {
       *end = judged(s);
-      return BASE_OK;
+    } else if (how->until_held && lcp_share_note_held(s)) {
+      *end = SHARE_HELD;
     }
   }
+  *end = (*end == SHARE_FOUND) ? SHARE_LOST : *end;
   return BASE_OK;
 }
 

@@ -330,6 +330,38 @@ void lcp_share_recall_rows(lcp_share *s, const double *start) {
   }
 }
 
+/* Friction of the part of block b at `row` stays at its bound, in the direction that it has. */
+static void hold_part(lcp_share *s, const lcp_block *b, int part, int row) {
+  if (b->set != LCP_CONE) {
+    s->rows.kind[lcp_share_facets(b, part).speed] = SHARE_ACTIVE;
+    return;
+  }
+  const int dim = b->part_dim[part];
+  const double force = lcp_share_length(s->z + row, dim);
+  const double d[2] = {-s->z[row] / force, (dim == 2) ? -s->z[row + 1] / force : 0};
+  slip_along(s, b, row, dim, b->part_mu[part], d, 0);
+}
+
+void lcp_share_begin_held(lcp_share *s) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const lcp_block *b = lcp_share_block(s, k);
+    const double least = s->lower[b->start];
+    if (!s->held[k]) {
+      continue;
+    }
+    if (s->rests[k]) {
+      s->rows.kind[b->start] = SHARE_FIXED;
+      s->z[b->start] = least;
+      continue;
+    }
+    for (int m = 0, row = b->start + 1; m < b->n_part; row += b->part_dim[m++]) {
+      if (lcp_share_carried_by(s, b, m, row, s->z) >= (1 - LCP_SHARE_AT_BOUND) * least) {
+        hold_part(s, b, m, row);
+      }
+    }
+  }
+}
+
 void lcp_share_hold_bounds(lcp_share *s) {
   for (int k = 0; k < s->n_contact; k++) {
     const lcp_block *b = lcp_share_block(s, k);

@@ -9,6 +9,7 @@
 #define LCP_SHARE_DELTA    1e-7 /* of the diagonal; what M leaves open has 1e-16 over this as noise */
 #define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
 #define LCP_SHARE_ROW_TOL  1e-12 /* w, or z, over its terms: rounding */
+#define LCP_SHARE_AT_BOUND 1e-9  /* a normal impulse over what its friction asks for, less one */
 
 /* Owner of a row that belongs to no contact; a joint's rows have smaller ones. */
 enum { LCP_SHARE_NOBODY = -1 };
@@ -18,11 +19,12 @@ struct lcp_share {
   share_bodies bodies; /* in its place where M is held in factors */
   bool by_bodies, has_joints;
   share_rows rows;
-  double *z, *w, *size, *right, *anchor, *diagonal; /* cap_n */
-  double *kept;          /* cap_n: an answer, while a better one is looked for */
-  double *lower;         /* cap_n: least value of a normal impulse */
-  double *had;           /* cap_n: |w| of the answer that came in */
-  unsigned char *before; /* cap_n: kinds of the round before */
+  double *z, *w, *size, *right, *step, *anchor, *diagonal; /* cap_n */
+  double *lower;                        /* cap_n: least value of a normal impulse */
+  double *seen_z, *seen_w;              /* cap_n: z and w of the last product */
+  const double *answer;                 /* view: the one that came in, */
+  double *answer_w, *answer_size, *had; /* cap_n: its w, its sizes, its |w| where small */
+  unsigned char *before;                /* cap_n: kinds of the round before */
   unsigned char
       *by_limit; /* cap_n: 1 + the kind of a resting normal row that the limit asked for, else 0 */
   int *contact;  /* cap_n: blocks with compliance */
@@ -30,6 +32,8 @@ struct lcp_share {
   int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */
   int *met;      /* cap_body: a contact or joint at a body, -1 */
   bool *rests;   /* cap_n: of a contact's island */
+  bool *held;    /* cap_n: of a contact: lcp_share_note_held */
+  int n_island;  /* contacts and joints not yet joined to an earlier one */
   int n_contact;
   int cap_n, cap_body;
   void *mem;            /* owned */
@@ -85,6 +89,13 @@ double lcp_share_carried(const lcp_share *s, const lcp_block *b, const double *z
 /* Contact b has no more in z than its friction asks for. */
 bool lcp_share_is_at_least(const lcp_share *s, const lcp_block *b, const double *z);
 
+/* The same for one part of a cone or of facets, whose first row is `row`. */
+double lcp_share_carried_by(const lcp_share *s, const lcp_block *b, int part, int row,
+                            const double *z);
+
+/* Notes in s->held which contacts of resting islands are held up by the friction that they were found with; true: some. */
+bool lcp_share_note_held(lcp_share *s);
+
 /* ---- rows ---- */
 
 /* The active rows of the answer in s->z, with its w and sizes. */
@@ -93,6 +104,9 @@ void lcp_share_begin_rows(lcp_share *s);
 /* After it: of the contacts that touch, those are held that were held in `start`, which carried nothing there or no more than
  * their friction asked for. */
 void lcp_share_recall_rows(lcp_share *s, const double *start);
+
+/* After it: the contacts noted by lcp_share_note_held are held, or have friction at its bound where it is chosen anew. */
+void lcp_share_begin_held(lcp_share *s);
 
 /* After it: facets of friction that is at its bound stay there. */
 void lcp_share_hold_bounds(lcp_share *s);
@@ -104,22 +118,30 @@ bool lcp_share_settle(lcp_share *s);
 
 /* w = M z + q of s->z; size: the sum of what each row is made of, unless NULL. */
 void lcp_share_product(lcp_share *s, double *size);
+/* The same without sizes, unless neither z nor w has changed since the last time. */
+void lcp_share_refresh_product(lcp_share *s);
 /* Rows of one contact share their roundings, as do those of one joint. */
 void lcp_share_level_sizes(lcp_share *s);
 
 /* The system for the rows as they are. *regular = false: singular. */
 base_status lcp_share_factor(lcp_share *s, bool *regular, base_error *err);
 
-/* How a search ended: no active rows found that solve the problem; found, but for what delta leaves of a motion; s->z is the
- * answer asked for. */
-typedef enum share_end { SHARE_LOST, SHARE_OFF, SHARE_DONE } share_end;
+/* Keeps z, of which s->w and s->size are, as the answer that searches begin from; takes it back. */
+void lcp_share_keep_answer(lcp_share *s, const double *z);
+void lcp_share_restore_answer(lcp_share *s);
+
+/* How a search ended: no active rows found that solve the problem; found, with delta; given up since a contact is held up; solved,
+ * but for what delta leaves of a motion; s->z is the answer asked for. */
+typedef enum share_end { SHARE_LOST, SHARE_FOUND, SHARE_HELD, SHARE_OFF, SHARE_DONE } share_end;
 
 typedef struct share_search {
-  const double *z; /* a solver's answer */
-  const double
-      *start; /* an answer of the step before, whose rows are tried first; NULL: those of z */
-  int rounds; /* most */
-  bool brief; /* given up where the second round changes many rows */
+  const double *
+      start; /* an answer of the step before, whose rows are tried first; NULL: those of the answer */
+  int rounds;      /* most */
+  bool brief;      /* given up where the second round changes many rows */
+  bool until_held; /* given up where lcp_share_note_held finds some */
+  bool
+      held; /* the noted ones begin with friction at its bound, or at the normal impulse that it asks for */
 } share_search;
 
 /* Steps 2 and 3. */

@@ -139,10 +139,9 @@ static int copy_column(share_system *s, lcp_column c, double delta, int column, 
   int count = 0;
   for (int k = 0; k < s->count; k++) {
     const double v = c.val[s->unknown[k]];
-    if (v != 0) {
-      s->rowind[at + (size_t)count] = k;
-      s->val[at + (size_t)count++] = (k == column) ? v + delta : v;
-    }
+    s->rowind[at + (size_t)count] = k;
+    s->val[at + (size_t)count] = (k == column) ? v + delta : v;
+    count += v != 0;
   }
   return count;
 }
@@ -224,7 +223,7 @@ int lcp_share_system_small_pivots(const share_system *s, double small) {
   return count;
 }
 
-void lcp_share_system_solve(share_system *s, const double *right, double *z) {
+void lcp_share_system_solve(share_system *s, const double *right, double *x) {
   for (int k = 0; k < s->count; k++) {
     s->x[k] = right[s->unknown[k]];
   }
@@ -233,6 +232,6 @@ void lcp_share_system_solve(share_system *s, const double *right, double *z) {
     s->backsolves++;
   }
   for (int k = 0; k < s->count; k++) {
-    z[s->unknown[s->lu.col[k]]] = s->x[s->lu.prow[k]];
+    x[s->unknown[s->lu.col[k]]] = s->x[s->lu.prow[k]];
   }
 }

@@ -46,5 +46,5 @@ base_status lcp_share_system_factor(share_system *s, const lcp_matrix *M, const 
 /* Pivots of the last factor that are at most `small`. */
 int lcp_share_system_small_pivots(const share_system *s, double small);
 
-/* z of the unknowns in the system from right (n entries, those of the system read). */
-void lcp_share_system_solve(share_system *s, const double *right, double *z);
+/* x = the solution for right; n entries of both, of which those of the system are read and set. */
+void lcp_share_system_solve(share_system *s, const double *right, double *x);

@@ -1,0 +1,70 @@
+/* lcp_share_product.c - w = M z + q, and what its rows are measured against. */
+#include "lcp/base/clones.h"
+#include "lcp/lcp_column.h"
+#include "lcp/share/lcp_share_state.h"
+
+#include <string.h>
+
+BASE_CLONES static void stored_product(lcp_share *s, double *size) {
+  const int n = s->p->M.n;
+  memcpy(s->w, s->p->q, (size_t)n * sizeof *s->w);
+  for (int i = 0; i < n && size != NULL; i++) {
+    size[i] = fabs(s->p->q[i]);
+  }
+  for (int j = 0; j < n; j++) {
+    if (s->z[j] != 0) {
+      const lcp_column c = lcp_column_of(&s->M, j);
+      if (size != NULL) {
+        lcp_column_add_sized(c, s->z[j], s->w, size);
+      } else {
+        lcp_column_add(c, s->z[j], s->w);
+      }
+    }
+  }
+}
+
+void lcp_share_product(lcp_share *s, double *size) {
+  const size_t n = (size_t)s->p->M.n;
+  if (s->by_bodies) {
+    lcp_share_bodies_product(&s->bodies, s->z, s->w, size);
+  } else {
+    stored_product(s, size);
+  }
+  memcpy(s->seen_z, s->z, n * sizeof *s->z);
+  memcpy(s->seen_w, s->w, n * sizeof *s->w);
+}
+
+void lcp_share_refresh_product(lcp_share *s) {
+  const size_t n = (size_t)s->p->M.n;
+  if (memcmp(s->seen_z, s->z, n * sizeof *s->z) != 0 ||
+      memcmp(s->seen_w, s->w, n * sizeof *s->w) != 0) {
+    lcp_share_product(s, NULL);
+  }
+}
+
+/* Row i is held against row `other` as well, in its own unit. */
+static void level_row(lcp_share *s, int i, int other) {
+  const double a = s->diagonal[i], b = s->diagonal[other];
+  const double unit = (a > 0 && b > 0) ? sqrt(a / b) : 1;
+  const double size = unit * s->size[other];
+  s->size[i] = (size > s->size[i]) ? size : s->size[i];
+}
+
+/* Rows of one contact share their roundings: those of friction at rest are made of nothing, and are held against
+ * the normal row. So do rows of one joint, which are held against all of them. */
+void lcp_share_level_sizes(lcp_share *s) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const lcp_block *b = lcp_share_block(s, k);
+    for (int i = b->start + 1; i < lcp_share_end(s, b); i++) {
+      level_row(s, i, b->start);
+    }
+  }
+  for (int k = 0; k < s->p->n_block; k++) {
+    const lcp_block *b = &s->p->block[k];
+    for (int i = b->start; i < b->start + b->size && b->set == LCP_FREE; i++) {
+      for (int other = b->start; other < b->start + b->size; other++) {
+        level_row(s, i, other);
+      }
+    }
+  }
+}
