@@ -57,6 +57,7 @@ static void layout(lcp_share *s, base_arena *a) {
   s->met = BASE_ARRAY(a, int, s->cap_body);
   s->rests = BASE_ARRAY(a, bool, n);
   s->held = BASE_ARRAY(a, bool, n);
+  lin_anderson_layout(&s->mixed, n, a);
   s->rows.kind = BASE_ARRAY(a, unsigned char, n);
   s->rows.delta = BASE_ARRAY(a, double, n);
   s->rows.part = BASE_ARRAY(a, int, n);

@@ -7,6 +7,7 @@
 
 enum {
   MOST_CORRECTIONS = 12,
+  PLAIN_CORRECTIONS = 3,
   MOST_SOLUTIONS = 8,
   JOINT_ROUNDS = 4,
   BLOCK_ROUNDS =
@@ -14,6 +15,7 @@ enum {
 };
 
 static const double answer_tol = 1e-8;  /* w over its terms in an answer */
+static const double slow = 0.99;        /* a round leaves at most this share, or no limit is near */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
 /* ---- systems ------------------------------------------------------------------------------------ */
@@ -186,10 +188,25 @@ static base_status find_rows(lcp_share *s, const share_search *how, int last, sh
   return BASE_OK;
 }
 
+/* After some rounds what is left decays by delta / (delta + sigma) a round, sigma small: loads on what hardly holds them. The points
+ * are mixed then, with weights of sum one, which leave them where Cz is in the range of A. What does not decay has no limit. */
+static base_status mix(lcp_share *s, base_error *err) {
+  const int n = s->p->M.n;
+  for (int i = 0; i < n; i++) {
+    s->step[i] = s->z[i] - s->anchor[i];
+    s->z[i] = s->anchor[i];
+  }
+  return lin_anderson_next(&s->mixed, s->step, 1, s->z, err);
+}
+
 /* Step 3, on the factor of the rows found: every solution is anchored at the last one. */
-static void approach_limit(lcp_share *s) {
+static base_status approach_limit(lcp_share *s, base_error *err) {
+  double off = HUGE_VAL;
+  bool mixes = false;
+  lin_anderson_begin(&s->mixed, s->p->M.n);
   for (int k = 0; k < MOST_CORRECTIONS; k++) {
-    double off = 0;
+    const double last = off;
+    off = 0;
     memcpy(s->anchor, s->z, (size_t)s->p->M.n * sizeof *s->z);
     prepare(s);
     correct(s);
@@ -199,9 +216,14 @@ static void approach_limit(lcp_share *s) {
       off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
     if (off <= 1e-2 * LCP_SHARE_ROW_TOL) {
-      return;
+      return BASE_OK;
+    }
+    mixes = (k == PLAIN_CORRECTIONS) ? off < slow * last : mixes;
+    if (mixes) {
+      BASE_TRY(mix(s, err));
     }
   }
+  return BASE_OK;
 }
 
 /* Does z solve the problem itself, or but for what delta leaves? w is that of z; signs are settled. */
@@ -276,7 +298,7 @@ base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *e
     if (*end != SHARE_FOUND) {
       return BASE_OK;
     }
-    approach_limit(s);
+    BASE_TRY(approach_limit(s, err));
     drop_delta(s);
     if (!lcp_share_settle(s)) {
       *end = judged(s);
@@ -300,7 +322,7 @@ base_status lcp_share_follow(lcp_share *s, int rounds, share_end *end, lcp_share
     if (!regular) {
       return BASE_OK;
     }
-    approach_limit(s);
+    BASE_TRY(approach_limit(s, err));
     drop_delta(s);
     if (!lcp_share_settle(s)) {
       *end = judged(s);

@@ -2,6 +2,7 @@
  * are active, lcp_share.c solves for them. */
 #pragma once
 
+#include "lcp/linear/anderson.h"
 #include "lcp/share/lcp_share.h"
 #include "lcp/share/lcp_share_bodies.h"
 #include "lcp/share/lcp_share_system.h"
@@ -21,6 +22,7 @@ struct lcp_share {
   share_rows rows;
   double *z, *w, *size, *right, *step, *anchor, *diagonal; /* cap_n */
   double *lower;                        /* cap_n: least value of a normal impulse */
+  lin_anderson mixed;                   /* points of a slow limit */
   double *seen_z, *seen_w;              /* cap_n: z and w of the last product */
   const double *answer;                 /* view: the one that came in, */
   double *answer_w, *answer_size, *had; /* cap_n: its w, its sizes, its |w| where small */

@@ -237,6 +237,14 @@ def of_one_compliance_is_least_norm(d):
         assert other not in hashes, formulation
 
 
+def a_heavy_body_is_shared(d):
+    """1e8 kg on 1 kg: what is left of the limit goes down by a tenth a round, and is mixed."""
+    scene = json.loads((SCENES / "heavy_on_light_1e8.json").read_text(encoding="utf-8"))
+    o = simulate(d, scene, "normal", "lemke", "--step", 0.01)
+    assert o["status"] == "ok" and o["verified"], o["note"]
+    assert (o["n_shared"], o["n_share_missed"]) == (o["n_solves"], 0), o["n_share_missed"]
+
+
 def bad_compliances_are_named(d):
     path = pathlib.Path(d) / "scene.json"
     words = ("simulate", path, "--formulation", "velocity", "--solver", "lemke")
@@ -257,6 +265,7 @@ tap(
         springs_tend_to_the_limit,
         legs_share_a_load_beside_the_middle,
         of_one_compliance_is_least_norm,
+        a_heavy_body_is_shared,
         bad_compliances_are_named,
     ]
 )
