@@ -15,6 +15,7 @@ enum {
 };
 
 static const double answer_tol = 1e-8;  /* w over its terms in an answer */
+static const double clearly = 0.999;    /* of what friction asks for */
 static const double slow = 0.99;        /* a round leaves at most this share, or no limit is near */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
 
@@ -84,14 +85,28 @@ static void prepare(lcp_share *s) {
   lcp_share_refresh_product(s);
 }
 
+/* A normal impulse of a resting island is so far below what carries its friction that no further correction lifts it. */
+static bool will_be_held(const lcp_share *s) {
+  for (int k = 0; k < s->n_contact; k++) {
+    const int i = lcp_share_block(s, k)->start;
+    if (s->rests[k] && s->rows.kind[i] == SHARE_ACTIVE && s->z[i] < clearly * s->lower[i]) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /* s->z is the solution of the system, w that of z. In body space delta costs seven to ten digits of a correction: there are more
- * until the next one would be rounding. */
-static void solve(lcp_share *s) {
+ * until the next one would be rounding. `until_held`: or until a contact is held up, w being left as it was. */
+static void solve(lcp_share *s, bool until_held) {
   double first = 0, last = HUGE_VAL, step = 0;
   int count = 0;
   prepare(s);
   do {
     correct(s);
+    if (until_held && will_be_held(s)) {
+      return;
+    }
     lcp_share_product(s, NULL);
     last = (count > 0) ? step : HUGE_VAL;
     step = largest_step(s);
@@ -128,7 +143,7 @@ static void stiffen_joints(lcp_share *s) {
         s->anchor[i] = s->z[i];
       }
     }
-    solve(s);
+    solve(s, false);
   }
 }
 
@@ -166,7 +181,7 @@ static base_status find_rows(lcp_share *s, const share_search *how, int last, sh
     if (!regular) {
       return BASE_OK;
     }
-    solve(s);
+    solve(s, how->until_held);
     stiffen_joints(s);
     if (!is_finite(s)) {
       return BASE_OK;
