@@ -16,7 +16,7 @@ void anderson_close(anderson *a) {
 
 base_status anderson_begin(anderson *a, int n, base_error *err) {
   if (a->mem == NULL || n > a->cap) {
-    a->cap = n + n / 2 + 4;
+    a->cap = base_room(n) + 4;
     BASE_TRY(form_memory(&a->mem, layout, a, err));
   }
   lin_anderson_begin(&a->mixing, n);

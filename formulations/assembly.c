@@ -59,7 +59,7 @@ void form_assembly_close(form_assembly *a) {
 
 /* Grows by half so that a slowly growing scene allocates rarely. */
 static int larger(int have, int need) {
-  return (need <= have) ? have : need + need / 2;
+  return (need <= have) ? have : base_room(need);
 }
 
 static base_status grow(form_assembly *a, const contact_set *c, base_error *err) {
@@ -180,7 +180,7 @@ static base_status link_groups(form_assembly *a, const contact_set *c, base_erro
   }
   const size_t doubles = a->block_at[n];
   if (a->block_mem == NULL || doubles > a->cap.block) {
-    a->cap.block = doubles + doubles / 2;
+    a->cap.block = base_room_of(doubles);
     BASE_TRY(form_memory(&a->block_mem, layout_blocks, a, err));
   }
   a->block = a->home.block;

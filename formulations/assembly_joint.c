@@ -220,8 +220,8 @@ static base_status reserve(form_assembly *a, base_error *err) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "joints couple %zu pairs of contacts", near);
   }
   if (j->dense_mem == NULL || dense > j->cap_dense || (int)near > j->cap_near) {
-    j->cap_dense = dense + dense / 2 + 1;
-    j->cap_near = (int)(near + near / 2) + 1;
+    j->cap_dense = base_room_of(dense) + 1;
+    j->cap_near = (int)(base_room_of(near)) + 1;
     BASE_TRY(form_memory(&j->dense_mem, layout_dense, a, err));
   }
   return BASE_OK;
@@ -242,7 +242,7 @@ static base_status widen(form_assembly *a, base_error *err) {
   }
   const size_t size = j->block_at[j->near_start[a->n_contact]];
   if (j->block_mem == NULL || size > j->cap_block) {
-    j->cap_block = size + size / 2 + 1;
+    j->cap_block = base_room_of(size) + 1;
     BASE_TRY(form_memory(&j->block_mem, layout_blocks, a, err));
   }
   memset(j->block, 0, size * sizeof *j->block);
@@ -533,8 +533,8 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
     return BASE_OK;
   }
   if (j->mem == NULL || a->n_group > j->cap_group || a->n_row > j->cap_row) {
-    j->cap_group = a->n_group + a->n_group / 2;
-    j->cap_row = a->n_row + a->n_row / 2;
+    j->cap_group = base_room(a->n_group);
+    j->cap_row = base_room(a->n_row);
     BASE_TRY(form_memory(&j->mem, layout_lists, a, err));
   }
   assert(form_assembly_is_linked(a));

@@ -17,7 +17,7 @@ static void layout(contact_memory *m, base_arena *a) {
 /* The past survives, the present is about to be written. */
 static base_status grow(contact_memory *m, int n, base_error *err) {
   contact_memory next = *m;
-  next.cap = n + n / 2;
+  next.cap = base_room(n);
   base_arena measure = base_arena_measuring();
   layout(&next, &measure);
   next.mem = base_alloc(measure.used);

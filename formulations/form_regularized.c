@@ -86,7 +86,7 @@ static void layout_dense(void *state, base_arena *m) {
 }
 
 static size_t larger(size_t have, size_t need) {
-  return (need > have) ? need + need / 2 : have;
+  return (need > have) ? base_room_of(need) : have;
 }
 
 static base_status grow(regularized *s, base_error *err) {

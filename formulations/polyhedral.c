@@ -139,8 +139,8 @@ static base_status room_for(polyhedral *s, size_t need, base_error *err) {
                      need);
   }
   if (s->val_mem == NULL || s->n > s->cap_n || need > s->cap_val) {
-    s->cap_n = (s->n > s->cap_n) ? s->n + s->n / 2 : s->cap_n;
-    s->cap_val = (need > s->cap_val) ? need + need / 2 : s->cap_val;
+    s->cap_n = (s->n > s->cap_n) ? base_room(s->n) : s->cap_n;
+    s->cap_val = (need > s->cap_val) ? base_room_of(need) : s->cap_val;
     BASE_TRY(form_memory(&s->val_mem, layout_values, s, err));
   }
   return BASE_OK;
@@ -154,9 +154,9 @@ static base_status fill_factors(polyhedral *s, base_error *err) {
   }
   if (s->jac_mem == NULL || jac > s->cap_jac || shift > s->cap_shift || s->n > s->jac_n ||
       s->cap_group > s->jac_groups) {
-    s->cap_jac = (jac > s->cap_jac) ? jac + jac / 2 : s->cap_jac;
-    s->cap_shift = (shift > s->cap_shift) ? shift + shift / 2 : s->cap_shift;
-    s->jac_n = (s->n > s->jac_n) ? s->n + s->n / 2 : s->jac_n;
+    s->cap_jac = (jac > s->cap_jac) ? base_room_of(jac) : s->cap_jac;
+    s->cap_shift = (shift > s->cap_shift) ? base_room_of(shift) : s->cap_shift;
+    s->jac_n = (s->n > s->jac_n) ? base_room(s->n) : s->jac_n;
     s->jac_groups = s->cap_group;
     BASE_TRY(form_memory(&s->jac_mem, layout_factors, s, err));
   }
@@ -228,8 +228,8 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
     poly_shape_identity(&s->joint, 6);
   }
   if (s->mem == NULL || c->n_group > s->cap_group || c->n_row > s->cap_row) {
-    s->cap_group = c->n_group + c->n_group / 2;
-    s->cap_row = c->n_row + c->n_row / 2;
+    s->cap_group = base_room(c->n_group);
+    s->cap_row = base_room(c->n_row);
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
   }
   number_unknowns(s, true);

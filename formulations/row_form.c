@@ -99,8 +99,8 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   const size_t scratch = lcp_matrix_scratch(&s->matrix.M);
   if (s->mem == NULL || c->n_row > s->cap_row || c->n_group > s->cap_group ||
       scratch > s->cap_scratch) {
-    s->cap_row = c->n_row + c->n_row / 2;
-    s->cap_group = c->n_group + c->n_group / 2;
+    s->cap_row = base_room(c->n_row);
+    s->cap_group = base_room(c->n_group);
     s->cap_scratch = scratch;
     BASE_TRY(form_memory(&s->mem, layout, s, err));
   }

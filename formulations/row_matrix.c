@@ -58,13 +58,13 @@ static base_status reserve(row_matrix *m, const form_assembly *a, size_t val, si
                      "Delassus matrix: %zu stored entries, more than 2^31 (storage=factored)", val);
   }
   if (m->mem == NULL || a->n_row > m->cap_n || a->n_group > m->cap_group) {
-    m->cap_n = a->n_row + a->n_row / 2;
-    m->cap_group = a->n_group + a->n_group / 2;
+    m->cap_n = base_room(a->n_row);
+    m->cap_group = base_room(a->n_group);
     BASE_TRY(form_memory(&m->mem, layout_rows, m, err));
   }
   if (m->val_mem == NULL || val > m->cap_val || jac > m->cap_jac) {
-    m->cap_val = (val > m->cap_val) ? val + val / 2 : m->cap_val;
-    m->cap_jac = (jac > m->cap_jac) ? jac + jac / 2 : m->cap_jac;
+    m->cap_val = (val > m->cap_val) ? base_room_of(val) : m->cap_val;
+    m->cap_jac = (jac > m->cap_jac) ? base_room_of(jac) : m->cap_jac;
     BASE_TRY(form_memory(&m->val_mem, layout_values, m, err));
   }
   return BASE_OK;

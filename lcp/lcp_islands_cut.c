@@ -42,7 +42,7 @@ static void layout(islands_cut *s, base_arena *a) {
 }
 
 static int more(int have, int need) {
-  return (need > have) ? need + need / 2 : have;
+  return (need > have) ? base_room(need) : have;
 }
 
 static int bodies_of(const lcp_problem *p) {
@@ -67,7 +67,7 @@ static base_status reserve(islands_cut *s, const lcp_problem *p, base_error *err
                           .n_jac = more(s->cap.n_jac, need.n_jac),
                           .n_weight = more(s->cap.n_weight, need.n_weight)};
   s->cap_group = more(s->cap_group, groups);
-  s->cap_val = (val > s->cap_val) ? val + val / 2 : s->cap_val;
+  s->cap_val = (val > s->cap_val) ? base_room_of(val) : s->cap_val;
   free(s->mem);
   base_arena measure = base_arena_measuring();
   layout(s, &measure);

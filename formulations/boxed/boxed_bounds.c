@@ -48,7 +48,7 @@ base_status boxed_bounds_begin(boxed_bounds *b, int n_contact, base_error *err) 
   b->trial = false;
   b->filled = false;
   if (b->mem == NULL || n_contact > b->cap_contact) {
-    b->cap_contact = n_contact + n_contact / 2 + 4;
+    b->cap_contact = base_room(n_contact) + 4;
     BASE_TRY(form_memory(&b->mem, layout, b, err));
   }
   return anderson_begin(&b->mixing, n_contact, err);
@@ -89,7 +89,7 @@ static void fill_column(const boxed_bounds *b, const row_form *s, int i, int c, 
 
 static base_status fill_matrix(boxed_bounds *b, const row_form *s, base_error *err) {
   if (s->a.n_row > b->cap_row) {
-    b->cap_row = s->a.n_row + s->a.n_row / 2;
+    b->cap_row = base_room(s->a.n_row);
     BASE_TRY(form_memory(&b->dense_mem, layout_dense, b, err));
   }
   lcp_matrix_to_dense(&s->matrix.M, b->M);

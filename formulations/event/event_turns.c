@@ -19,7 +19,7 @@ void turns_close(facet_turns *t) {
 
 base_status turns_begin(facet_turns *t, int n_contact, base_error *err) {
   if (t->mem == NULL || n_contact > t->cap) {
-    t->cap = n_contact + n_contact / 2 + 4;
+    t->cap = base_room(n_contact) + 4;
     BASE_TRY(form_memory(&t->mem, layout, t, err));
   }
   return anderson_begin(&t->mixing, n_contact, err);

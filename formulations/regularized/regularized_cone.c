@@ -127,8 +127,8 @@ base_status reg_cone_begin(regularized *s, base_error *err) {
   const size_t scratch = lcp_matrix_scratch(&c->matrix.M);
   if (c->mem == NULL || s->a.n_row > c->cap_row || s->a.n_group > c->cap_group ||
       scratch > c->cap_scratch) {
-    c->cap_row = s->a.n_row + s->a.n_row / 2;
-    c->cap_group = s->a.n_group + s->a.n_group / 2;
+    c->cap_row = base_room(s->a.n_row);
+    c->cap_group = base_room(s->a.n_group);
     c->cap_scratch = scratch;
     BASE_TRY(form_memory(&c->mem, layout, c, err));
   }

@@ -27,8 +27,8 @@ base_status reg_joint_begin(regularized *s, int width, base_error *err) {
   reg_joint *j = &s->mass.joint;
   j->n = s->a.n_row - s->a.row[s->a.n_contact];
   if (j->n > j->cap_n || (j->n > 0 && width > j->cap_width)) {
-    j->cap_n = (j->n > j->cap_n) ? j->n + j->n / 2 : j->cap_n;
-    j->cap_width = (width > j->cap_width) ? width + width / 2 : j->cap_width;
+    j->cap_n = (j->n > j->cap_n) ? base_room(j->n) : j->cap_n;
+    j->cap_width = (width > j->cap_width) ? base_room(width) : j->cap_width;
     BASE_TRY(form_memory(&j->mem, layout, j, err));
   }
   return BASE_OK;

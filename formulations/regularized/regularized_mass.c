@@ -116,9 +116,9 @@ static base_status reserve(regularized *s, base_error *err) {
   const contact_set *c = s->a.set;
   if (m->mem == NULL || c->n_body > m->cap_body || c->n_dof > m->cap_dof ||
       c->n_contact > m->cap_contact) {
-    m->cap_body = c->n_body + c->n_body / 2;
-    m->cap_dof = c->n_dof + c->n_dof / 2;
-    m->cap_contact = c->n_contact + c->n_contact / 2;
+    m->cap_body = base_room(c->n_body);
+    m->cap_dof = base_room(c->n_dof);
+    m->cap_contact = base_room(c->n_contact);
     BASE_TRY(form_memory(&m->mem, layout, m, err));
   }
   find_links(s, m);
@@ -130,8 +130,8 @@ static base_status reserve(regularized *s, base_error *err) {
   const size_t sides = (size_t)c->n_dof * (2 * (size_t)s->a.n_contact + 1 + (size_t)m->joint.n);
   const size_t entries = m->by_sparse ? 0 : m->at[c->n_dof];
   if (m->val_mem == NULL || entries > m->cap_L || sides > m->cap_Y) {
-    m->cap_L = entries + entries / 2;
-    m->cap_Y = sides + sides / 2;
+    m->cap_L = base_room_of(entries);
+    m->cap_Y = base_room_of(sides);
     BASE_TRY(form_memory(&m->val_mem, layout_values, m, err));
   }
   return m->by_sparse ? reg_sparse_plan(c, m, err) : BASE_OK;

@@ -42,7 +42,7 @@ static base_status grow(int **array, int *cap, int need, base_error *err) {
   if (*array == NULL || need > *cap) {
     free(*array);
     *array = malloc(((size_t)need + (size_t)need / 2 + 1) * sizeof **array);
-    *cap = (*array != NULL) ? need + need / 2 : 0;
+    *cap = (*array != NULL) ? base_room(need) : 0;
     if (*array == NULL) {
       return BASE_FAIL(err, BASE_ENOMEM, "regularized: no memory for the pattern of %d entries",
                        need);

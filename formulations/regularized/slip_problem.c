@@ -58,7 +58,7 @@ base_status slip_begin(slip_problem *s, const form_assembly *a, int facets, int 
   s->distribution = distribution;
   const int n = a->n_contact * (facets + 2);
   if (s->mem == NULL || a->n_contact > s->cap_contact || a->n_row > s->cap_row || n > s->cap_n) {
-    s->cap_contact = a->n_contact + a->n_contact / 2 + 4;
+    s->cap_contact = base_room(a->n_contact) + 4;
     s->cap_row = 3 * s->cap_contact;
     s->cap_n = s->cap_contact * (facets + 2);
     BASE_TRY(form_memory(&s->mem, layout, s, err));

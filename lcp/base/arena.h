@@ -37,5 +37,14 @@ static inline void base_arena_release(base_arena *a, size_t mark) {
   a->used = mark;
 }
 
+/* How much to take where `need` no longer fits: half as much again, so that what grows slowly allocates rarely; an eighth where
+ * there is much of it, since memory that is never filled is still paid for in huge pages. */
+static inline size_t base_room_of(size_t need) {
+  return need + ((need < (1u << 12)) ? need / 2 : need / 8);
+}
+static inline int base_room(int need) {
+  return (int)base_room_of((size_t)need);
+}
+
 /* Heap block aligned to BASE_ALIGN, or NULL. Freed with free(). */
 void *base_alloc(size_t bytes);

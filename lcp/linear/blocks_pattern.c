@@ -36,13 +36,13 @@ static bool is_planned(const lin_blocks *s, int n, const int *first, const int *
 static base_status keep_pattern(lin_blocks *s, int n, const int *first, const int *pair,
                                 size_t n_pair, base_error *err) {
   if (s->mem == NULL || n > s->cap_n || first[n] > s->cap_rows) {
-    s->cap_n = n + n / 2;
+    s->cap_n = base_room(n);
     s->cap_rows = first[n] + first[n] / 2;
     BASE_TRY(lin_blocks_memory(s, &s->mem, layout_blocks, err));
   }
   if (s->pair == NULL || n_pair > s->cap_pair) {
     free(s->pair);
-    s->cap_pair = n_pair + n_pair / 2 + 1;
+    s->cap_pair = base_room_of(n_pair) + 1;
     s->pair = base_alloc(2 * s->cap_pair * sizeof *s->pair);
     if (s->pair == NULL) {
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for %zu pairs of blocks", n_pair);
@@ -138,7 +138,7 @@ static base_status reserve_row(lin_blocks *s, size_t need, base_error *err) {
   if (need <= s->cap_below) {
     return BASE_OK;
   }
-  const size_t cap = need + need / 2;
+  const size_t cap = base_room_of(need);
   int *more = (cap <= INT32_MAX) ? realloc(s->row, cap * sizeof *more) : NULL;
   if (more == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for a factor of %zu blocks", need);
@@ -210,8 +210,8 @@ static base_status place_values(lin_blocks *s, base_error *err) {
   }
   s->at_diag[s->n] = diag;
   if (s->value_mem == NULL || low > s->cap_low || diag > s->cap_diag) {
-    s->cap_low = low + low / 2;
-    s->cap_diag = diag + diag / 2;
+    s->cap_low = base_room_of(low);
+    s->cap_diag = base_room_of(diag);
     free(s->inverse_mem);
     s->inverse_mem = NULL;
     BASE_TRY(lin_blocks_memory(s, &s->value_mem, layout_values, err));

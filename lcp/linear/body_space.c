@@ -83,9 +83,9 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
   const int n = f->row_start[f->n_group], dof = f->dof_start[f->n_body];
   assert(lin_body_space_admits(f, NULL) == BASE_OK);
   if (s->mem == NULL || f->n_group > s->cap_group || n > s->cap_n || dof > s->cap_dof) {
-    s->cap_group = (f->n_group > s->cap_group) ? f->n_group + f->n_group / 2 : s->cap_group;
-    s->cap_n = (n > s->cap_n) ? n + n / 2 : s->cap_n;
-    s->cap_dof = (dof > s->cap_dof) ? dof + dof / 2 : s->cap_dof;
+    s->cap_group = (f->n_group > s->cap_group) ? base_room(f->n_group) : s->cap_group;
+    s->cap_n = (n > s->cap_n) ? base_room(n) : s->cap_n;
+    s->cap_dof = (dof > s->cap_dof) ? base_room(dof) : s->cap_dof;
     BASE_TRY(memory(&s->mem, s, layout, err));
   }
   s->f = f;
@@ -107,7 +107,7 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
   s->first[f->n_group] = count;
   s->at[f->n_group] = at;
   if (s->matrix_mem == NULL || at > s->cap_matrices) {
-    s->cap_matrices = at + at / 2;
+    s->cap_matrices = base_room_of(at);
     BASE_TRY(memory(&s->matrix_mem, s, layout_matrices, err));
   }
   memset(s->T, 0, at * sizeof *s->T);

@@ -72,8 +72,8 @@ static base_status grow(lcp_share *s, int n, int n_body, base_error *err) {
   if (s->mem != NULL && n <= s->cap_n && n_body <= s->cap_body) {
     return BASE_OK;
   }
-  s->cap_n = n + n / 2;
-  s->cap_body = n_body + n_body / 2;
+  s->cap_n = base_room(n);
+  s->cap_body = base_room(n_body);
   base_arena measure = base_arena_measuring();
   layout(s, &measure);
   free(s->mem);

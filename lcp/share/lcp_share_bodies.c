@@ -40,7 +40,7 @@ static base_status memory(share_bodies *s, base_error *err) {
 }
 
 static size_t larger(size_t have, size_t need) {
-  return (need > have) ? need + need / 2 : have;
+  return (need > have) ? base_room_of(need) : have;
 }
 
 base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_error *err) {

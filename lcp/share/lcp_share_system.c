@@ -53,7 +53,7 @@ static base_status grow_rows(share_system *s, int n, base_error *err) {
   if (s->mem != NULL && n <= s->cap_n) {
     return BASE_OK;
   }
-  s->cap_n = n + n / 2;
+  s->cap_n = base_room(n);
   s->cap_fill = 0; /* the factor's arrays go by cap_n too */
   return memory(s, &s->mem, layout_rows, err);
 }
@@ -71,7 +71,7 @@ static base_status grow_entries(share_system *s, size_t need, base_error *err) {
   const double *val = s->val;
   const size_t kept = s->cap_nnz;
   s->nnz_mem = NULL;
-  s->cap_nnz = need + need / 2;
+  s->cap_nnz = base_room_of(need);
   s->cap_fill = 0;
   const base_status done = memory(s, &s->nnz_mem, layout_entries, err);
   if (done == BASE_OK && kept > 0) {
