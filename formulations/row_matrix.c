@@ -106,8 +106,18 @@ static size_t jacobian_size(const form_assembly *a, int i) {
   return (size_t)form_rows_of(a, i) * (size_t)width;
 }
 
+/* Are the rows in use all rows of the set, in its order? */
+static bool is_whole(const form_assembly *a) {
+  const contact_set *c = a->set;
+  bool whole = !a->reduced && a->n_group == c->n_group;
+  for (int i = 0; i < a->n_group && whole; i++) {
+    whole = a->group[i] == i && form_rows_of(a, i) == c->row_start[i + 1] - c->row_start[i];
+  }
+  return whole;
+}
+
 /* The rows in use of every active group, copied side by side. */
-static void fill_factored(row_matrix *m, const form_assembly *a) {
+static void copy_jacobians(row_matrix *m, const form_assembly *a) {
   const contact_set *c = a->set;
   double *out = m->jac;
   for (int i = 0; i < a->n_group; i++) {
@@ -126,15 +136,22 @@ static void fill_factored(row_matrix *m, const form_assembly *a) {
     }
   }
   m->jac_start[a->n_group] = (int)(out - m->jac);
+}
+
+static void fill_factored(row_matrix *m, const form_assembly *a, bool whole) {
+  const contact_set *c = a->set;
+  if (!whole) {
+    copy_jacobians(m, a);
+  }
   m->factored = (lcp_factored){.n_body = c->n_body,
                                .dof_start = c->dof_start,
                                .weight_start = c->mass_start,
                                .weight = c->inv_mass,
                                .n_group = a->n_group,
                                .row_start = a->row,
-                               .body = m->body,
-                               .jac_start = m->jac_start,
-                               .jac = m->jac};
+                               .body = whole ? c->body : m->body,
+                               .jac_start = whole ? c->jac_start : m->jac_start,
+                               .jac = whole ? c->jac : m->jac};
   m->M.factored = &m->factored;
 }
 
@@ -146,8 +163,9 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
     storage = (n <= 64 || nnz > n * n / 4) ? ROW_DENSE : ROW_CSC;
   }
   const bool beside = form_keeps_factors(a, a->n_row) && storage != ROW_FACTORED;
+  const bool factored = beside || storage == ROW_FACTORED, whole = factored && is_whole(a);
   size_t jac = 0;
-  for (int i = 0; (beside || storage == ROW_FACTORED) && i < a->n_group; i++) {
+  for (int i = 0; factored && !whole && i < a->n_group; i++) {
     jac += jacobian_size(a, i);
   }
   const size_t val = (storage == ROW_DENSE) ? n * n : ((storage == ROW_CSC) ? nnz : n);
@@ -168,8 +186,8 @@ base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage 
     m->M.storage = LCP_FACTORED;
     break;
   }
-  if (beside || storage == ROW_FACTORED) {
-    fill_factored(m, a);
+  if (factored) {
+    fill_factored(m, a, whole);
   }
   return BASE_OK;
 }
