@@ -306,7 +306,7 @@ void lcp_barrier_linearise(lcp_barrier *b, lcp_cone_scaled *c) {
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *p = &c->piece[k];
     const int n = p->start;
-    double *X = c->X + (size_t)n * LCP_CONE_MAX, *Y = c->Y + (size_t)n * LCP_CONE_MAX;
+    double *X = c->X + lcp_cone_scaled_at(c, p), *Y = c->Y + lcp_cone_scaled_at(c, p);
     const size_t bytes = (size_t)p->size * (size_t)p->size * sizeof *X;
     memset(X, 0, bytes);
     memset(Y, 0, bytes);
@@ -353,7 +353,7 @@ void lcp_barrier_target(lcp_barrier *b, lcp_cone_scaled *c, double tau, bool cor
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *p = &c->piece[k];
     const int n = p->start;
-    const double *Y = c->Y + (size_t)n * LCP_CONE_MAX;
+    const double *Y = c->Y + lcp_cone_scaled_at(c, p);
     const double cross = corrected ? b->dx[n] * b->dy[n] : 0.0;
     if (p->set == LCP_CONE) {
       b->g[n] = paired(b, p) ? (tau - cross) / b->x[n] - b->y[n] : 0.0;
@@ -378,7 +378,7 @@ void lcp_barrier_target(lcp_barrier *b, lcp_cone_scaled *c, double tau, bool cor
 }
 
 static void directions_cone(lcp_barrier *b, const lcp_cone_scaled *c, const lcp_block *p) {
-  const size_t at_block = (size_t)p->start * LCP_CONE_MAX;
+  const size_t at_block = lcp_cone_scaled_at(c, p);
   const double *X = c->X + at_block, unit = c->Y[at_block], *dx = b->dx + p->start;
   for (int i = 0; i < p->size; i++) {
     double sum = 0.0;

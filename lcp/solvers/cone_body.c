@@ -22,7 +22,7 @@ static void put_pieces(lcp_cone_step *s, const lcp_cone_scaled *c, int g, double
   const int n = lin_body_space_rows(&s->body, g, &row);
   for (int k = 0; k < n; k += c->piece[s->piece_of[row[k]]].size) {
     const lcp_block *b = &c->piece[s->piece_of[row[k]]];
-    const size_t at = (size_t)b->start * LCP_CONE_MAX;
+    const size_t at = lcp_cone_scaled_at(c, b);
     for (int j = 0; j < b->size; j++) {
       for (int i = 0; i < b->size; i++) {
         X[k + i + (k + j) * n] = c->X[at + (size_t)(i + j * b->size)];

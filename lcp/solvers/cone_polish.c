@@ -57,7 +57,7 @@ static double smooth(lcp_cone_polish *s) {
   for (int k = 0; k < s->eq.n_piece; k++) {
     const lcp_block *b = &s->eq.piece[k];
     const int i = b->start;
-    const size_t at = (size_t)i * LCP_CONE_MAX;
+    const size_t at = lcp_cone_scaled_at(&s->eq, b);
     lcp_cone_smooth(b, s->eq.lo[i], s->eq.hi[i], s->mode + i, s->x + i, s->y + i, s->eq.F + i,
                     s->eq.X + at, s->eq.Y + at);
     for (int r = i; r < i + b->size; r++) {

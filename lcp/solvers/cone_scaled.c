@@ -22,6 +22,7 @@ static base_status scale_cone(lcp_cone_scaled *c, const lcp_problem *p, const lc
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "cone block %d has %d rows: need at most %d", index,
                      b->size, (int)LCP_CONE_MAX);
   }
+  c->wide = (b->size > c->wide) ? b->size : c->wide;
   for (int i = b->start; i < b->start + b->size; i++) {
     if (!(d[i] > 0.0) && !lcp_set_still(p, d[i], i)) {
       return BASE_FAIL(err, BASE_EUNSUPPORTED, "diagonal %d is %g: need > 0 in a cone", i, d[i]);
@@ -47,6 +48,7 @@ base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, cons
   lcp_set_scaling(&p->M, d, c->s);
   lcp_set_intervals(p, c->lo, c->hi);
   c->n_piece = 0;
+  c->wide = 1;
   c->facets = facets;
   for (int k = 0; k < count; k++) {
     const lcp_block *b = &block[k];
@@ -69,7 +71,7 @@ double lcp_cone_scaled_map(lcp_cone_scaled *c, lcp_map map, const double *x, con
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *b = &c->piece[k];
     const int i = b->start;
-    const size_t at = (size_t)i * LCP_CONE_MAX;
+    const size_t at = lcp_cone_scaled_at(c, b);
     lcp_cone_map(map, b, (c->facets != NULL) ? c->facets + i : NULL, c->lo[i], c->hi[i], x + i,
                  y + i, c->F + i, slope ? c->X + at : NULL, slope ? c->Y + at : NULL);
     for (int r = i; r < i + b->size; r++) {

@@ -15,8 +15,14 @@ typedef struct lcp_cone_scaled {
   double *s;         /* n */
   double *lo, *hi;   /* n, in x; read where a piece is an interval */
   double *F;         /* n */
-  double *X, *Y;     /* size^2 a piece, at LCP_CONE_MAX piece.start */
+  int wide;          /* rows of the largest piece */
+  double *X, *Y;     /* size^2 a piece, at lcp_cone_scaled_at */
 } lcp_cone_scaled;
+
+/* Where X and Y of a piece begin: side by side where all pieces are of one size, so that no memory between them is touched. */
+static inline size_t lcp_cone_scaled_at(const lcp_cone_scaled *c, const lcp_block *piece) {
+  return (size_t)piece->start * (size_t)c->wide;
+}
 
 void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a);
 

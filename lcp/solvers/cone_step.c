@@ -33,7 +33,7 @@ base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const 
     }
   }
   if (p->M.storage == LCP_FACTORED) {
-    BASE_TRY(lcp_sweep_prepare(&s->sweep, p, err));
+    BASE_TRY(lcp_sweep_weigh(&s->sweep, p->M.factored, err));
     return lcp_cone_body_check(s, p, c, err);
   }
   return BASE_OK;
@@ -130,7 +130,7 @@ static base_status build(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
 static void find_active(lcp_cone_step *s, const lcp_cone_scaled *c) {
   for (int k = 0; k < c->n_piece; k++) {
     const lcp_block *b = &c->piece[k];
-    const double *Y = c->Y + (size_t)b->start * LCP_CONE_MAX;
+    const double *Y = c->Y + lcp_cone_scaled_at(c, b);
     bool any = false;
     for (int i = 0; i < b->size * b->size; i++) {
       any = any || Y[i] != 0.0;
@@ -151,8 +151,8 @@ static void add_product(const lcp_block *b, const double *Y, const double *t, do
 /* Own piece of column j: X and the weight. */
 static void add_own(const lcp_cone_scaled *c, const lcp_block *b, int j, double weight,
                     double *to) {
-  const double *X = c->X + (size_t)b->start * LCP_CONE_MAX;
-  const double *Y = c->Y + (size_t)b->start * LCP_CONE_MAX;
+  const double *X = c->X + lcp_cone_scaled_at(c, b);
+  const double *Y = c->Y + lcp_cone_scaled_at(c, b);
   const int col = (j - b->start) * b->size;
   for (int i = 0; i < b->size; i++) {
     to[i] += X[i + col] + weight * Y[i + col];
@@ -175,7 +175,7 @@ static void fill_dense(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_sc
     for (int k = 0; k < c->n_piece; k++) {
       const lcp_block *b = &c->piece[k];
       if (s->active[b->start]) {
-        add_product(b, c->Y + (size_t)b->start * LCP_CONE_MAX, s->t + b->start, to + b->start);
+        add_product(b, c->Y + lcp_cone_scaled_at(c, b), s->t + b->start, to + b->start);
       }
     }
     const lcp_block *own = &c->piece[s->piece_of[j]];
@@ -197,7 +197,7 @@ static void fill_csc(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scal
         t[m->rowind[k] - b->start] = c->s[m->rowind[k]] * m->val[k] * c->s[j];
       }
       if (s->active[b->start]) {
-        add_product(b, c->Y + (size_t)b->start * LCP_CONE_MAX, t, to);
+        add_product(b, c->Y + lcp_cone_scaled_at(c, b), t, to);
       }
       if (w.piece == s->piece_of[j]) {
         add_own(c, b, j, weight, to);
@@ -248,7 +248,7 @@ void lcp_cone_step_solve(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_
     for (int i = 0; i < b->size; i++) {
       t[i] = c->s[b->start + i] * s->t[b->start + i];
     }
-    add_product(b, c->Y + (size_t)b->start * LCP_CONE_MAX, t, product);
+    add_product(b, c->Y + lcp_cone_scaled_at(c, b), t, product);
     for (int i = 0; i < b->size; i++) {
       dx[b->start + i] = -c->F[b->start + i] - product[i];
     }

@@ -99,8 +99,8 @@ static double penalty_of(const state *s, const lcp_block *b) {
 static bool factor(state *s, const lcp_problem *p, lcp_result *res, base_status *status) {
   for (int k = 0; k < s->eq.n_piece; k++) {
     const lcp_block *b = &s->eq.piece[k];
-    double *X = s->eq.X + (size_t)b->start * LCP_CONE_MAX;
-    double *Y = s->eq.Y + (size_t)b->start * LCP_CONE_MAX;
+    double *X = s->eq.X + lcp_cone_scaled_at(&s->eq, b);
+    double *Y = s->eq.Y + lcp_cone_scaled_at(&s->eq, b);
     for (int i = 0; i < b->size * b->size; i++) {
       const bool diagonal = i % (b->size + 1) == 0;
       X[i] = diagonal ? penalty_of(s, b) : 0.0;

@@ -14,15 +14,19 @@ void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
   s->group = BASE_ARRAY(a, int, (cap->n_body > 0) ? cap->n : 0);
 }
 
+base_status lcp_sweep_weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
+  BASE_TRY(lin_weigh(f, s->L, s->G, err));
+  for (int g = 0; g < f->n_group; g++) {
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      s->group[i] = g;
+    }
+  }
+  return BASE_OK;
+}
+
 base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err) {
   if (p->M.storage == LCP_FACTORED) {
-    const lcp_factored *f = p->M.factored;
-    BASE_TRY(lin_weigh(f, s->L, s->G, err));
-    for (int g = 0; g < f->n_group; g++) {
-      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
-        s->group[i] = g;
-      }
-    }
+    BASE_TRY(lcp_sweep_weigh(s, p->M.factored, err));
   }
   lcp_matrix_diagonal(&p->M, s->d);
   return BASE_OK;
