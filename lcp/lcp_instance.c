@@ -170,6 +170,14 @@ base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp
              : BASE_FAIL(err, s, "%s: solve failed: %s", k->solver->name, base_status_text(s));
 }
 
+void lcp_instance_rest(lcp_instance *k) {
+  release(k);
+  free(k->mem);
+  k->mem = NULL;
+  k->ready = false;
+  k->cap = (lcp_capacity){.n = -1};
+}
+
 lcp_times lcp_instance_times(const lcp_instance *k) {
   return k->times;
 }

@@ -31,5 +31,9 @@ lcp_times lcp_instance_times(const lcp_instance *k);
 void lcp_instance_untimed(lcp_instance *k);
 
 lcp_storage lcp_instance_storage(const lcp_instance *k); /* what the solver read */
-size_t lcp_instance_bytes(const lcp_instance *k);        /* workspace size [bytes] */
-void lcp_instance_close(lcp_instance *k);                /* accepts NULL */
+/* Gives the workspace back until the next prepare: for who needs room between the solves of a large problem. What the last result
+ * points to (a certificate) is gone. */
+void lcp_instance_rest(lcp_instance *k);
+
+size_t lcp_instance_bytes(const lcp_instance *k); /* workspace size [bytes] */
+void lcp_instance_close(lcp_instance *k);         /* accepts NULL */

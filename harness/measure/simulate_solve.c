@@ -7,6 +7,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum {
+  LARGE = 1 << 15
+}; /* unknowns from which on solver, judge and choice have their workspaces one after another */
+
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text) {
   if (s->out->note[0] == '\0') {
@@ -219,6 +223,9 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   }
   const double *start = (s->q->start == FORM_PREVIOUS) ? s->z + 2 * (ptrdiff_t)s->z_cap : NULL;
   BASE_TRY(lcp_share_apply(s->share, p, start, s->z, &made, err));
+  if (p->M.n >= LARGE) {
+    lcp_share_rest(s->share);
+  }
   s->out->time.share += base_seconds() - from;
   sim_result *r = s->out;
   if (made.deficit == LCP_SHARE_UNCOUNTED || r->deficit_max == LCP_SHARE_UNCOUNTED) {
@@ -259,6 +266,9 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
   lcp_result claim = {.outcome = LCP_NUMERICAL};
   solved k;
   BASE_TRY(answer(s, p, &claim, err));
+  if (s->instance != NULL && p->M.n >= LARGE && claim.outcome == LCP_SOLVED) {
+    lcp_instance_rest(s->instance);
+  }
   BASE_TRY(judge(s, p, &claim, &k, err));
   if (claim.outcome == LCP_SOLVED && k.word == RUN_OK) {
     BASE_TRY(choose(s, p, &claim, &k, err));

@@ -22,6 +22,14 @@ void lin_blocks_close(lin_blocks *s) {
   *s = (lin_blocks){0};
 }
 
+void lin_blocks_rest(lin_blocks *s) {
+  void **const numbers[] = {&s->value_mem, &s->inverse_mem, &s->dense_mem};
+  for (int i = 0; i < BASE_COUNT(numbers); i++) {
+    free(*numbers[i]);
+    *numbers[i] = NULL;
+  }
+}
+
 /* ---- entries --------------------------------------------------------------------------------- */
 
 void lin_blocks_clear(lin_blocks *s, bool symmetric) {

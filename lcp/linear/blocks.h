@@ -56,6 +56,9 @@ typedef struct lin_blocks {
 
 void lin_blocks_close(lin_blocks *s); /* accepts zeroes, and leaves them */
 
+/* Gives the numbers back and keeps order and fill, until the next plan. */
+void lin_blocks_rest(lin_blocks *s);
+
 /* The pattern: n blocks, rows first[b] .. first[b+1]-1 of block b (LIN_BLOCK_MAX at most), and the pairs (a, b) of blocks that
  * meet, 2 n_pair entries, each as often as it likes. BASE_ENOMEM only. */
 base_status lin_blocks_plan(lin_blocks *s, int n, const int *first, const int *pair, size_t n_pair,

@@ -282,10 +282,19 @@ static base_status analyse(lin_blocks *s, graph *g, base_error *err) {
   return (work > dense_work * s->n) ? lin_blocks_plan_fronts(s, err) : BASE_OK;
 }
 
+/* The numbers of a plan that stands, where they were given back. */
+static base_status room_again(lin_blocks *s, base_error *err) {
+  if (s->value_mem != NULL) {
+    return BASE_OK;
+  }
+  BASE_TRY(lin_blocks_memory(s, &s->value_mem, layout_values, err));
+  return (s->n_front > 0) ? lin_blocks_plan_fronts(s, err) : BASE_OK;
+}
+
 base_status lin_blocks_plan(lin_blocks *s, int n, const int *first, const int *pair, size_t n_pair,
                             base_error *err) {
   if (is_planned(s, n, first, pair, n_pair)) {
-    return BASE_OK;
+    return room_again(s, err);
   }
   BASE_TRY(keep_pattern(s, n, first, pair, n_pair, err));
   graph g;

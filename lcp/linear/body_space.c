@@ -16,6 +16,13 @@ void lin_body_space_close(lin_body_space *s) {
   *s = (lin_body_space){0};
 }
 
+void lin_body_space_rest(lin_body_space *s) {
+  lin_blocks_rest(&s->blocks);
+  free(s->mem);
+  free(s->matrix_mem);
+  s->mem = s->matrix_mem = NULL;
+}
+
 static void layout(lin_body_space *s, base_arena *a) {
   s->first = BASE_ARRAY(a, int, s->cap_group + 1);
   s->at = BASE_ARRAY(a, size_t, s->cap_group + 1);

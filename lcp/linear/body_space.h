@@ -52,6 +52,9 @@ typedef struct lin_body_space {
 
 void lin_body_space_close(lin_body_space *s); /* accepts zeroes, and leaves them */
 
+/* Gives its memory back, but for the order of elimination, until the next begin. */
+void lin_body_space_rest(lin_body_space *s);
+
 /* BASE_EUNSUPPORTED: a body of more than LIN_BLOCK_MAX velocities, a group of more than LIN_GROUP_MAX rows, an S that couples
  * groups; the line says which. err may be NULL. */
 base_status lin_body_space_admits(const lcp_factored *f, base_error *err);

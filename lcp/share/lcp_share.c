@@ -34,6 +34,14 @@ void lcp_share_close(lcp_share *s) {
   }
 }
 
+void lcp_share_rest(lcp_share *s) {
+  lcp_share_system_close(&s->system);
+  lcp_share_bodies_rest(&s->bodies);
+  lcp_csc_free(&s->copy);
+  free(s->mem);
+  s->mem = NULL;
+}
+
 static void layout(lcp_share *s, base_arena *a) {
   const int n = s->cap_n;
   s->z = BASE_ARRAY(a, double, n);

@@ -47,6 +47,9 @@ typedef struct lcp_share lcp_share; /* opaque: owns the workspace, reusable step
 base_status lcp_share_open(lcp_share **out, base_error *err);
 void lcp_share_close(lcp_share *s); /* accepts NULL */
 
+/* Gives the workspace back, but for orders of elimination, until the next apply. */
+void lcp_share_rest(lcp_share *s);
+
 /* z[n], an answer of p, in; the chosen answer out. start[n]: what the last step chose, unknown by unknown, whose active rows are
  * tried first; NULL: nothing is taken from earlier calls. BASE_ENOMEM only. */
 base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *start, double *z,

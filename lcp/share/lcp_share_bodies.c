@@ -12,6 +12,12 @@ void lcp_share_bodies_close(share_bodies *s) {
   *s = (share_bodies){0};
 }
 
+void lcp_share_bodies_rest(share_bodies *s) {
+  lin_body_space_rest(&s->space);
+  free(s->mem);
+  s->mem = NULL;
+}
+
 static int group_rows(const lcp_factored *f, int g) {
   return f->row_start[g + 1] - f->row_start[g];
 }

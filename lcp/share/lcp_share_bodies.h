@@ -18,6 +18,9 @@ typedef struct share_bodies {
 
 void lcp_share_bodies_close(share_bodies *s);
 
+/* Gives its memory back, but for the order of elimination, until the next begin. */
+void lcp_share_bodies_rest(share_bodies *s);
+
 /* Factors of W and G for the matrix of p. BASE_EINVAL: a weight is not positive semidefinite; BASE_ENOMEM. */
 base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_error *err);
 

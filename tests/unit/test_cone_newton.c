@@ -180,6 +180,36 @@ static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
   }
 }
 
+/* An instance whose workspace was given back solves nothing until it is prepared again, and then the same to the last bit. */
+static void a_rested_instance_is_prepared_again(void **state) {
+  (void)state;
+  known_lcp k;
+  base_error err = {0};
+  lcp_result first, again, refused;
+  lcp_instance *instance;
+  _Alignas(16) unsigned char opt[512] = {0};
+  double z[512] = {0}, other[512] = {0};
+  const lcp_solver *s = lcp_solver_find("cone_newton");
+  check_ok(random_cones(&k, 8, &err), &err);
+  assert_true(k.p.M.n <= 512 && s->options_size <= sizeof opt);
+  const lcp_capacity cap = lcp_problem_capacity(&k.p);
+  base_fields_default(s->fields, s->n_fields, opt);
+  check_ok(lcp_instance_open(&instance, s, &cap, opt, &err), &err);
+  check_ok(lcp_instance_prepare(instance, &k.p, &err), &err);
+  check_ok(lcp_instance_solve(instance, NULL, z, &first, &err), &err);
+  const size_t bytes = lcp_instance_bytes(instance);
+  lcp_instance_rest(instance);
+  assert_int_equal(lcp_instance_bytes(instance), bytes);
+  assert_int_equal(lcp_instance_solve(instance, NULL, other, &refused, &err), BASE_EINVAL);
+  check_ok(lcp_instance_prepare(instance, &k.p, &err), &err);
+  check_ok(lcp_instance_solve(instance, NULL, other, &again, &err), &err);
+  lcp_instance_close(instance);
+  assert_string_equal(lcp_outcome_name(first.outcome), "ok");
+  assert_int_equal(again.work.iterations, first.work.iterations);
+  assert_memory_equal(z, other, (size_t)k.p.M.n * sizeof *z);
+  known_lcp_free(&k);
+}
+
 /* What the factored form cannot do is refused by name: a cone over two groups, an S that couples blocks. */
 static void factored_form_refuses_what_it_cannot_split(void **state) {
   (void)state;
@@ -226,6 +256,7 @@ int main(void) {
       cmocka_unit_test(derivatives_are_those_of_the_map),
       cmocka_unit_test(maps_vanish_at_contact_solutions_only),
       cmocka_unit_test(random_sets_are_solved_and_never_claimed_falsely),
+      cmocka_unit_test(a_rested_instance_is_prepared_again),
       cmocka_unit_test(factored_form_refuses_what_it_cannot_split),
   };
   return cmocka_run_group_tests_name("cone_newton", tests, NULL, NULL);

@@ -277,6 +277,34 @@ static void the_last_step_is_a_start(void **state) {
   follows_the_plate(&t, z);
 }
 
+/* A workspace that was given back leaves the same answer in the same rounds, stored or in factors. */
+static void a_rest_changes_nothing(void **state) {
+  (void)state;
+  base_error err = {0};
+  lcp_share *s;
+  plate t = grid();
+  plate_in_factors k;
+  double right[9], z[9];
+  far_out(&t, 0.7, right);
+  pose_in_factors(&t, &k);
+  const lcp_problem *const posed[] = {&t.p, &k.p};
+  assert_int_equal(lcp_share_open(&s, &err), BASE_OK);
+  for (int i = 0; i < 4; i++) {
+    lcp_share_result fresh, r;
+    double alone[9];
+    memcpy(z, right, sizeof z);
+    memcpy(alone, right, sizeof alone);
+    fresh = shared(posed[i % 2], alone);
+    assert_int_equal(lcp_share_apply(s, posed[i % 2], NULL, z, &r, &err), BASE_OK);
+    lcp_share_rest(s);
+    assert_int_equal(r.outcome, LCP_SHARE_MADE);
+    assert_int_equal(r.rounds, fresh.rounds);
+    assert_int_equal(r.factorizations, fresh.factorizations);
+    assert_memory_equal(z, alone, sizeof z);
+  }
+  lcp_share_close(s);
+}
+
 /* A start that is wrong in every contact. */
 static void a_wrong_start_is_left(void **state) {
   (void)state;
@@ -440,6 +468,7 @@ int main(void) {
       cmocka_unit_test(softer_contacts_carry_less),
       cmocka_unit_test(tension_carries_nothing),
       cmocka_unit_test(the_last_step_is_a_start),
+      cmocka_unit_test(a_rest_changes_nothing),
       cmocka_unit_test(a_wrong_start_is_left),
       cmocka_unit_test(sliding_contacts_follow_the_plate),
       cmocka_unit_test(one_answer_is_left_alone),
