@@ -1,6 +1,9 @@
 #include "lcp/lcp_rho_factored.h"
 
+#include "lcp/base/clones.h"
 #include "lcp/lcp_column.h"
+
+enum { LANES = 8 }; /* entries of a row that are made together */
 
 void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_arena *a) {
   s->wj = BASE_ARRAY(a, double, cap->n_jac);
@@ -19,7 +22,7 @@ static ptrdiff_t side_at(const lcp_factored *f, int g, int side) {
   return f->jac_start[g] + ((side == 1) ? (ptrdiff_t)rows * dofs(f, f->body[2 * g]) : 0);
 }
 
-/* out = J W of n velocities: rows x n, row-major. */
+/* out = W J' of n velocities: n x rows, row-major. */
 static void weigh(const double *J, const double *W, int rows, int n, double *out) {
   for (int r = 0; r < rows; r++) {
     for (int c = 0; c < n; c++) {
@@ -27,7 +30,7 @@ static void weigh(const double *J, const double *W, int rows, int n, double *out
       for (int k = 0; k < n; k++) {
         sum += W[(ptrdiff_t)c * n + k] * J[r * n + k];
       }
-      out[r * n + c] = sum;
+      out[c * rows + r] = sum;
     }
   }
 }
@@ -51,7 +54,7 @@ static void begin(lcp_rho_factored *s, const lcp_factored *f) {
   s->ready = true;
 }
 
-/* The sides over which two groups meet: rows of J of the one and of J W of the other, and how long they are. */
+/* The sides over which two groups meet: J of the one and W J' of the other, and how many velocities there are. */
 typedef struct meeting {
   int n;
   const double *left[4], *right[4];
@@ -73,44 +76,93 @@ static meeting meet(const lcp_rho_factored *s, const lcp_factored *f, int g, int
   return m;
 }
 
-static inline double dot(const double *x, const double *y, int n) {
-  double sum = 0.0;
+/* entry_j += sum over n velocities of x times column j of y, `wide` numbers a row. */
+static inline void add_dots(const double *x, const double *y, int n, int wide, int count,
+                            double *entry) {
+  double sum[LANES] = {0};
   for (int k = 0; k < n; k++) {
-    sum += x[k] * y[k];
+    for (int j = 0; j < count; j++) {
+      sum[j] += x[k] * y[(ptrdiff_t)k * wide + j];
+    }
   }
-  return sum;
+  for (int j = 0; j < count; j++) {
+    entry[j] += sum[j];
+  }
 }
 
-/* (J W J')_ij for rows i and j of the two groups, each counted in its own. */
-static inline double entry(const meeting *m, int i, int j) {
-  double sum = 0.0;
+/* (J W J')_ij of row i of one group and `count` rows of the other from `from` on, of `wide`. */
+static inline void entries(const meeting *m, int i, int from, int count, int wide, double *entry) {
   for (int k = 0; k < m->n; k++) {
     const int n = m->dof[k];
-    const double *x = m->left[k] + (ptrdiff_t)i * n, *y = m->right[k] + (ptrdiff_t)j * n;
-    sum += (n == 6) ? dot(x, y, 6) : dot(x, y, n);
+    const double *x = m->left[k] + (ptrdiff_t)i * n, *y = m->right[k] + from;
+    if (n == 6) {
+      add_dots(x, y, 6, wide, count, entry);
+    } else {
+      add_dots(x, y, n, wide, count, entry);
+    }
   }
-  return sum;
 }
 
-static double shift(const lcp_factored *f, int i, int j) {
-  const lcp_column c = lcp_csc_column(f->shift, j);
-  double sum = 0.0;
-  for (int k = 0; k < c.count; k++) {
-    sum += (c.row[k] == i) ? c.val[k] : 0.0;
+/* Some columns of S, read from their first row on. */
+typedef struct shift_reader {
+  lcp_column column[LANES];
+  int at[LANES];
+} shift_reader;
+
+static void read_from(shift_reader *r, const lcp_csc *S, int column, int count) {
+  for (int j = 0; j < count; j++) {
+    r->column[j] = lcp_csc_column(S, column + j);
+    r->at[j] = 0;
   }
-  return sum;
 }
 
-static void add_pair(const lcp_rho_factored *s, const lcp_factored *f, int g, int h,
-                     const double *x, double *size) {
-  const meeting m = meet(s, f, g, h);
+/* entry += row i of the columns; rows rise from call to call. */
+static void add_shift(shift_reader *r, int i, int count, double *entry) {
+  for (int j = 0; j < count; j++) {
+    const lcp_column *c = &r->column[j];
+    while (r->at[j] < c->count && c->row[r->at[j]] < i) {
+      r->at[j]++;
+    }
+    if (r->at[j] < c->count && c->row[r->at[j]] == i) {
+      entry[j] += c->val[r->at[j]];
+    }
+  }
+}
+
+/* size_i += |M_ij x_j| over `count` rows j of group h, of `wide`, from `from` on; M_ij has S inside a group. */
+static inline void add_columns(const lcp_factored *f, const meeting *m, int g, int h, int from,
+                               int count, int wide, const double *x, double *size) {
   const bool own = g == h && f->shift != NULL;
-  const int rows = f->row_start[g + 1] - f->row_start[g];
-  double *to = size + f->row_start[g];
-  for (int j = f->row_start[h]; j < f->row_start[h + 1]; j++) {
-    for (int i = 0; i < rows && x[j] != 0.0; i++) {
-      const double e = entry(&m, i, j - f->row_start[h]);
-      to[i] += fabs((e + (own ? shift(f, f->row_start[g] + i, j) : 0.0)) * x[j]);
+  const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
+  const int other = f->row_start[h] + from;
+  shift_reader shift;
+  if (own) {
+    read_from(&shift, f->shift, other, count);
+  }
+  for (int i = 0; i < rows; i++) {
+    double entry[LANES] = {0}, sum = size[first + i];
+    entries(m, i, from, count, wide, entry);
+    if (own) {
+      add_shift(&shift, first + i, count, entry);
+    }
+    for (int j = 0; j < count; j++) {
+      sum += (x[other + j] != 0.0) ? fabs(entry[j] * x[other + j]) : 0.0;
+    }
+    size[first + i] = sum;
+  }
+}
+
+BASE_CLONES static void add_pair(const lcp_rho_factored *s, const lcp_factored *f, int g, int h,
+                                 const double *x, double *size) {
+  const meeting m = meet(s, f, g, h);
+  const int wide = f->row_start[h + 1] - f->row_start[h];
+  if (wide == 6) { /* the commonest: a contact over four facets, and over a cone */
+    add_columns(f, &m, g, h, 0, 6, 6, x, size);
+  } else if (wide == 3) {
+    add_columns(f, &m, g, h, 0, 3, 3, x, size);
+  } else {
+    for (int from = 0; from < wide; from += LANES) {
+      add_columns(f, &m, g, h, from, (wide - from < LANES) ? wide - from : LANES, wide, x, size);
     }
   }
 }

@@ -8,7 +8,7 @@
 #include "lcp/lcp_problem.h"
 
 typedef struct lcp_rho_factored {
-  double *wj;           /* n_jac: J W, as jac is stored */
+  double *wj;           /* n_jac: W J' of every side, where jac has J */
   int *first, *next;    /* groups at every body as lists: 2 group + side, or -1 */
   unsigned char *whole; /* n: rows whose sizes are to be summed over all groups */
   bool ready;           /* for the matrix of this solve */
