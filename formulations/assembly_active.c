@@ -8,8 +8,8 @@
 
 enum { MOST_ROWS = 8 };
 
-/* The tolerance is 1e-9 of the smallest body: a gap below 1e-15 of that is a rounding error of
- * positions, and no overlap to be pushed out. */
+/* The tolerance is 1e-9 of the smallest body: a gap below 1e-15 of that, or of the rounding of positions far out, is no overlap to
+ * be pushed out: between walls that would have no solution. */
 static const double gap_noise = 1e-6;
 /* A contact that was closed stays so up to this many tolerances of the set; and one that carried an impulse. */
 static const double held = 10, loaded = 30;
@@ -134,7 +134,8 @@ static double closed_up_to(const contact_set *c, int i, const contact_memory *me
 static double gap_without_noise(const contact_set *c, int i, const contact_memory *memory) {
   const double *past = contact_memory_old(memory, i);
   const bool carried = past != NULL && past[PAST_IMPULSE] > 0 && contact_memory_closed(memory, i);
-  return (fabs(c->gap[i]) <= (carried ? 1 : gap_noise) * c->tol) ? 0 : c->gap[i];
+  const double noise = fmax((carried ? 1 : gap_noise) * c->tol, c->noise);
+  return (fabs(c->gap[i]) <= noise) ? 0 : c->gap[i];
 }
 
 /* Bias of contact i, which has that gap and is closed up to the gap tol; HUGE_VAL where it is not active. What has moved

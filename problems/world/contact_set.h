@@ -30,9 +30,10 @@ typedef struct contact_rows {
 } contact_rows;
 
 typedef struct contact_set {
-  int dim;     /* 2 or 3 */
-  double h, t; /* step length and time at its start [s] */
-  double tol;  /* gap at or below which a contact counts as closed [m] */
+  int dim;      /* 2 or 3 */
+  double h, t;  /* step length and time at its start [s] */
+  double tol;   /* gap at or below which a contact counts as closed [m] */
+  double noise; /* rounding of a gap as far out as the contacts are: below it there is none [m] */
 
   /* Bodies with free dofs (fixed and kinematic ones have none and do not appear). */
   int n_body, n_dof;

@@ -2,6 +2,7 @@
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
+#include <float.h>
 #include <stdlib.h>
 
 base_status world_reserve_set(world *w, size_t n_group, size_t n_row, size_t n_jac,
@@ -297,6 +298,17 @@ static base_status index_groups(world *w, int *n_group, base_error *err) {
   return world_reserve_set(w, (size_t)g, (size_t)s->row_start[g], (size_t)s->jac_start[g], err);
 }
 
+/* A gap is a difference of two positions, each rounded where it stands. */
+static double noise_of_gaps(const world *w) {
+  double far = 0;
+  for (int i = 0; i < w->store.n_item; i++) {
+    for (int k = 0; k < 3; k++) {
+      far = fmax(far, fabs(w->store.item[i].x[k]));
+    }
+  }
+  return 2 * DBL_EPSILON * far;
+}
+
 base_status world_assemble(world *w, double h, base_error *err) {
   set_store *s = &w->store;
   joint_row row[JOINT_ROWS_MAX];
@@ -311,6 +323,7 @@ base_status world_assemble(world *w, double h, base_error *err) {
       fill_joint(w, &w->joint[i], group++, h);
     }
   }
+  w->set.noise = noise_of_gaps(w);
   w->set.n_group = g;
   w->set.n_row = s->row_start[g];
   return BASE_OK;

@@ -7,6 +7,29 @@
 
 static base_error err;
 
+/* As far out as the contacts are, on whatever axis. */
+static void noise_is_what_rounding_leaves_of_positions(void **state) {
+  (void)state;
+  for (int axis = 0; axis < 3; axis++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    spec_init(&s);
+    s.dim = 3;
+    s.duration = 1.0;
+    add_body(&s, "a", SPEC_SPHERE, 0.1)->pos[axis] = -64.0;
+    add_body(&s, "b", SPEC_SPHERE, 0.1)->pos[axis] = -64.2;
+    add_body(&s, "far from all", SPEC_SPHERE, 0.1)->pos[axis] = 1e6;
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    check_ok(world_contacts(w, 0.01, -1.0, &c, &err), &err);
+    assert_int_equal(c.n_contact, 1);
+    check_close(c.noise / (64.1 * 0x1p-51), 1, 1e-9);
+    assert_true(fabs(c.gap[0]) <= c.noise && c.noise < c.tol);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
 static void two_bodies_exchange_momentum_through_rows(void **state) {
   (void)state;
   for (int dim = 2; dim <= 3; dim++) {
@@ -248,6 +271,7 @@ static void tangents_of_plane_motion_lie_in_the_plane(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(noise_is_what_rounding_leaves_of_positions),
       cmocka_unit_test(two_bodies_exchange_momentum_through_rows),
       cmocka_unit_test(drift_carries_kinematic_and_belt_motion),
       cmocka_unit_test(driven_rotation_enters_the_drift),
