@@ -293,6 +293,6 @@ tap(
         a_light_body_is_not_thrown_by_the_tolerance,
         a_light_body_stays_under_a_heavy_one,
         spheres_that_touch_between_walls_are_no_jam,
-    shapes_overlap_by_what_is_known,
+        shapes_overlap_by_what_is_known,
     ]
 )
