@@ -40,6 +40,19 @@ static const double *group_side(const lcp_factored *f, int g, int b) {
   return A + ((first >= 0) ? rows * body_dofs(f, first) : 0);
 }
 
+/* sum + a' W b over n velocities, term by term. */
+static inline double add_form(const double *a, const double *W, const double *b, int n,
+                              double sum) {
+  for (int j = 0; j < n; j++) {
+    double wj = 0.0;
+    for (int i = 0; i < n; i++) {
+      wj += a[i] * W[j * n + i];
+    }
+    sum += wj * b[j];
+  }
+  return sum;
+}
+
 /* sum over shared bodies of row r of group g times W times row s of group h. */
 static double factored_entry(const lcp_factored *f, int g, int r, int h, int s) {
   double sum = 0.0;
@@ -54,13 +67,8 @@ static double factored_entry(const lcp_factored *f, int g, int r, int h, int s) 
     }
     const int n = body_dofs(f, b);
     const double *W = f->weight + f->weight_start[b];
-    for (int j = 0; j < n; j++) {
-      double wj = 0.0;
-      for (int i = 0; i < n; i++) {
-        wj += A[r * n + i] * W[j * n + i];
-      }
-      sum += wj * B[s * n + j];
-    }
+    sum = (n == 6) ? add_form(A + r * 6, W, B + s * 6, 6, sum)
+                   : add_form(A + r * n, W, B + s * n, n, sum);
   }
   return sum;
 }
