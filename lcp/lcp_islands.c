@@ -1,11 +1,10 @@
 #include "lcp/lcp_islands.h"
 
 #include "lcp/base/clock.h"
+#include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
 #include "lcp/lcp_islands_cut.h"
 
-#include <pthread.h>
-#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +19,6 @@ typedef struct solved {
 struct lcp_islands {
   const lcp_solver *solver;
   const void *opt;
-  int threads;
   islands_cut cut;
   solved *of; /* cap_of */
   int cap_of;
@@ -30,13 +28,13 @@ struct lcp_islands {
   int cap_n;
 };
 
-base_status lcp_islands_open(lcp_islands **out, const lcp_solver *s, const void *opt, int threads,
+base_status lcp_islands_open(lcp_islands **out, const lcp_solver *s, const void *opt,
                              base_error *err) {
   *out = calloc(1, sizeof **out);
   if (*out == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for islands");
   }
-  **out = (lcp_islands){.solver = s, .opt = opt, .threads = threads};
+  **out = (lcp_islands){.solver = s, .opt = opt};
   return BASE_OK;
 }
 
@@ -78,9 +76,12 @@ static base_status grow(lcp_islands *s, int n, base_error *err) {
   return BASE_OK;
 }
 
-/* ---- one island after the other, by one thread or several ------------------------------------ */
+/* ---- one island after the other -------------------------------------------------------------- */
 
-static void solve_island(lcp_islands *s, int k) {
+static void solve_island(void *islands, int part, int hand) {
+  lcp_islands *s = islands;
+  const int k = s->cut.by_size[part];
+  (void)hand;
   solved *own = &s->of[k];
   const lcp_problem *p = &s->cut.island[k].p;
   own->err = (base_error){0};
@@ -94,37 +95,6 @@ static void solve_island(lcp_islands *s, int k) {
   }
   if (own->status == BASE_OK) {
     own->status = lcp_instance_solve(own->instance, NULL, s->cut.island[k].z, &own->res, &own->err);
-  }
-}
-
-typedef struct crew {
-  lcp_islands *s;
-  atomic_int next;
-} crew;
-
-static void *work(void *ctx) {
-  crew *c = ctx;
-  for (;;) {
-    const int k = atomic_fetch_add(&c->next, 1);
-    if (k >= c->s->cut.count) {
-      return NULL;
-    }
-    solve_island(c->s, c->s->cut.by_size[k]);
-  }
-}
-
-/* A thread that cannot be had is work for the others. */
-static void solve_all(lcp_islands *s) {
-  crew c = {.s = s};
-  pthread_t helper[LCP_THREADS_MAX];
-  int helpers = 0;
-  const int most = (s->threads < s->cut.count) ? s->threads : s->cut.count;
-  while (helpers + 1 < most && pthread_create(&helper[helpers], NULL, work, &c) == 0) {
-    helpers++;
-  }
-  (void)work(&c);
-  for (int i = 0; i < helpers; i++) {
-    (void)pthread_join(helper[i], NULL);
   }
 }
 
@@ -204,7 +174,7 @@ base_status lcp_islands_solve(lcp_islands *s, const lcp_problem *p, double *z, l
   BASE_TRY(lcp_islands_cut_problem(&s->cut, p, s->solver->by_factors, z, err));
   BASE_TRY(grow(s, p->M.n, err));
   const double cut = base_seconds();
-  solve_all(s);
+  base_share(s->cut.count, solve_island, s);
   for (int k = 0; k < s->cut.count; k++) {
     if (s->of[k].status != BASE_OK) {
       *err = s->of[k].err;

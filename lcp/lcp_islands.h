@@ -5,19 +5,18 @@
  * relation; an island is a problem of the same kind, storage and traits, with its rows in their old order, and the answers side by
  * side are an answer of the whole. Islands are numbered by their first rows.
  *
- * Each island has an instance of the solver of its own, kept from problem to problem by its number, so that what an answer comes from does
- * not depend on how many threads there are: same bits for any number of them. A problem of one island is handed on as it
- * is. Whoever judges sees the whole problem. */
+ * The islands are shared out to the crew of the thread that asks (base/crew.h). Each has an instance of the solver of its own,
+ * kept from problem to problem by its number, so that what an answer comes from does not depend on how many threads there are:
+ * same bits for any number of them. A problem of one island is handed on as it is, and so is the crew. Whoever judges sees
+ * the whole problem. */
 #pragma once
 
 #include "lcp/lcp_instance.h"
 
-enum { LCP_THREADS_MAX = 256 };
-
 typedef struct lcp_islands lcp_islands; /* opaque: owns workspace and instances */
 
-/* `opt` is borrowed and must outlive it. threads: 1 to LCP_THREADS_MAX. */
-base_status lcp_islands_open(lcp_islands **out, const lcp_solver *s, const void *opt, int threads,
+/* `opt` is borrowed and must outlive it. */
+base_status lcp_islands_open(lcp_islands **out, const lcp_solver *s, const void *opt,
                              base_error *err);
 void lcp_islands_close(lcp_islands *s); /* accepts NULL */
 

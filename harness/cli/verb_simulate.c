@@ -6,8 +6,8 @@
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
 #include "harness/util/shell.h"
+#include "lcp/base/crew.h"
 #include "lcp/base/output.h"
-#include "lcp/lcp_islands.h"
 #include "problems/world/world.h"
 #include "problems/write/scene_write.h"
 
@@ -237,8 +237,10 @@ static void put_choice(json_t *o, const simulation *s, const simulation_texts *t
 
 /* Of runs that were asked for them. */
 static void put_islands(json_t *o, const sim_request *q, const sim_result *r) {
-  if (q->islands) {
+  if (q->islands || q->threads > 1) {
     json_out_int(o, "threads", q->threads);
+  }
+  if (q->islands) {
     json_out_int(o, "n_island", r->n_island);
     json_out_int(o, "largest_island", r->largest_island);
   }
@@ -527,8 +529,9 @@ static const arg_option options[] = {
     ARG(simulate_options, t.islands, "--islands", ARG_TEXT, "on|off",
         "solves what nothing couples part by part (off)"),
     ARG(simulate_options, t.threads, "--threads", ARG_TEXT, "N",
-        "threads that solve islands; the answer is the same to the bit for any number (1)",
-        .unit = "1", .min = 1, .max = LCP_THREADS_MAX),
+        "threads that share the work of a step; the answer is the same to the bit for any number "
+        "(1)",
+        .unit = "1", .min = 1, .max = BASE_THREADS_MAX),
     ARG(simulate_options, f.trajectory, "--trajectory", ARG_OUTPUT, "FILE.csv",
         "states of all bodies after each step"),
     ARG(simulate_options, f.end, "--write-end", ARG_OUTPUT, "FILE",

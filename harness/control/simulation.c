@@ -1,8 +1,8 @@
 #include "harness/control/simulation.h"
 
 #include "harness/measure/contact_order.h"
+#include "lcp/base/crew.h"
 #include "lcp/base/fields.h"
-#include "lcp/lcp_islands.h"
 #include "problems/read/scene_file.h"
 
 #include <string.h>
@@ -30,7 +30,7 @@ static base_status start_of(const char *text, formulation_start *out, base_error
   return BASE_OK;
 }
 
-/* Islands, and threads over them. */
+/* Islands, and threads. */
 static base_status parts_of(const simulation_texts *t, const lcp_solver *solver, sim_request *q,
                             base_error *err) {
   int threads = 1;
@@ -38,16 +38,12 @@ static base_status parts_of(const simulation_texts *t, const lcp_solver *solver,
     return BASE_FAIL(err, BASE_EINVAL, "--islands %s: need on or off", t->islands);
   }
   if (given(t->threads) &&
-      (!base_parse_int(t->threads, &threads) || threads < 1 || threads > LCP_THREADS_MAX)) {
+      (!base_parse_int(t->threads, &threads) || threads < 1 || threads > BASE_THREADS_MAX)) {
     return BASE_FAIL(err, BASE_EINVAL, "--threads %s: need 1 to %d", t->threads,
-                     (int)LCP_THREADS_MAX);
+                     (int)BASE_THREADS_MAX);
   }
   q->islands = given(t->islands) && strcmp(t->islands, "on") == 0;
   q->threads = threads;
-  if (threads > 1 && !q->islands) {
-    return BASE_FAIL(err, BASE_EINVAL, "--threads %d: threads share islands, need --islands on",
-                     threads);
-  }
   if (threads > 1 && solver != NULL && (solver->peer || solver->context != NULL)) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED,
                      "--threads %d: %s is other people's code, need --threads 1", threads,
@@ -224,9 +220,8 @@ static base_status run_to_error(simulation *s, series *record, sim_result *out, 
   return BASE_OK;
 }
 
-base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
+static base_status run_alone(simulation *s, series *record, sim_result *out, base_error *err) {
   sim_request *q = &s->request;
-  *record = (series){0};
   const bool to_error = s->error.E > 0.0;
   if (!to_error && !(s->watch > 0.0)) {
     return step_list_run(q, &s->steps, record, out, err);
@@ -240,6 +235,19 @@ base_status simulation_run(simulation *s, series *record, sim_result *out, base_
   BASE_TRY(step_list_run(q, &s->steps, record, out, err));
   sim_times_add(&out->time, &spent);
   return BASE_OK;
+}
+
+base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
+  base_crew *crew = NULL;
+  *record = (series){0};
+  if (s->request.threads > 1) {
+    BASE_TRY(base_crew_open(&crew, s->request.threads, err));
+  }
+  base_crew *before = base_crew_take_up(crew);
+  const base_status done = run_alone(s, record, out, err);
+  (void)base_crew_take_up(before);
+  base_crew_close(crew);
+  return done;
 }
 
 /* "auto:E", or a plan of effects. */

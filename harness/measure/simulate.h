@@ -61,7 +61,7 @@ typedef struct sim_request {
   const sim_listener *listener; /* NULL: nobody */
   answers *store;               /* NULL: none; every answer is written here */
   bool islands;    /* a problem that falls into parts is solved part by part (lcp_islands.h) */
-  int threads;     /* that solve them; 0 counts as 1 */
+  int threads;     /* that share the work; 0 counts as 1 */
   answers *replay; /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;
 

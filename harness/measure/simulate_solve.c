@@ -173,8 +173,7 @@ static base_status solve_islands(sim *s, const lcp_problem *p, lcp_result *claim
   const sim_request *q = s->q;
   sim_result *r = s->out;
   if (s->islands == NULL) {
-    BASE_TRY(lcp_islands_open(&s->islands, q->solver->solver, q->solver->opt,
-                              (q->threads > 1) ? q->threads : 1, err));
+    BASE_TRY(lcp_islands_open(&s->islands, q->solver->solver, q->solver->opt, err));
   }
   BASE_TRY(lcp_islands_solve(s->islands, p, s->z, claim, err));
   const lcp_times spent = lcp_islands_times(s->islands);

@@ -1,6 +1,7 @@
 /* Problems that fall into parts: what is found, cut out, solved side by side and put together again. */
 #include "tests/support/check.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/base/rng.h"
 #include "lcp/lcp_certificate.h"
 #include "lcp/lcp_islands.h"
@@ -59,8 +60,13 @@ static lcp_outcome solve(const lcp_problem *p, const char *name, int threads, in
   assert_true(s->options_size <= sizeof opt);
   base_fields_default(s->fields, s->n_fields, opt);
   memset(z, 0, (size_t)p->M.n * sizeof *z);
-  check_ok(lcp_islands_open(kept, s, opt, threads, &err), &err);
+  base_crew *crew;
+  check_ok(base_crew_open(&crew, threads, &err), &err);
+  assert_null(base_crew_take_up(crew));
+  check_ok(lcp_islands_open(kept, s, opt, &err), &err);
   check_ok(lcp_islands_solve(*kept, p, z, res, &err), &err);
+  assert_ptr_equal(base_crew_take_up(NULL), crew);
+  base_crew_close(crew);
   assert_int_equal(lcp_islands_count(*kept), count);
   return res->outcome;
 }
