@@ -1,18 +1,20 @@
 #include "lcp/solvers/cone_batches.h"
 
+#include "lcp/solvers/batch_waves.h"
 #include "lcp/solvers/cone_batches_kernel.h"
 #include "lcp/solvers/cone_block.h"
 
 #include <assert.h>
+#include <stdatomic.h>
 #include <string.h>
 
 static const double regular = 1e-9; /* least value of S over its largest */
 
 void lcp_cone_batches_layout(lcp_cone_batches *s, const lcp_capacity *cap, base_arena *a) {
-  const size_t bodies = (cap->n_body > 0) ? (size_t)cap->n_body + 1 : 0;
+  const size_t bodies = (size_t)cap->n_body;
   const size_t contacts = (cap->n_body > 0) ? (size_t)cap->n / 3 : 0;
   s->batch = BASE_ARRAY(a, lcp_cone_batch, contacts);
-  s->body = BASE_ARRAY(a, double, 16 * bodies);
+  s->body = BASE_ARRAY(a, double, 16 * lcp_batches_bodies(contacts, bodies));
   s->axis = BASE_ARRAY(a, double, 3 * contacts);
   lcp_batches_layout(&s->in, contacts, bodies, a);
 }
@@ -107,7 +109,7 @@ static bool record(lcp_cone_batches *s, const lcp_problem *p, int k) {
     frame.hand = 1.0;
     at.slope[1] *= axis[2];
   }
-  lcp_contact_place(&c->at, l, p->M.factored, g, (g >= 0) ? &frame : NULL, NULL);
+  lcp_contact_place(&c->at, k, p->M.factored, g, (g >= 0) ? &frame : NULL, NULL);
   c->mu[l] = (g >= 0) ? p->block[g].part_mu[0] : 1.0;
   c->inverse[l] = at.inverse;
   for (int i = 0; i < 3; i++) {
@@ -122,6 +124,22 @@ static bool record(lcp_cone_batches *s, const lcp_problem *p, int k) {
   return true;
 }
 
+typedef struct recording {
+  lcp_cone_batches *s;
+  const lcp_problem *p;
+  atomic_bool failed;
+} recording;
+
+static void record_stretch(void *of, int first, int count) {
+  recording *r = of;
+  for (int k = LCP_LANES * first; k < LCP_LANES * (first + count); k++) {
+    if (!record(r->s, r->p, k)) {
+      atomic_store(&r->failed, true);
+      return;
+    }
+  }
+}
+
 bool lcp_cone_batches_prepare(lcp_cone_batches *s, const lcp_problem *p) {
   s->in.n_contact = 0;
   if (!admits(p)) {
@@ -129,11 +147,9 @@ bool lcp_cone_batches_prepare(lcp_cone_batches *s, const lcp_problem *p) {
   }
   lcp_contact_bodies(p->M.factored, s->body);
   lcp_batches_order(&s->in, p->M.factored);
-  bool good = true;
-  for (int k = 0; good && k < LCP_LANES * s->in.n_batch; k++) {
-    good = record(s, p, k);
-  }
-  return good;
+  recording r = {.s = s, .p = p};
+  lcp_batch_shares(&s->in, record_stretch, &r);
+  return !atomic_load(&r.failed);
 }
 
 static void import(lcp_cone_batches *s, const lcp_problem *p, const double *z) {
@@ -173,11 +189,20 @@ static void export(const lcp_cone_batches *s, const lcp_problem *p, double *z) {
   }
 }
 
+typedef struct sweeping {
+  lcp_cone_batches *s;
+  double omega;
+} sweeping;
+
+static void sweep_stretch(void *of, int first, int count) {
+  const sweeping *w = of;
+  lcp_cone_kernel_sweep(w->s->batch + first, count, w->s->body, w->omega);
+}
+
 void lcp_cone_batches_run(lcp_cone_batches *s, const lcp_problem *p, double omega, long sweeps,
                           double *z) {
+  sweeping w = {s, omega};
   import(s, p, z);
-  for (long k = 0; k < sweeps; k++) {
-    lcp_cone_kernel_sweep(s->batch, s->in.n_batch, s->body, omega);
-  }
+  lcp_batch_waves(&s->in, sweeps, sweep_stretch, &w);
   export(s, p, z);
 }

@@ -1,10 +1,17 @@
 #include "lcp/solvers/contact_batches.h"
 
+#include "lcp/base/crew.h"
+
 #include <assert.h>
 #include <string.h>
 
 enum { NEAR = 256, FAR = 1024 }; /* contacts that a batch may skip; where it would not be full */
 enum { TAKEN = -1 };
+
+/* At most, for no batch is empty. */
+static size_t stretches(size_t contacts) {
+  return contacts / LCP_STRETCH + 1;
+}
 
 void lcp_batches_layout(lcp_batches *s, size_t contacts, size_t bodies, base_arena *a) {
   s->order = BASE_ARRAY(a, int, LCP_LANES *contacts);
@@ -13,6 +20,11 @@ void lcp_batches_layout(lcp_batches *s, size_t contacts, size_t bodies, base_are
   s->after = BASE_ARRAY(a, int, 2 * contacts);
   s->waits = BASE_ARRAY(a, int, contacts);
   s->ready = BASE_ARRAY(a, int, contacts + 1);
+  s->until = BASE_ARRAY(a, int, stretches(contacts));
+}
+
+size_t lcp_batches_bodies(size_t contacts, size_t bodies) {
+  return (bodies > 0) ? bodies + stretches(contacts) : 0;
 }
 
 /* ---- frames --------------------------------------------------------------------------------- */
@@ -144,11 +156,12 @@ void lcp_contact_block(const lcp_factored *f, int g, const double *body, double 
   }
 }
 
-void lcp_contact_place(lcp_lane_frame *at, int l, const lcp_factored *f, int g,
+void lcp_contact_place(lcp_lane_frame *at, int k, const lcp_factored *f, int g,
                        const lcp_contact_frame *frame, const double *root) {
+  const int l = k % LCP_LANES, fixed = f->n_body + k / (LCP_LANES * LCP_STRETCH);
   for (int s = 0; s < 2; s++) {
     const int b = (frame != NULL) ? f->body[2 * g + s] : -1;
-    at->body[s][l] = (b >= 0) ? b : f->n_body;
+    at->body[s][l] = (b >= 0) ? b : fixed;
     for (int i = 0; i < 3; i++) {
       at->t[s][i][l] = (frame == NULL) ? 0.0 : frame->d[s][i] / ((root != NULL) ? root[s] : 1.0);
       at->arm[s][i][l] = (frame == NULL) ? 0.0 : frame->arm[s][i];
@@ -158,7 +171,8 @@ void lcp_contact_place(lcp_lane_frame *at, int l, const lcp_factored *f, int g,
 }
 
 void lcp_contact_bodies(const lcp_factored *f, double *body) {
-  memset(body, 0, 16 * ((size_t)f->n_body + 1) * sizeof *body);
+  const size_t all = lcp_batches_bodies((size_t)f->n_group, (size_t)f->n_body);
+  memset(body, 0, 16 * all * sizeof *body);
   for (int b = 0; b < f->n_body; b++) {
     const double *W = f->weight + f->weight_start[b];
     double *to = body + 16 * (size_t)b;
@@ -169,7 +183,7 @@ void lcp_contact_bodies(const lcp_factored *f, double *body) {
 }
 
 void lcp_contact_stop_bodies(const lcp_factored *f, double *body) {
-  for (size_t b = 0; b <= (size_t)f->n_body; b++) {
+  for (size_t b = 0; b < (size_t)f->n_body; b++) {
     for (size_t i = 0; i < 8; i++) {
       body[16 * b + i] = (i == 3) ? body[16 * b + i] : 0.0;
     }
@@ -239,6 +253,27 @@ static int fill(const lcp_batches *s, const lcp_factored *f, int first, int coun
   return count;
 }
 
+/* Where each stretch is awaited. */
+static void find_until(lcp_batches *s, const lcp_factored *f) {
+  const int places = LCP_LANES * LCP_STRETCH;
+  for (int pass = 0; pass < 2; pass++) {
+    for (int k = 0; k < LCP_LANES * s->n_batch; k++) {
+      const int c = s->order[k], here = k / places;
+      if (k % places == 0 && pass == 1) {
+        s->until[here] = here;
+      }
+      for (int e = 0; e < 2 && c >= 0; e++) {
+        const int b = f->body[2 * (ptrdiff_t)c + e];
+        if (b >= 0 && pass == 0) {
+          s->last[b] = here;
+        } else if (b >= 0 && s->last[b] > s->until[here]) {
+          s->until[here] = s->last[b];
+        }
+      }
+    }
+  }
+}
+
 void lcp_batches_order(lcp_batches *s, const lcp_factored *f) {
   const int n = f->n_group;
   int taken = 0, used = 0, ready = 0, seen = 0, first = 0;
@@ -266,6 +301,10 @@ void lcp_batches_order(lcp_batches *s, const lcp_factored *f) {
       }
     }
     taken += count;
+  }
+  s->shared = base_crew_size() > 1;
+  if (s->shared) {
+    find_until(s, f);
   }
 }
 

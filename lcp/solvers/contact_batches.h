@@ -9,6 +9,8 @@
 #include "lcp/lcp_problem.h"
 #include "lcp/solvers/contact_lanes.h"
 
+enum { LCP_STRETCH = 16 }; /* batches that one thread sweeps before it says so (batch_waves.h) */
+
 typedef struct lcp_batches {
   int *order;          /* contact in place k, lane k % 4 of its batch; -1 where the lane is idle */
   int *last;           /* bodies: the contact that touches it last, of those met */
@@ -16,6 +18,8 @@ typedef struct lcp_batches {
   int *waits;          /* contacts: for how many others, of two */
   int *ready;          /* contacts that wait for none, in the order in which they are taken */
   int n_contact, n_batch;
+  bool shared; /* ordered by a thread with a crew: */
+  int *until;  /* stretches: the last one with a contact at a body of this one */
 } lcp_batches;
 
 /* Rows of one frame: orthonormal directions, and arms from the bodies to the point. */
@@ -25,6 +29,9 @@ typedef struct lcp_contact_frame {
 } lcp_contact_frame;
 
 void lcp_batches_layout(lcp_batches *s, size_t contacts, size_t bodies, base_arena *a);
+
+/* Bodies of lcp_contact_bodies: those that move, and for every stretch one that is fixed, so that no two threads write to one. */
+size_t lcp_batches_bodies(size_t contacts, size_t bodies);
 
 void lcp_batches_order(lcp_batches *s, const lcp_factored *f);
 
@@ -47,10 +54,11 @@ void lcp_contact_rows(const lcp_factored *f, int g, int rows, const double *side
 /* A = J W J' of group g of three rows, column by column, for the bodies of lcp_contact_bodies. */
 void lcp_contact_block(const lcp_factored *f, int g, const double *body, double A[9]);
 
-/* Lane l of a batch: contact g in the frame, directions over root[0..1] (NULL: 1); without a frame, an idle lane. */
-void lcp_contact_place(lcp_lane_frame *at, int l, const lcp_factored *f, int g,
+/* Place k, in its batch: contact g in the frame, directions over root[0..1] (NULL: 1); without a frame, an idle lane. */
+void lcp_contact_place(lcp_lane_frame *at, int k, const lcp_factored *f, int g,
                        const lcp_contact_frame *frame, const double *root);
 
-/* 16 numbers a body: v (3), 1/m, o (3), 0, inertia^-1 (6), 0; one more that is fixed. At rest. */
+/* 16 numbers a body: v (3), 1/m, o (3), 0, inertia^-1 (6), 0; behind those that move the fixed ones. At rest. The second stops those that move, and
+ * nothing ever moves the others. */
 void lcp_contact_bodies(const lcp_factored *f, double *body);
 void lcp_contact_stop_bodies(const lcp_factored *f, double *body);

@@ -1,13 +1,14 @@
+#include "lcp/solvers/batch_waves.h"
 #include "lcp/solvers/contact_sweep_kernel.h"
 
 #include <assert.h>
 #include <string.h>
 
 void lcp_contact_sweep_layout(lcp_contact_sweep *s, const lcp_capacity *cap, base_arena *a) {
-  const size_t bodies = (cap->n_body > 0) ? (size_t)cap->n_body + 1 : 0;
+  const size_t bodies = (size_t)cap->n_body;
   const size_t rows = (cap->n_body > 0) ? (size_t)cap->n : 0, contacts = rows / 3;
   s->batch = BASE_ARRAY(a, lcp_contact_batch, contacts);
-  s->body = BASE_ARRAY(a, double, 16 * bodies);
+  s->body = BASE_ARRAY(a, double, 16 * lcp_batches_bodies(contacts, bodies));
   lcp_batches_layout(&s->in, contacts, bodies, a);
   s->root = BASE_ARRAY(a, double, rows);
 }
@@ -63,7 +64,7 @@ static void record(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p,
     c->q[r][l] = (g >= 0) ? p->q[first + r] / root[r] : 0.0;
     c->x[r][l] = 0.0;
   }
-  lcp_contact_place(&c->at, l, f, g, (g >= 0) ? &frame : NULL, root);
+  lcp_contact_place(&c->at, k, f, g, (g >= 0) ? &frame : NULL, root);
   for (int side = 0; side < 2; side++) {
     c->bound[side][l] = (g >= 0) ? gs->hi[first + 1 + side] * root[1 + side] : 0.0;
   }
@@ -101,10 +102,19 @@ void lcp_contact_sweep_import(lcp_contact_sweep *s, const lcp_problem *p, const 
   lcp_contact_kernel_push(s->batch, s->in.n_batch, s->body);
 }
 
+typedef struct sweeping {
+  lcp_contact_sweep *s;
+  double omega;
+} sweeping;
+
+static void sweep_stretch(void *of, int first, int count) {
+  const sweeping *w = of;
+  lcp_contact_kernel_sweep(w->s->batch + first, count, w->s->body, w->omega);
+}
+
 void lcp_contact_sweep_run(lcp_contact_sweep *s, double omega, int sweeps) {
-  for (int k = 0; k < sweeps; k++) {
-    lcp_contact_kernel_sweep(s->batch, s->in.n_batch, s->body, omega);
-  }
+  sweeping w = {s, omega};
+  lcp_batch_waves(&s->in, sweeps, sweep_stretch, &w);
 }
 
 void lcp_contact_sweep_export(const lcp_contact_sweep *s, const lcp_problem *p, double *z) {

@@ -10,12 +10,12 @@ static const double noise = 8 * DBL_EPSILON; /* of a slack, over the sizes of it
 
 void lcp_facet_batches_layout(lcp_facet_batches *s, const lcp_capacity *cap, base_arena *a) {
   const bool any = cap->n_body > 0 && cap->nnz > 0; /* sigma stands in S */
-  const size_t bodies = any ? (size_t)cap->n_body + 1 : 0;
+  const size_t bodies = any ? (size_t)cap->n_body : 0;
   const size_t rows = any ? (size_t)cap->n : 0, contacts = rows / 5;
   s->lanes.batch = BASE_ARRAY(a, lcp_facet_batch, contacts);
   s->lanes.z = BASE_ARRAY(a, lcp_v4, rows);
   s->lanes.linear = BASE_ARRAY(a, lcp_v4, 4 * rows);
-  s->lanes.body = BASE_ARRAY(a, double, 16 * bodies);
+  s->lanes.body = BASE_ARRAY(a, double, 16 * lcp_batches_bodies(contacts, bodies));
   s->sigma = BASE_ARRAY(a, double, 2 * contacts);
   s->M = BASE_ARRAY(a, double, LEMKE_KEPT_MAX *LEMKE_KEPT_MAX);
   s->inverse = BASE_ARRAY(a, double, LEMKE_KEPT_MAX *LEMKE_KEPT_MAX);
@@ -320,7 +320,7 @@ static void record(lcp_facet_batches *s, const lcp_gs *gs, const lcp_problem *p,
     q[1] = from[1] / at.unit;
     q[2] = (from[2] / at.unit - at.cosine * q[1]) / at.sine;
   }
-  lcp_contact_place(&c->at, l, f, g, (g >= 0) ? &frame : NULL, NULL);
+  lcp_contact_place(&c->at, k, f, g, (g >= 0) ? &frame : NULL, NULL);
   for (int i = 0; i < 6; i++) {
     c->A[i][l] = A[i];
   }

@@ -1,6 +1,7 @@
 /* Sweeps in batches of four contacts with cones and with facets, against the plain sweep in the same order. */
 #include "tests/support/check.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
@@ -132,6 +133,32 @@ static void cones_in_batches_sweep_as_one_by_one(void **state) {
   cones_equal_plain_ones(7, 1.0);
   cones_equal_plain_ones(41, 0.7);
   cones_equal_plain_ones(1001, 1.0);
+}
+
+/* Sweeps one behind the other, by crews of one to four, taken up before the contacts are ordered. */
+static void cones_sweep_the_same_by_any_crew(void **state) {
+  (void)state;
+  enum { CONTACTS = 3001 };
+  static double kept[3 * CONTACTS], z[3 * CONTACTS];
+  for (int threads = 1; threads <= 4; threads++) {
+    base_error err = {0};
+    base_crew *crew;
+    cones f;
+    check_ok(base_crew_open(&crew, threads, &err), &err);
+    (void)base_crew_take_up(crew);
+    cones_open(&f, CONTACTS);
+    assert_true(lcp_cone_batches_prepare(&f.fast, &f.p));
+    assert_int_equal(f.fast.in.shared, threads > 1);
+    memset(z, 0, sizeof z);
+    for (int run = 1; run <= 20; run++) { /* of 1, 2, .. sweeps */
+      lcp_cone_batches_run(&f.fast, &f.p, 0.9, run, z);
+    }
+    (void)base_crew_take_up(NULL);
+    base_crew_close(crew);
+    assert_true(threads == 1 || memcmp(kept, z, sizeof z) == 0);
+    memcpy(kept, z, sizeof z);
+    cones_close(&f);
+  }
 }
 
 static void cones_of_another_form_are_refused(void **state) {
@@ -490,6 +517,7 @@ static void pgs_solves_facets_in_batches(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(cones_in_batches_sweep_as_one_by_one),
+      cmocka_unit_test(cones_sweep_the_same_by_any_crew),
       cmocka_unit_test(cones_of_another_form_are_refused),
       cmocka_unit_test(nsgs_solves_the_bed_in_batches),
       cmocka_unit_test(a_budget_is_spent_untested),

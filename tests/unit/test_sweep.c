@@ -2,6 +2,7 @@
  * matrix-free sweep against a plain one. */
 #include "tests/support/check.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
@@ -411,6 +412,33 @@ static void batches_equal_a_plain_sweep(int contacts, double least_busy) {
   fixture_close(&f);
 }
 
+/* Sweeps one behind the other, by crews of one to four. */
+static void batches_sweep_the_same_by_any_crew(void **state) {
+  (void)state;
+  enum { CONTACTS = 3001 };
+  static double kept[3 * CONTACTS], z[3 * CONTACTS];
+  for (int threads = 1; threads <= 4; threads++) {
+    base_error err = {0};
+    base_crew *crew;
+    fixture f;
+    check_ok(base_crew_open(&crew, threads, &err), &err);
+    (void)base_crew_take_up(crew);
+    fixture_open(&f, CONTACTS);
+    assert_true(lcp_contact_sweep_prepare(&f.fast, &f.gs, &f.bed.p));
+    assert_int_equal(f.fast.in.shared, threads > 1);
+    memset(z, 0, sizeof z);
+    lcp_contact_sweep_import(&f.fast, &f.bed.p, z);
+    lcp_contact_sweep_run(&f.fast, 0.9, 1);
+    lcp_contact_sweep_run(&f.fast, 1.0, 50);
+    lcp_contact_sweep_export(&f.fast, &f.bed.p, z);
+    (void)base_crew_take_up(NULL);
+    base_crew_close(crew);
+    assert_true(threads == 1 || memcmp(kept, z, sizeof z) == 0);
+    memcpy(kept, z, sizeof z);
+    fixture_close(&f);
+  }
+}
+
 /* Of many contacts nearly all come after those before them of their bodies, which keeps what a plain sweep converges with. */
 static void batches_keep_the_order_given(void **state) {
   (void)state;
@@ -531,6 +559,7 @@ int main(void) {
       cmocka_unit_test(a_singular_basis_does_not_stay),
       cmocka_unit_test(a_block_reports_a_ray),
       cmocka_unit_test(batches_sweep_as_a_plain_loop_does),
+      cmocka_unit_test(batches_sweep_the_same_by_any_crew),
       cmocka_unit_test(batches_keep_the_order_given),
       cmocka_unit_test(plain_sweeps_agree),
       cmocka_unit_test(pgs_on_the_factored_form_solves_the_bed),
