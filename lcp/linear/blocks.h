@@ -7,7 +7,8 @@
  * Blocks are eliminated in the order of AMD on their graph (Amestoy, Davis & Duff 1996), or, where that makes many products of
  * blocks, of nested dissection by METIS (Karypis & Kumar 1998) if its are fewer, and then by dense fronts. Order and fill are kept while the
  * pattern stays what it was. A block costs two dense products of its size with each pair of blocks below it, so that
- * the work is that of a sparse factor at the speed of a dense one. Owns its memory. */
+ * the work is that of a sparse factor at the speed of a dense one. Fronts that do not meet, and strips of a wide one, are shared out to
+ * the crew of the thread (base/crew.h), with the same bits for any. Owns its memory. */
 #pragma once
 
 #include "lcp/base/status.h"
@@ -19,11 +20,19 @@ enum { LIN_BLOCK_MAX = 12 }; /* rows of a block */
 
 /* Columns that are eliminated in one dense matrix. */
 typedef struct lin_front_plan {
-  int first;    /* place of its first column */
-  int parent;   /* place that its rest goes to; -1: it has none */
-  int children; /* fronts that leave theirs here */
-  size_t at;    /* of its rest on the stack */
+  int first;  /* place of its first column */
+  int parent; /* place that its rest goes to; -1: it has none */
+  int child,
+      sibling; /* the last front that leaves its own here; the one before it of one parent; -1 */
+  int begin;   /* the first front below it, or itself: all between are below it */
+  size_t at;   /* of its rest on the stack */
+  double work; /* of all below it and itself */
 } lin_front_plan;
+
+/* Fronts first .. end-1, which none but these leave their rest to: limbs are factored side by side. */
+typedef struct lin_limb {
+  int first, end;
+} lin_limb;
 
 typedef struct lin_blocks {
   int n;           /* blocks */
@@ -45,8 +54,14 @@ typedef struct lin_blocks {
   size_t n_pair, cap_pair;
   int n_front; /* 0: factors block by block; else by dense fronts, where products are many */
   lin_front_plan *front; /* n_front+1 */
-  int *pending, *offset; /* n: fronts whose rest waits; of a place in the front at hand */
-  double *rest, *dense;  /* the stack; the front at hand */
+  int n_limb;            /* 0: one thread was to do it all */
+  lin_limb *limb;
+  double light; /* a front is in a limb where its work is no more */
+  int *pending; /* n: fronts whose rest waits */
+  int hands,
+      *offset; /* threads that it was planned for; n of each: of a place in the front at hand */
+  double *rest, *dense; /* the stack; the front at hand, of each thread */
+  size_t apart;         /* numbers from one thread's front to the next one's, in limbs */
   size_t cap_rest, cap_dense;
   void *front_mem, *dense_mem; /* owned */
   int cap_n, cap_rows;

@@ -2,119 +2,44 @@
  *
  * Columns that follow one another with the same blocks below, but for themselves, are a front: one dense matrix of their
  * blocks, what is below and right of them, and what the fronts below have left there. Its columns are eliminated by products of dense
- * matrices, and what is left of the rest is handed on (Duff & Reid 1983, Liu 1992). The factor goes to where blocks.c has it. */
+ * matrices, and what is left of the rest is handed on (Duff & Reid 1983, Liu 1992). The factor goes to where blocks.c has it.
+ *
+ * Limbs of the forest of fronts (blocks_fronts_plan.c) are shared out to the crew whole; of the fronts above them, which are few and
+ * wide, the columns are, in strips that do not depend on who takes them. */
+#include "lcp/base/crew.h"
 #include "lcp/linear/blocks_inside.h"
 
 #include <cblas.h>
 #include <math.h>
-#include <stdlib.h>
+#include <stdatomic.h>
 #include <string.h>
 
 enum {
-  PANEL = 8,     /* blocks that are eliminated before the rest of a front follows */
-  WIDEST = 30000 /* rows of a front: 7 GB */
+  PANEL = 8,   /* blocks that are eliminated before the rest of a front follows */
+  STRIP = 192, /* columns of the rest that follow in one part */
+  CARRIED = 32 /* blocks that are moved in one part */
 };
 
 /* A front while it is factored. */
 typedef struct front {
+  lin_blocks *s;
+  int *offset;     /* of a place */
   double *F;       /* size x size, column-major; symmetric: its lower triangle */
   int first, last; /* places of its columns */
   int wide, size;  /* rows of these; of the whole */
+  size_t at;       /* of its rest on the stack */
 } front;
 
-/* ---- plan ------------------------------------------------------------------------------------ */
-
-static int parent_of(const lin_blocks *s, int p) {
-  return (s->column[p + 1] > s->column[p]) ? s->row[s->column[p]] : -1;
-}
-
-static bool continues(const lin_blocks *s, int p) {
-  return parent_of(s, p) == p + 1 &&
-         s->column[p + 2] - s->column[p + 1] == s->column[p + 1] - s->column[p] - 1;
-}
-
-static size_t rows_below(const lin_blocks *s, int p) {
-  size_t sum = 0;
-  for (int k = s->column[p]; k < s->column[p + 1]; k++) {
-    sum += (size_t)lin_blocks_rows(s, s->row[k]);
-  }
-  return sum;
-}
-
-/* Fronts, and where each leaves its rest: on a stack, from which the front that follows takes those of its own. False: the
- * order is not one in which that can be done. */
-static bool find_fronts(lin_blocks *s, size_t *stack, size_t *widest) {
-  size_t top = 0;
-  int waiting = 0; /* rests on the stack */
-  s->n_front = 0;
-  *stack = *widest = 0;
-  for (int p = 0; p < s->n;) {
-    lin_front_plan *f = &s->front[s->n_front];
-    size_t wide = (size_t)lin_blocks_rows(s, p);
-    int q = p;
-    while (q + 1 < s->n && continues(s, q)) {
-      wide += (size_t)lin_blocks_rows(s, ++q);
-    }
-    const size_t left = rows_below(s, q);
-    *f = (lin_front_plan){.first = p, .parent = parent_of(s, q)};
-    while (waiting > 0 && s->front[s->pending[waiting - 1]].parent <= q) {
-      if (s->front[s->pending[waiting - 1]].parent < p) {
-        return false;
-      }
-      top = s->front[s->pending[--waiting]].at;
-      f->children++;
-    }
-    f->at = top;
-    if (f->parent >= 0) {
-      top += left * left;
-      s->pending[waiting++] = s->n_front;
-    }
-    *stack = (top > *stack) ? top : *stack;
-    *widest = (wide + left > *widest) ? wide + left : *widest;
-    s->n_front++;
-    p = q + 1;
-  }
-  return waiting == 0;
-}
-
-static void layout_plan(lin_blocks *s, base_arena *a) {
-  s->front = BASE_ARRAY(a, lin_front_plan, s->cap_n + 1);
-  s->pending = BASE_ARRAY(a, int, s->cap_n);
-  s->offset = BASE_ARRAY(a, int, s->cap_n);
-}
-
-static void layout_numbers(lin_blocks *s, base_arena *a) {
-  s->rest = BASE_ARRAY(a, double, s->cap_rest);
-  s->dense = BASE_ARRAY(a, double, s->cap_dense);
-}
-
-base_status lin_blocks_plan_fronts(lin_blocks *s, base_error *err) {
-  size_t stack, widest;
-  BASE_TRY(lin_blocks_memory(s, &s->front_mem, layout_plan, err));
-  if (!find_fronts(s, &stack, &widest) || widest > WIDEST) {
-    s->n_front = 0;
-    return BASE_OK;
-  }
-  s->front[s->n_front].first = s->n;
-  if (s->dense_mem == NULL || stack > s->cap_rest || widest * widest > s->cap_dense) {
-    s->cap_rest = stack;
-    s->cap_dense = widest * widest;
-    return lin_blocks_memory(s, &s->dense_mem, layout_numbers, err);
-  }
-  return BASE_OK;
-}
-
-/* ---- numbers --------------------------------------------------------------------------------- */
-
 /* Where each place stands in the front; returns how many rows there are. */
-static int set_offsets(lin_blocks *s, const front *f) {
+static int set_offsets(const front *f) {
+  const lin_blocks *s = f->s;
   int at = 0;
   for (int p = f->first; p <= f->last; p++) {
-    s->offset[p] = at;
+    f->offset[p] = at;
     at += lin_blocks_rows(s, p);
   }
   for (int k = s->column[f->last]; k < s->column[f->last + 1]; k++) {
-    s->offset[s->row[k]] = at;
+    f->offset[s->row[k]] = at;
     at += lin_blocks_rows(s, s->row[k]);
   }
   return at;
@@ -130,9 +55,10 @@ static void carry(double *wide, double *block, int n, bool out) {
 }
 
 /* Block k below the diagonal block of place p, and the one right of it, which stands transposed. */
-static void exchange_block(lin_blocks *s, const front *f, int p, int k, bool out) {
+static void exchange_block(const front *f, int p, int k, bool out) {
+  const lin_blocks *s = f->s;
   const int n = lin_blocks_rows(s, p), m = lin_blocks_rows(s, s->row[k]);
-  const int o = s->offset[p], i = s->offset[s->row[k]];
+  const int o = f->offset[p], i = f->offset[s->row[k]];
   double *low = s->low + s->at[k], *up = s->up + s->at[k];
   for (int c = 0; c < n; c++) {
     carry(entry(f, i, o + c), low + c * m, m, out);
@@ -144,33 +70,74 @@ static void exchange_block(lin_blocks *s, const front *f, int p, int k, bool out
   }
 }
 
+static int parts_of(int count, int of) {
+  return (count + of - 1) / of;
+}
+
+static int end_of(int part, int of, int count) {
+  return ((part + 1) * of < count) ? (part + 1) * of : count;
+}
+
 /* The blocks of its columns: between where blocks.c has them and the front. */
-static void exchange(lin_blocks *s, const front *f, bool out) {
-  for (int p = f->first; p <= f->last; p++) {
-    const int n = lin_blocks_rows(s, p), o = s->offset[p];
+static void exchange(const front *f, int part, bool out) {
+  const lin_blocks *s = f->s;
+  const int end = f->first + end_of(part, CARRIED, f->last + 1 - f->first);
+  for (int p = f->first + part * CARRIED; p < end; p++) {
+    const int n = lin_blocks_rows(s, p), o = f->offset[p];
     for (int c = 0; c < n; c++) {
       carry(entry(f, o, o + c), s->diag + s->at_diag[p] + c * n, n, out);
     }
     for (int k = s->column[p]; k < s->column[p + 1]; k++) {
-      exchange_block(s, f, p, k, out);
+      exchange_block(f, p, k, out);
     }
   }
 }
 
-/* Adds what the front of `child` has left. */
-static void take_in(lin_blocks *s, const front *f, int child) {
-  const int last = s->front[child + 1].first - 1;
-  const int *row = s->row + s->column[last], count = s->column[last + 1] - s->column[last];
-  const double *C = s->rest + s->front[child].at;
-  const size_t left = rows_below(s, last);
-  for (int j = 0; j < count; j++) {
-    const int wide = lin_blocks_rows(s, row[j]);
-    for (int c = 0; c < wide; c++, C += left) {
-      double *to = f->F + (size_t)(s->offset[row[j]] + c) * (size_t)f->size;
+static void carry_in(void *of, int part, int hand) {
+  (void)hand;
+  exchange(of, part, false);
+}
+
+static void carry_out(void *of, int part, int hand) {
+  (void)hand;
+  exchange(of, part, true);
+}
+
+static void clear(void *of, int part, int hand) {
+  const front *f = of;
+  const int begin = part * STRIP, end = end_of(part, STRIP, f->size);
+  (void)hand;
+  memset(entry(f, 0, begin), 0, (size_t)(end - begin) * (size_t)f->size * sizeof *f->F);
+}
+
+/* What the front of a child has left, rows by blocks below its last column. */
+typedef struct handed {
+  const front *to;
+  const int *row; /* count */
+  int count;
+  size_t left; /* rows */
+  const double *C;
+} handed;
+
+static void take_blocks(void *of, int part, int hand) {
+  const handed *h = of;
+  const front *f = h->to;
+  const lin_blocks *s = f->s;
+  const int end = end_of(part, CARRIED, h->count);
+  const double *C = h->C;
+  (void)hand;
+  for (int j = 0; j < end; j++) {
+    const int wide = lin_blocks_rows(s, h->row[j]);
+    if (j < part * CARRIED) {
+      C += (size_t)wide * h->left;
+      continue;
+    }
+    for (int c = 0; c < wide; c++, C += h->left) {
+      double *to = f->F + (size_t)(f->offset[h->row[j]] + c) * (size_t)f->size;
       const double *from = C;
-      for (int i = 0; i < count; i++) {
-        const int high = lin_blocks_rows(s, row[i]);
-        double *block = to + s->offset[row[i]];
+      for (int i = 0; i < h->count; i++) {
+        const int high = lin_blocks_rows(s, h->row[i]);
+        double *block = to + f->offset[h->row[i]];
         for (int r = 0; r < high && !(s->symmetric && i < j); r++) {
           block[r] += from[r];
         }
@@ -178,6 +145,18 @@ static void take_in(lin_blocks *s, const front *f, int child) {
       }
     }
   }
+}
+
+/* Adds what the front of `child` has left. */
+static void take_in(const front *f, int child) {
+  const lin_blocks *s = f->s;
+  const int last = s->front[child + 1].first - 1;
+  handed h = {.to = f,
+              .row = s->row + s->column[last],
+              .count = s->column[last + 1] - s->column[last],
+              .left = lin_blocks_rows_below(s, last),
+              .C = s->rest + s->front[child].at};
+  base_share(parts_of(h.count, CARRIED), take_blocks, &h);
 }
 
 /* C -= A B, or A B': parts of the front from (i, j), m x n, over k. */
@@ -190,8 +169,9 @@ static void subtract(const front *f, int i, int j, int m, int n, int from, int k
 }
 
 /* The diagonal block of place p, and the blocks below it. */
-static bool pivot_column(lin_blocks *s, const front *f, int p, lin_span *pivots) {
-  const int n = lin_blocks_rows(s, p), o = s->offset[p], below = f->size - o - n;
+static bool pivot_column(const front *f, int p, lin_span *pivots) {
+  const lin_blocks *s = f->s;
+  const int n = lin_blocks_rows(s, p), o = f->offset[p], below = f->size - o - n;
   double D[LIN_BLOCK_MAX * LIN_BLOCK_MAX];
   for (int c = 0; c < n; c++) {
     memcpy(D + c * n, entry(f, o, o + c), (size_t)n * sizeof *D);
@@ -211,8 +191,9 @@ static bool pivot_column(lin_blocks *s, const front *f, int p, lin_span *pivots)
 }
 
 /* The blocks right of place p in columns from .. from+count-1: exchanged, and divided by L. */
-static void pivot_row(const lin_blocks *s, const front *f, int p, int from, int count) {
-  const int n = lin_blocks_rows(s, p), o = s->offset[p];
+static void pivot_row(const front *f, int p, int from, int count) {
+  const lin_blocks *s = f->s;
+  const int n = lin_blocks_rows(s, p), o = f->offset[p];
   const int *swap = s->swap + s->first[s->order[p]];
   if (count <= 0 || n == 0) {
     return;
@@ -226,65 +207,138 @@ static void pivot_row(const lin_blocks *s, const front *f, int p, int from, int 
               entry(f, o, o), f->size, entry(f, o, from), f->size);
 }
 
+/* Places p .. q-1 while they are eliminated. */
+typedef struct panel {
+  const front *f;
+  int p, q, begin, end; /* rows begin .. end-1 */
+} panel;
+
+/* Columns of the rest from `from` on. */
+static void follow(void *of, int part, int hand) {
+  const panel *e = of;
+  const front *f = e->f;
+  const int from = e->end + part * STRIP, wide = e->end - e->begin;
+  const int count = end_of(part, STRIP, f->size - e->end) - part * STRIP, below = from + count;
+  (void)hand;
+  if (f->s->symmetric) {
+    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, count, wide, -1.0,
+                entry(f, from, e->begin), f->size, 1.0, entry(f, from, from), f->size);
+    subtract(f, below, from, f->size - below, count, e->begin, wide, true);
+    return;
+  }
+  for (int k = e->p; k < e->q; k++) {
+    const int o = f->offset[k];
+    subtract(f, o, from, lin_blocks_rows(f->s, k), count, e->begin, o - e->begin, false);
+    pivot_row(f, k, from, count);
+  }
+  subtract(f, e->end, from, f->size - e->end, count, e->begin, wide, false);
+}
+
 /* Eliminates places p .. q-1. */
-static bool eliminate_panel(lin_blocks *s, const front *f, int p, int q, lin_span *pivots) {
-  const int begin = s->offset[p];
-  const int end = s->offset[q - 1] + lin_blocks_rows(s, q - 1), after = f->size - end;
+static bool eliminate_panel(const front *f, int p, int q, lin_span *pivots) {
+  const lin_blocks *s = f->s;
+  const int begin = f->offset[p];
+  const int end = f->offset[q - 1] + lin_blocks_rows(s, q - 1);
   for (int k = p; k < q; k++) {
-    const int o = s->offset[k], next = o + lin_blocks_rows(s, k);
-    if (!pivot_column(s, f, k, pivots)) {
+    const int o = f->offset[k], next = o + lin_blocks_rows(s, k);
+    if (!pivot_column(f, k, pivots)) {
       return false;
     }
     if (!s->symmetric) {
-      pivot_row(s, f, k, next, end - next);
+      pivot_row(f, k, next, end - next);
     }
     subtract(f, next, next, f->size - next, end - next, o, next - o, s->symmetric);
   }
-  if (s->symmetric) {
-    if (after > 0 && end > begin) {
-      cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, after, end - begin, -1.0,
-                  entry(f, end, begin), f->size, 1.0, entry(f, end, end), f->size);
-    }
-    return true;
-  }
-  for (int k = p; k < q; k++) {
-    const int o = s->offset[k];
-    subtract(f, o, end, lin_blocks_rows(s, k), after, begin, o - begin, false);
-    pivot_row(s, f, k, end, after);
-  }
-  subtract(f, end, end, after, after, begin, end - begin, false);
+  panel e = {f, p, q, begin, end};
+  base_share((end > begin) ? parts_of(f->size - end, STRIP) : 0, follow, &e);
   return true;
 }
 
-static void leave_rest(const front *f, double *C) {
+static void leave_columns(void *of, int part, int hand) {
+  const front *f = of;
   const size_t left = (size_t)(f->size - f->wide);
-  for (size_t j = 0; j < left; j++) {
-    memmove(C + j * left, entry(f, f->wide, f->wide + (int)j), left * sizeof *C);
+  const int end = end_of(part, STRIP, f->size - f->wide);
+  double *C = f->s->rest + f->at;
+  (void)hand;
+  for (int j = part * STRIP; j < end; j++) {
+    memmove(C + (size_t)j * left, entry(f, f->wide, f->wide + j), left * sizeof *C);
   }
 }
 
+static bool factor_front(lin_blocks *s, int k, int hand, lin_span *pivots) {
+  const lin_front_plan *plan = &s->front[k];
+  front f = {.s = s,
+             .offset = s->offset + (size_t)hand * (size_t)s->n,
+             .F = s->dense + (size_t)hand * s->apart,
+             .at = plan->at,
+             .first = plan->first,
+             .last = s->front[k + 1].first - 1};
+  f.size = set_offsets(&f);
+  f.wide = f.size - (int)lin_blocks_rows_below(s, f.last);
+  base_share(parts_of(f.size, STRIP), clear, &f);
+  base_share(parts_of(f.last + 1 - f.first, CARRIED), carry_in, &f);
+  for (int c = plan->child; c >= 0; c = s->front[c].sibling) {
+    take_in(&f, c);
+  }
+  for (int p = f.first; p <= f.last; p += PANEL) {
+    const int q = (p + PANEL <= f.last + 1) ? p + PANEL : f.last + 1;
+    if (!eliminate_panel(&f, p, q, pivots)) {
+      return false;
+    }
+  }
+  base_share(parts_of(f.last + 1 - f.first, CARRIED), carry_out, &f);
+  if (plan->parent >= 0) {
+    base_share(parts_of(f.size - f.wide, STRIP), leave_columns, &f);
+  }
+  return true;
+}
+
+/* ---- limbs, and what is above them ------------------------------------------------------------- */
+
+typedef struct limbs {
+  lin_blocks *s;
+  lin_span pivots[BASE_THREADS_MAX]; /* of each hand */
+  atomic_bool failed;
+} limbs;
+
+static void factor_limb(void *of, int part, int hand) {
+  limbs *l = of;
+  const lin_limb *limb = &l->s->limb[part];
+  for (int k = limb->first; k < limb->end; k++) {
+    if (!factor_front(l->s, k, hand, &l->pivots[hand])) {
+      atomic_store(&l->failed, true);
+      return;
+    }
+  }
+}
+
+/* By no more hands than it was planned for. */
+static bool factor_limbs(lin_blocks *s, lin_span *pivots) {
+  limbs l = {.s = s};
+  for (int h = 0; h < s->hands; h++) {
+    l.pivots[h] = *pivots;
+  }
+  if (base_crew_size() <= s->hands) {
+    base_share(s->n_limb, factor_limb, &l);
+  } else {
+    base_crew *crew = base_crew_take_up(NULL);
+    base_share(s->n_limb, factor_limb, &l);
+    (void)base_crew_take_up(crew);
+  }
+  for (int h = 0; h < s->hands; h++) {
+    pivots->low = fmin(pivots->low, l.pivots[h].low);
+    pivots->high = fmax(pivots->high, l.pivots[h].high);
+  }
+  return !atomic_load(&l.failed);
+}
+
 bool lin_blocks_factor_fronts(lin_blocks *s, lin_span *pivots) {
-  int waiting = 0;
+  if (s->n_limb > 0 && !factor_limbs(s, pivots)) {
+    return false;
+  }
   for (int k = 0; k < s->n_front; k++) {
-    const lin_front_plan *plan = &s->front[k];
-    front f = {.F = s->dense, .first = plan->first, .last = s->front[k + 1].first - 1};
-    f.size = set_offsets(s, &f);
-    f.wide = f.size - (int)rows_below(s, f.last);
-    memset(f.F, 0, (size_t)f.size * (size_t)f.size * sizeof *f.F);
-    exchange(s, &f, false);
-    for (int c = 0; c < plan->children; c++) {
-      take_in(s, &f, s->pending[--waiting]);
-    }
-    for (int p = f.first; p <= f.last; p += PANEL) {
-      const int q = (p + PANEL <= f.last + 1) ? p + PANEL : f.last + 1;
-      if (!eliminate_panel(s, &f, p, q, pivots)) {
-        return false;
-      }
-    }
-    exchange(s, &f, true);
-    if (plan->parent >= 0) {
-      leave_rest(&f, s->rest + plan->at);
-      s->pending[waiting++] = k;
+    if (lin_blocks_is_above(s, k) && !factor_front(s, k, 0, pivots)) {
+      return false;
     }
   }
   return true;

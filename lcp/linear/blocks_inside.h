@@ -1,5 +1,5 @@
 /* linear/blocks_inside.h - what the files of lin_blocks share: blocks.c (entries, factors, solutions), blocks_pattern.c
- * (order and fill), blocks_fronts.c (factors by dense fronts) and blocks_inverse.c (parts of the inverse). */
+ * (order and fill), blocks_fronts_plan.c and blocks_fronts.c (factors by dense fronts) and blocks_inverse.c (parts of the inverse). */
 #pragma once
 
 #include "lcp/base/arena.h"
@@ -22,7 +22,15 @@ typedef struct lin_span {
 /* Factors of a diagonal block, n x n: L L' in its lower triangle, or L U with rows exchanged. False: there are none. */
 bool lin_blocks_pivot(const lin_blocks *s, int n, double *D, int *swap, lin_span *pivots);
 
-/* The fronts of the pattern that stands (blocks_fronts.c), and memory for them; n_front = 0 where the order has none. BASE_ENOMEM
+/* Is front k in no limb? These follow when all limbs are done. */
+static inline bool lin_blocks_is_above(const lin_blocks *s, int k) {
+  return s->front[k].work > s->light;
+}
+
+/* Rows of the blocks below the diagonal of a place. */
+size_t lin_blocks_rows_below(const lin_blocks *s, int place);
+
+/* The fronts of the pattern that stands (blocks_fronts_plan.c), and memory for them; n_front = 0 where the order has none. BASE_ENOMEM
  * only. */
 base_status lin_blocks_plan_fronts(lin_blocks *s, base_error *err);
 

@@ -75,6 +75,30 @@ def bits_do_not_depend_on_threads(d: pathlib.Path) -> None:
         assert len({(o["solution_hash"], o["n_iter"], o["n_pivot"]) for o in made}) == 1, pair
 
 
+# One island each: sweeps one behind the other, fronts, and steps that have many phases. The pile is wide enough for limbs and
+# strips of fronts (lcp/linear/blocks_fronts.c).
+ONE_PART = (
+    ("sphere_pile:n=400", "coulomb", "nsgs:budget=60"),
+    ("sphere_pile:n=400", "boxed", "pgs:budget=60"),
+    ("sphere_pile:n=400", "coulomb:distribution=extreme", "cone_newton:max_iter=8"),
+    ("sphere_pile:n=400", "normal", "newton"),
+    ("silo:side=8,layers=4", "velocity", "cone_newton"),
+    ("silo:side=8,layers=4", "regularized:pose=cone", "cone_newton"),
+    ("pyramid:base=8", "boxed", "pgs"),
+)
+
+
+def what_is_one_part_is_shared_too(_: pathlib.Path) -> None:
+    for scene, formulation, solver in ONE_PART:
+        asked = words(scene, formulation, solver, "--step", "0.01", "--duration", "0.05")
+        made = [run_json(*asked, "--threads", str(n), code=None) for n in (1, 2, 3, 4)]
+        assert [o.get("threads", 1) for o in made] == [1, 2, 3, 4]
+        assert all("n_island" not in o for o in made)
+        told = {(o["solution_hash"], o["n_iter"], o["status"], o["rho_max"]) for o in made}
+        assert len(told) == 1, (scene, formulation, solver, told)
+        assert made[0]["n_contact_max"] > 60, scene
+
+
 def order_of_contacts_moves_no_island(d: pathlib.Path) -> None:
     scene = columns(d)
     on = words(scene, "regularized", "newton", "--islands", "on", "--contact-order")
@@ -146,6 +170,7 @@ tap(
     [
         answers_are_those_of_the_whole,
         bits_do_not_depend_on_threads,
+        what_is_one_part_is_shared_too,
         order_of_contacts_moves_no_island,
         what_is_joined_is_one_island,
         islands_are_an_axis,

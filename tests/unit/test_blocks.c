@@ -2,6 +2,7 @@
  * pattern, and matrices without the factors asked for. */
 #include "tests/support/check.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/base/rng.h"
 #include "lcp/linear/blocks.h"
 
@@ -237,6 +238,75 @@ static void fronts_solve(void **state) {
   free(l);
 }
 
+/* The factor of the lattice in limbs and strips, by crews of one to four: the same bits, and where one has no factor none has. */
+static void fronts_are_the_same_by_any_crew(void **state) {
+  (void)state;
+  base_error err = {0};
+  lattice *l = malloc(sizeof *l);
+  const int without[] = {-1, 0, CELLS / 2, CELLS - 1};
+  for (int symmetric = 0; symmetric < 2; symmetric++) {
+    for (int k = 0; k < BASE_COUNT(without); k++) {
+      static double kept[CELLS * LIN_BLOCK_MAX];
+      bool kept_made = false;
+      for (int threads = 1; threads <= 4; threads++) {
+        base_rng r = base_rng_seeded(29);
+        lin_blocks s = {0};
+        base_crew *crew;
+        check_ok(base_crew_open(&crew, threads, &err), &err);
+        (void)base_crew_take_up(crew);
+        lattice_pattern(l, &r);
+        assert_int_equal(lin_blocks_plan(&s, CELLS, l->first, l->pair, l->n_pair, &err), BASE_OK);
+        assert_true(s.n_front > 1 && (s.n_limb > 3) == (threads > 1));
+        lattice_numbers(l, &s, &r, symmetric == 1, without[k]);
+        const bool made = lin_blocks_factor(&s);
+        (void)base_crew_take_up(NULL);
+        base_crew_close(crew);
+        if (made) {
+          lin_blocks_solve(&s, l->b);
+        }
+        const size_t bytes = made ? (size_t)l->first[CELLS] * sizeof *kept : 0;
+        assert_true(threads == 1 || made == kept_made);
+        assert_true(threads == 1 || memcmp(kept, l->b, bytes) == 0);
+        kept_made = made;
+        memcpy(kept, l->b, bytes);
+        lin_blocks_close(&s);
+      }
+    }
+  }
+  free(l);
+}
+
+/* Planned by one thread and factored by more, and the other way round. */
+static void a_plan_is_good_for_any_crew(void **state) {
+  (void)state;
+  base_error err = {0};
+  lattice *l = malloc(sizeof *l);
+  for (int planned = 1; planned <= 3; planned++) {
+    for (int threads = 1; threads <= 3; threads++) {
+      base_rng r = base_rng_seeded(31);
+      lin_blocks s = {0};
+      base_crew *crew[2];
+      check_ok(base_crew_open(&crew[0], planned, &err), &err);
+      check_ok(base_crew_open(&crew[1], threads, &err), &err);
+      (void)base_crew_take_up(crew[0]);
+      lattice_pattern(l, &r);
+      assert_int_equal(lin_blocks_plan(&s, CELLS, l->first, l->pair, l->n_pair, &err), BASE_OK);
+      (void)base_crew_take_up(crew[1]);
+      lattice_numbers(l, &s, &r, false, -1);
+      assert_true(lin_blocks_factor(&s));
+      assert_ptr_equal(base_crew_take_up(NULL), crew[1]);
+      lin_blocks_solve(&s, l->b);
+      for (int i = 0; i < l->first[CELLS]; i++) {
+        check_close(l->b[i], l->x[i], 1e-12);
+      }
+      base_crew_close(crew[0]);
+      base_crew_close(crew[1]);
+      lin_blocks_close(&s);
+    }
+  }
+  free(l);
+}
+
 static void what_has_no_factors_is_refused(void **state) {
   (void)state;
   base_error err = {0};
@@ -287,6 +357,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(factors_solve),
       cmocka_unit_test(fronts_solve),
+      cmocka_unit_test(fronts_are_the_same_by_any_crew),
+      cmocka_unit_test(a_plan_is_good_for_any_crew),
       cmocka_unit_test(parts_of_the_inverse),
       cmocka_unit_test(what_has_no_factors_is_refused),
       cmocka_unit_test(nothing_is_a_pattern_too),
