@@ -1,6 +1,7 @@
 #include "lcp/lcp_wide_column.h"
 
 #include "lcp/base/clones.h"
+#include "lcp/base/crew.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,16 @@ typedef struct lcp_wide_neighbour {
   const double *jac[2];
 } lcp_wide_neighbour;
 
-enum { LANES = 4 }; /* columns that are summed side by side */
+/* Where one group is summed. */
+typedef struct lcp_wide_scratch {
+  double *entry, *weighed;  /* per row; W J' */
+  lcp_wide_neighbour *near; /* n_group: the groups at its bodies */
+} lcp_wide_scratch;
+
+enum {
+  LANES = 4, /* columns that are summed side by side */
+  SHARE = 64 /* groups of one part of the work */
+};
 
 static int padded(int rows) {
   return (rows + LANES - 1) / LANES * LANES;
@@ -43,9 +53,14 @@ static void carve(lcp_wide_columns *c, base_arena *a) {
     c->wj = BASE_ARRAY(a, long double, f->dof_start[f->n_body]);
     c->force = BASE_ARRAY(a, long double, f->dof_start[f->n_body]);
     c->x = BASE_ARRAY(a, double, n);
-    c->entry = BASE_ARRAY(a, double, n + LANES);
-    c->weighed = BASE_ARRAY(a, double, largest_jac(f));
-    c->near = BASE_ARRAY(a, lcp_wide_neighbour, f->n_group);
+    lcp_wide_scratch *of = BASE_ARRAY(a, lcp_wide_scratch, c->hands), unused;
+    for (int h = 0; h < c->hands; h++) {
+      lcp_wide_scratch *own = (of != NULL) ? &of[h] : &unused;
+      own->entry = BASE_ARRAY(a, double, n + LANES);
+      own->weighed = BASE_ARRAY(a, double, largest_jac(f));
+      own->near = BASE_ARRAY(a, lcp_wide_neighbour, f->n_group);
+    }
+    c->of = of;
   }
 }
 
@@ -78,7 +93,7 @@ static void list_groups(lcp_wide_columns *c) {
 }
 
 base_status lcp_wide_columns_open(lcp_wide_columns *c, const lcp_matrix *M, base_error *err) {
-  *c = (lcp_wide_columns){.M = M};
+  *c = (lcp_wide_columns){.M = M, .hands = base_crew_size()};
   base_arena need = base_arena_measuring();
   carve(c, &need);
   void *mem = need.overflow ? NULL : base_alloc(need.used);
@@ -325,7 +340,7 @@ void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double
 }
 
 /* The groups at the bodies of group g, each once, and g itself where it has none; returns how many. */
-static int neighbours(lcp_wide_columns *c, int g) {
+static int neighbours(const lcp_wide_columns *c, int g, lcp_wide_neighbour *to) {
   const lcp_factored *f = c->M->factored;
   const int *at[2], *end[2];
   int count = 0;
@@ -336,7 +351,7 @@ static int neighbours(lcp_wide_columns *c, int g) {
   }
   while (at[0] < end[0] || at[1] < end[1]) {
     const int h = (at[1] >= end[1] || (at[0] < end[0] && *at[0] <= *at[1])) ? *at[0] : *at[1];
-    lcp_wide_neighbour *near = &c->near[count++];
+    lcp_wide_neighbour *near = &to[count++];
     *near = (lcp_wide_neighbour){.first = f->row_start[h],
                                  .rows = f->row_start[h + 1] - f->row_start[h]};
     for (int side = 0; side < 2; side++) {
@@ -346,8 +361,8 @@ static int neighbours(lcp_wide_columns *c, int g) {
     }
   }
   if (count == 0) { /* S acts alone */
-    c->near[count++] = (lcp_wide_neighbour){.first = f->row_start[g],
-                                            .rows = f->row_start[g + 1] - f->row_start[g]};
+    to[count++] = (lcp_wide_neighbour){.first = f->row_start[g],
+                                       .rows = f->row_start[g + 1] - f->row_start[g]};
   }
   return count;
 }
@@ -398,7 +413,7 @@ static void add_shift(const lcp_csc *S, int i, int first, double entry[LANES]) {
 /* size_j += |M_ji| x_i over the rows j of group g and the rows i of a neighbour, J W J' being symmetric; S is added inside a
  * group, where all of it is. */
 static void add_sizes(const lcp_wide_columns *c, int g, const lcp_wide_neighbour *near,
-                      double *restrict size) {
+                      const double *weighed, double *restrict size) {
   const lcp_factored *f = c->M->factored;
   const int first = f->row_start[g], stride = padded(f->row_start[g + 1] - first);
   const int n[2] = {dofs(f, f->body[2 * g]), dofs(f, f->body[2 * g + 1])};
@@ -406,7 +421,7 @@ static void add_sizes(const lcp_wide_columns *c, int g, const lcp_wide_neighbour
   for (int i = near->first; i < near->first + near->rows; i++) {
     for (int from = 0; from < stride && c->x[i] != 0; from += LANES) {
       double entry[LANES] = {0};
-      const double *wj = c->weighed + from;
+      const double *wj = weighed + from;
       for (int side = 0; side < 2; side++, wj += (ptrdiff_t)n[0] * stride) {
         if (near->jac[side] != NULL) {
           add_entries(near->jac[side] + (ptrdiff_t)(i - near->first) * n[side], wj, n[side], stride,
@@ -440,25 +455,44 @@ static bool fits(lcp_wide_columns *c, const long double *x) {
   return true;
 }
 
-BASE_CLONES static void sizes_by_groups(lcp_wide_columns *c, long double *size) {
+/* Groups from .. end-1. */
+BASE_CLONES static void sizes_by_groups(const lcp_wide_columns *c, const lcp_wide_scratch *own,
+                                        int from, int end, long double *size) {
   const lcp_factored *f = c->M->factored;
-  for (int g = 0; g < f->n_group; g++) {
+  for (int g = from; g < end; g++) {
     const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
-    const int count = neighbours(c, g);
-    weigh_group(f, g, c->weighed);
-    memset(c->entry, 0, (size_t)padded(rows) * sizeof *c->entry);
+    const int count = neighbours(c, g, own->near);
+    weigh_group(f, g, own->weighed);
+    memset(own->entry, 0, (size_t)padded(rows) * sizeof *own->entry);
     for (int k = 0; k < count; k++) {
-      add_sizes(c, g, &c->near[k], c->entry);
+      add_sizes(c, g, &own->near[k], own->weighed, own->entry);
     }
     for (int j = 0; j < rows; j++) {
-      size[first + j] += c->entry[j];
+      size[first + j] += own->entry[j];
     }
   }
 }
 
+typedef struct sums {
+  lcp_wide_columns *c;
+  long double *size;
+  double *d;
+} sums;
+
+static void share_sizes(void *of, int part, int hand) {
+  const sums *s = of;
+  const int from = part * SHARE, n = s->c->M->factored->n_group;
+  sizes_by_groups(s->c, &s->c->of[hand], from, (from + SHARE < n) ? from + SHARE : n, s->size);
+}
+
+static int shares(const lcp_factored *f) {
+  return (f->n_group + SHARE - 1) / SHARE;
+}
+
 void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size) {
   if (fits(c, x)) {
-    sizes_by_groups(c, size);
+    sums s = {.c = c, .size = size};
+    base_share(shares(c->M->factored), share_sizes, &s);
     return;
   }
   for (int j = 0; j < c->M->n; j++) {
@@ -469,10 +503,15 @@ void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long dou
   }
 }
 
-void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
+/* Of the rows of some groups. */
+static void share_diagonal(void *of, int part, int hand) {
+  const lcp_wide_columns *c = ((const sums *)of)->c;
+  double *d = ((const sums *)of)->d;
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
-  for (int j = 0; j < c->M->n; j++) {
+  const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
+  (void)hand;
+  for (int j = f->row_start[from]; j < f->row_start[end]; j++) {
     long double sum = 0;
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * c->group_of[j] + side];
@@ -487,4 +526,9 @@ void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
     }
     d[j] = (double)sum;
   }
+}
+
+void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
+  sums s = {.c = c, .d = d};
+  base_share(shares(c->M->factored), share_diagonal, &s);
 }

@@ -25,9 +25,10 @@ typedef struct lcp_wide_columns {
   long double *sum;            /* per row: the column being gathered */
   long double *wj;             /* W J_j' of one body */
   long double *force;          /* per dof */
-  double *x, *entry, *weighed; /* sums in double: per row; per row of a group; W J' of a group */
-  struct lcp_wide_neighbour *near; /* n_group: the groups at the bodies of one */
-  void *mem;                       /* owned */
+  double *x;                   /* sums in double, per row */
+  struct lcp_wide_scratch *of; /* per hand of the crew that it was opened with */
+  int hands;
+  void *mem; /* owned */
 } lcp_wide_columns;
 
 /* BASE_ENOMEM. M is borrowed until the close. */

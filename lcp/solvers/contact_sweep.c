@@ -74,6 +74,19 @@ static void record(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p,
   c->A[2][l] = A[5] / (root[1] * root[2]);
 }
 
+typedef struct recording {
+  lcp_contact_sweep *s;
+  const lcp_gs *gs;
+  const lcp_problem *p;
+} recording;
+
+static void record_stretch(void *of, int first, int count) {
+  const recording *r = of;
+  for (int k = LCP_LANES * first; k < LCP_LANES * (first + count); k++) {
+    record(r->s, r->gs, r->p, k);
+  }
+}
+
 bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp_problem *p) {
   s->in.n_contact = 0;
   if (!admits(gs, p)) {
@@ -82,9 +95,8 @@ bool lcp_contact_sweep_prepare(lcp_contact_sweep *s, const lcp_gs *gs, const lcp
   const lcp_factored *f = p->M.factored;
   lcp_contact_bodies(f, s->body);
   lcp_batches_order(&s->in, f);
-  for (int k = 0; k < LCP_LANES * s->in.n_batch; k++) {
-    record(s, gs, p, k);
-  }
+  recording r = {s, gs, p};
+  lcp_batch_shares(&s->in, record_stretch, &r);
   return true;
 }
 

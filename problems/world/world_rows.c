@@ -1,4 +1,5 @@
 /* world_rows.c - from detected points and joints to the groups, rows and Jacobians of a set. */
+#include "lcp/base/crew.h"
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
@@ -309,14 +310,30 @@ static double noise_of_gaps(const world *w) {
   return 2 * DBL_EPSILON * far;
 }
 
+enum { SHARE = 64 }; /* contacts of one part of the work */
+
+typedef struct filling {
+  world *w;
+  double h;
+} filling;
+
+static void fill_contacts(void *of, int part, int hand) {
+  const filling *f = of;
+  const set_store *s = &f->w->store;
+  const int from = part * SHARE, end = (from + SHARE < s->n_item) ? from + SHARE : s->n_item;
+  (void)hand;
+  for (int i = from; i < end; i++) {
+    fill_contact(f->w, &s->item[s->key[i].item], i, f->h);
+  }
+}
+
 base_status world_assemble(world *w, double h, base_error *err) {
   set_store *s = &w->store;
   joint_row row[JOINT_ROWS_MAX];
   int g = 0;
   BASE_TRY(index_groups(w, &g, err));
-  for (int i = 0; i < s->n_item; i++) {
-    fill_contact(w, &s->item[s->key[i].item], i, h);
-  }
+  filling f = {w, h};
+  base_share((s->n_item + SHARE - 1) / SHARE, fill_contacts, &f);
   int group = s->n_item;
   for (int i = 0; i < w->n_joint; i++) {
     if (joint_rows_posed(w, &w->joint[i], row) > 0) {
