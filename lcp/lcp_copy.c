@@ -1,4 +1,5 @@
 /* lcp_copy.c - diagonals, symmetry, and copies of a matrix in another storage. */
+#include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
 #include "lcp/lcp_wide_column.h"
 
@@ -73,6 +74,26 @@ static double factored_entry(const lcp_factored *f, int g, int r, int h, int s) 
   return sum;
 }
 
+enum { SHARE = 256 }; /* groups of one part of the work */
+
+typedef struct diagonal {
+  const lcp_factored *f;
+  double *d;
+} diagonal;
+
+static void share_diagonal(void *of, int part, int hand) {
+  const lcp_factored *f = ((const diagonal *)of)->f;
+  double *d = ((const diagonal *)of)->d;
+  const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
+  (void)hand;
+  for (int g = from; g < end; g++) {
+    const int first = f->row_start[g];
+    for (int r = 0; r < f->row_start[g + 1] - first; r++) {
+      d[first + r] = factored_entry(f, g, r, g, r) + csc_entry(f->shift, first + r, first + r);
+    }
+  }
+}
+
 void lcp_matrix_diagonal(const lcp_matrix *M, double *d) {
   const size_t n = (size_t)M->n;
   if (M->storage == LCP_DENSE) {
@@ -87,13 +108,8 @@ void lcp_matrix_diagonal(const lcp_matrix *M, double *d) {
     }
     return;
   }
-  const lcp_factored *f = M->factored;
-  for (int g = 0; g < f->n_group; g++) {
-    const int first = f->row_start[g];
-    for (int r = 0; r < f->row_start[g + 1] - first; r++) {
-      d[first + r] = factored_entry(f, g, r, g, r) + csc_entry(f->shift, first + r, first + r);
-    }
-  }
+  diagonal all = {M->factored, d};
+  base_share((M->factored->n_group + SHARE - 1) / SHARE, share_diagonal, &all);
 }
 
 bool lcp_matrix_is_symmetric(const lcp_matrix *M) {

@@ -1,6 +1,7 @@
 /* lcp_matrix.c - products and copies of the three storages. The factored form is handled through
  * body velocities: y = J (W (J' x)) + S x, linear in the number of groups. */
 #include "lcp/base/clones.h"
+#include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
 
 #include <string.h>
@@ -75,6 +76,37 @@ static void weight_times(const lcp_factored *f, const double *force, double *v) 
   }
 }
 
+enum { SHARE = 512 }; /* groups of one part of the work */
+
+typedef struct velocities {
+  const lcp_factored *f;
+  const double *v;
+  double *y;
+} velocities;
+
+/* y += J v of the groups from .. end-1. */
+BASE_CLONES static void rows_times(const lcp_factored *f, int from, int end, const double *v,
+                                   double *y) {
+  for (int g = from; g < end; g++) {
+    const int rows = f->row_start[g + 1] - f->row_start[g];
+    const double *A = f->jac + f->jac_start[g];
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * g + side];
+      if (b >= 0) {
+        side_times(A, rows, body_dofs(f, b), v + f->dof_start[b], y + f->row_start[g]);
+        A += rows * body_dofs(f, b);
+      }
+    }
+  }
+}
+
+static void share_rows(void *of, int part, int hand) {
+  const velocities *u = of;
+  const int from = part * SHARE, n = u->f->n_group;
+  (void)hand;
+  rows_times(u->f, from, (from + SHARE < n) ? from + SHARE : n, u->v, u->y);
+}
+
 /* y += J W J' x. */
 BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *x, double *y,
                                            double *scratch) {
@@ -94,17 +126,8 @@ BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *
     }
   }
   weight_times(f, force, v);
-  for (int g = 0; g < f->n_group; g++) {
-    const int rows = f->row_start[g + 1] - f->row_start[g];
-    const double *A = f->jac + f->jac_start[g];
-    for (int side = 0; side < 2; side++) {
-      const int b = f->body[2 * g + side];
-      if (b >= 0) {
-        side_times(A, rows, body_dofs(f, b), v + f->dof_start[b], y + f->row_start[g]);
-        A += rows * body_dofs(f, b);
-      }
-    }
-  }
+  velocities u = {f, v, y};
+  base_share((f->n_group + SHARE - 1) / SHARE, share_rows, &u);
 }
 
 size_t lcp_matrix_scratch(const lcp_matrix *M) {
