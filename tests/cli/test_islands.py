@@ -75,8 +75,7 @@ def bits_do_not_depend_on_threads(d: pathlib.Path) -> None:
         assert len({(o["solution_hash"], o["n_iter"], o["n_pivot"]) for o in made}) == 1, pair
 
 
-# One island each: sweeps one behind the other, fronts, and steps that have many phases. The pile is wide enough for limbs and
-# strips of fronts (lcp/linear/blocks_fronts.c).
+# One island each: sweeps one behind the other, and factors by fronts and by blocks.
 ONE_PART = (
     ("sphere_pile:n=400", "coulomb", "nsgs:budget=60"),
     ("sphere_pile:n=400", "boxed", "pgs:budget=60"),
