@@ -81,10 +81,11 @@ typedef struct form_component {
   size_t at;          /* S, then Y = L^-1 P' R, in dense */
 } form_component;
 
-/* What is known of a row before it is judged: the diagonal of C up to which it cannot move [1/kg]; the velocity that it
+/* What is known of a row before it is judged: the diagonal of C up to which it cannot move, and up to which the errors of joints
+ * alone let it move [1/kg]; the velocity that it
  * has if it cannot, and the rounding error of that [m/s]. */
 typedef struct form_blocked {
-  double noise, u, u_noise;
+  double noise, lever, u, u_noise;
 } form_blocked;
 
 /* One row in use of a contact that lost some: sum of c_k times the rows row .. row+n-1 of the set's contact. A tied one moves
@@ -269,9 +270,13 @@ static inline void form_put_block(const double *block, int rows, int columns, do
 
 /* Takes the joint rows out: n_group = n_contact, r and C become those of the projected system. */
 base_status form_assembly_eliminate(form_assembly *a, base_error *err);
+/* Leaves the joints rows, and takes out of the contacts' what they block. */
+base_status form_assembly_mix(form_assembly *a, base_error *err);
 void form_assembly_joint_impulses(form_assembly *a, double *lambda);
 /* S^-1 repair over all rows of `full`: the impulses that would take back the errors of eliminated joints; false: there are none. */
 bool form_assembly_repair_impulses(const form_assembly *a, double *lambda);
+/* shift = -W J_b' S^-1 repair, once a step. */
+void form_assembly_find_shift(form_assembly *a);
 static inline const double *form_shift_of(const form_assembly *a) {
   return a->shifts ? a->shift : NULL;
 }
@@ -281,6 +286,10 @@ void form_joints_close(form_joints *j);
  * active ones (MATHEMATICS 2.1); with all_rows it leaves exact zeros. Called once a step, with `known` filled for the rows of
  * all contacts. */
 void form_assembly_unblock(form_assembly *a);
+/* Its two halves. The rows that stay, judged by the blocks of C', false: all; and the blocks of C, or of C', in place: what stays
+ * moves towards the front. */
+bool form_assembly_choose_rows(form_assembly *a);
+void form_assembly_compress(form_assembly *a);
 /* `known` of what locks, or sides that are not free, leave without motion. */
 void form_assembly_know_locks(form_assembly *a);
 

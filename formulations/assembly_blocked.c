@@ -83,6 +83,11 @@ static void main_axis(double p, double q, double r, double axis[2]) {
   axis[1] = (length > 0) ? axis[1] / length : 0;
 }
 
+/* The diagonal c of C is that of a direction that cannot move, or that an error of joints alone lets move and nothing drives. */
+static bool is_blocked(const form_blocked *known, double c) {
+  return c <= known->noise || (c <= known->lever && fabs(known->u) <= known->u_noise);
+}
+
 /* Keeps what can move of the n rows from `first` on (of one kind, n <= 2); returns how many stay. */
 static int keep_part(const form_assembly *a, int i, int first, int n, remains *out) {
   const int rows = a->full.row[i + 1] - a->full.row[i];
@@ -90,7 +95,7 @@ static int keep_part(const form_assembly *a, int i, int first, int n, remains *o
   const double *own = form_own_block(a, i) + (ptrdiff_t)first * (rows + 1);
   const form_blocked *known = a->known + a->full.row[i] + first;
   if (n == 1) {
-    if (own[0] <= known->noise) {
+    if (is_blocked(known, own[0])) {
       keep_still(out, first, 1, 1, 0, known->u, known->u_noise);
     } else {
       keep(out, first, 1, 1, 0);
@@ -100,7 +105,7 @@ static int keep_part(const form_assembly *a, int i, int first, int n, remains *o
     const double noise = fmax(known[0].noise, known[1].noise);
     const double u_noise = known[0].u_noise + known[1].u_noise;
     const double largest = 0.5 * (p + r) + hypot(0.5 * (p - r), q);
-    if (largest <= noise) {
+    if (largest <= noise || (is_blocked(&known[0], largest) && is_blocked(&known[1], largest))) {
       const bool moved = hypot(known[0].u, known[1].u) > u_noise;
       for (int k = 0; moved && k < 2; k++) {
         keep_still(out, first + k, 1, 1, 0, known[k].u, -1);
@@ -202,12 +207,19 @@ static void tie_tangents(const form_assembly *a, int i, remains *out) {
   }
 }
 
+/* Beside joints that stay rows nothing is tied: it is these rows that tie it. */
+static void loosen(remains *out) {
+  for (int p = 0; p < out->n; p++) {
+    out->direction[p].tied = false;
+  }
+}
+
 /* What is left of contact i of `full`; n = 0: it is not active. */
 static void judge(const form_assembly *a, int i, remains *out) {
   const contact_rows rows = a->rows[i];
   const form_blocked *normal = a->known + a->full.row[i];
   *out = (remains){.n = 0};
-  if (form_own_block(a, i)[0] <= normal->noise) {
+  if (is_blocked(normal, form_own_block(a, i)[0])) {
     const double apart = normal->u + fmax(a->bias[a->full.group[i]], 0);
     if (apart < -normal->u_noise) {
       keep_still(out, 0, 1, 1, 0, normal->u, -1);
@@ -222,6 +234,13 @@ static void judge(const form_assembly *a, int i, remains *out) {
       (unsigned char)keep_part(a, i, 1 + rows.tangent + rows.torsion, rows.rolling, out);
 }
 
+static void judge_row(const form_assembly *a, int i, remains *out) {
+  judge(a, i, out);
+  if (a->n_group > a->n_contact) {
+    loosen(out);
+  }
+}
+
 static bool changes(const form_assembly *a, int i, const remains *now) {
   bool differs = now->n != a->full.row[i + 1] - a->full.row[i];
   for (int p = 0; p < now->n; p++) {
@@ -234,7 +253,7 @@ static bool any_changes(const form_assembly *a) {
   bool any = false;
   for (int i = 0; i < a->n_contact && !any; i++) {
     remains now;
-    judge(a, i, &now);
+    judge_row(a, i, &now);
     any = changes(a, i, &now);
   }
   return any;
@@ -260,12 +279,60 @@ static void take_over(form_assembly *a, int i, int n_contact, const remains *now
   }
 }
 
-/* The blocks and their lists, in place: what stays moves towards the front. to_new: contacts of `full`. */
-static void compress(form_assembly *a, const int *to_new) {
+/* The joints that stay rows follow the contacts. */
+static void follow(form_assembly *a, int n_contact, int n_joint, int *to_new) {
+  for (int m = 0; m < n_joint; m++) {
+    const int from = a->full.n_contact + m, to = n_contact + m;
+    const int rows = a->full.row[from + 1] - a->full.row[from];
+    to_new[from] = to;
+    a->group[to] = a->full.group[from];
+    a->row[to + 1] = a->row[to] + rows;
+    memmove(a->r + a->row[to], a->r + a->full.row[from], (size_t)rows * sizeof *a->r);
+    for (int p = 0; p < rows; p++) {
+      a->direction[a->row[to] + p] = (form_direction){.row = p, .n = 1, .c = {1, 0}};
+    }
+  }
+}
+
+bool form_assembly_choose_rows(form_assembly *a) {
+  if (!any_changes(a)) {
+    return false;
+  }
+  const size_t n_group = (size_t)a->n_group + (size_t)a->n_joint_group;
+  const int n_joint = a->n_group - a->n_contact;
+  memcpy(a->home_group, a->group, n_group * sizeof *a->group);
+  memcpy(a->home_row, a->row, (n_group + 1) * sizeof *a->row);
+  a->full.n_contact = a->n_contact;
+  a->full.group = a->home_group;
+  a->full.row = a->home_row;
+  int *to_new = a->cursor;
+  int n_contact = 0;
+  remains ahead;
+  for (int i = 0; i < a->full.n_contact; i++) {
+    judge_row(a, i, &ahead);
+    if (ahead.n == 0) {
+      to_new[i] = -1;
+      a->bias[a->full.group[i]] = HUGE_VAL;
+      continue;
+    }
+    to_new[i] = n_contact;
+    take_over(a, i, n_contact++, &ahead);
+  }
+  follow(a, n_contact, n_joint, to_new);
+  a->reduced = true;
+  a->n_contact = n_contact;
+  a->n_group = n_contact + n_joint;
+  a->n_row = a->row[a->n_group];
+  return true;
+}
+
+void form_assembly_compress(form_assembly *a) {
+  const int *to_new = a->cursor;
+  const int n_full = a->full.n_contact + a->n_group - a->n_contact;
   size_t at = 0;
   int listed = 0;
   int from = a->near_start[0];
-  for (int i = 0; i < a->full.n_contact; i++) {
+  for (int i = 0; i < n_full; i++) {
     const int end = a->near_start[i + 1];
     const int ni = to_new[i];
     for (int k = from; k < end && ni >= 0; k++) {
@@ -344,33 +411,9 @@ void form_assembly_unblock(form_assembly *a) {
     }
     return;
   }
-  if (!any_changes(a)) {
-    return;
+  if (form_assembly_choose_rows(a)) {
+    form_assembly_compress(a);
   }
-  const size_t n_group = (size_t)a->n_contact + (size_t)a->n_joint_group;
-  memcpy(a->home_group, a->group, n_group * sizeof *a->group);
-  memcpy(a->home_row, a->row, (n_group + 1) * sizeof *a->row);
-  a->full.n_contact = a->n_contact;
-  a->full.group = a->home_group;
-  a->full.row = a->home_row;
-  int *to_new = a->cursor;
-  int n_contact = 0;
-  remains ahead;
-  for (int i = 0; i < a->full.n_contact; i++) {
-    judge(a, i, &ahead);
-    if (ahead.n == 0) {
-      to_new[i] = -1;
-      a->bias[a->full.group[i]] = HUGE_VAL;
-      continue;
-    }
-    to_new[i] = n_contact;
-    take_over(a, i, n_contact++, &ahead);
-  }
-  compress(a, to_new);
-  a->reduced = true;
-  a->n_contact = n_contact;
-  a->n_group = n_contact;
-  a->n_row = a->row[n_contact];
 }
 
 void form_to_rows(const form_assembly *a, int i, const double *x, double *out) {

@@ -12,7 +12,8 @@
  * Whether the joints block a direction of a contact is judged here, where the numbers that it is lost in are known. With
  * w = S^-1 R of its row a blocked direction has J_c = w' J_b: its diagonal of C' is zero, computed with an error of
  * some roundings of (|J_c| + sum |w_k| |J_b,k|)^2, and its velocity is drift_c - w' drift_b, whatever r' says: that
- * holds the correction of joint errors besides, which is no motion of the contact. */
+ * holds the correction of joint errors besides, which is no motion of the contact. To the error of the joints a direction is
+ * blocked that a lever of that length would free, and that nothing drives. */
 #include "formulations/assembly.h"
 
 #include <assert.h>
@@ -429,6 +430,37 @@ static void joint_drift(const form_assembly *a, const form_component *part, doub
   }
 }
 
+/* Largest error of the joints of one component [m or rad]. */
+static double joint_error(const form_assembly *a, const form_component *part) {
+  const contact_set *c = a->set;
+  const int first = c->row_start[c->n_contact];
+  double largest = 0;
+  for (int m = part->first; m < part->first + part->count; m++) {
+    const int g = a->group[a->joints.member[m]];
+    for (int r = c->row_start[g]; r < c->row_start[g + 1]; r++) {
+      largest = fmax(largest, fabs(c->joint_error[r - first]));
+    }
+  }
+  return largest;
+}
+
+/* What a lever as long as the error does to the diagonal of contact i [1/kg]: where the ends of two rods coincide but for the
+ * error of their joint, their contact cannot turn them about it. */
+static double lever(const form_assembly *a, int i, double error) {
+  const contact_set *c = a->set;
+  double sum = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * a->group[i] + side];
+    const int n = contact_dofs(c, b);
+    double most = 0;
+    for (int k = 0; k < n; k++) {
+      most = fmax(most, c->inv_mass[c->mass_start[b] + k * n + k]);
+    }
+    sum += most;
+  }
+  return 4 * error * error * sum;
+}
+
 /* Adds to what is known of contact row `row` what the joints of one component do to it; column: its part of Y. */
 static void know_row(form_assembly *a, const form_component *part, const double *S,
                      const double *column, const double *drift, int row) {
@@ -498,7 +530,7 @@ static bool may_be_blocked(const form_assembly *a, int i, int first, int n) {
 }
 
 static void know_part(form_assembly *a, const form_component *part, int t, int first, int n,
-                      const double *drift) {
+                      const double *drift, double error) {
   const form_joints *j = &a->joints;
   const int i = j->touch[t];
   if (n == 0 || !may_be_blocked(a, i, first, n)) {
@@ -508,6 +540,8 @@ static void know_part(form_assembly *a, const form_component *part, int t, int f
   const double *Y = S + (ptrdiff_t)part->rows * part->rows;
   for (int p = first; p < first + n; p++) {
     know_row(a, part, S, Y + (ptrdiff_t)(j->column[t] + p) * part->rows, drift, a->row[i] + p);
+    form_blocked *known = &a->known[a->row[i] + p];
+    known->lever = fmax(known->lever, lever(a, i, error));
   }
 }
 
@@ -517,21 +551,20 @@ static void know_joints(form_assembly *a) {
   for (int c = 0; c < j->n_part; c++) {
     const form_component *part = &j->part[c];
     double *drift = j->work + j->cap_row;
+    const double error = joint_error(a, part);
     joint_drift(a, part, drift);
     for (int t = part->touch; t < part->touch + part->n_touch; t++) {
       const contact_rows rows = a->rows[j->touch[t]];
-      know_part(a, part, t, 0, 1 + rows.tangent, drift);
-      know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift);
-      know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift);
+      know_part(a, part, t, 0, 1 + rows.tangent, drift, error);
+      know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift, 0);
+      know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift, 0);
     }
   }
 }
 
-base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
+/* Factors S and leaves C' in the blocks of the joints, r' in r, and what is known of the contacts' rows. */
+static base_status project(form_assembly *a, base_error *err) {
   form_joints *j = &a->joints;
-  if (a->n_group == a->n_contact) {
-    return BASE_OK;
-  }
   if (j->mem == NULL || a->n_group > j->cap_group || a->n_row > j->cap_row) {
     j->cap_group = base_room(a->n_group);
     j->cap_row = base_room(a->n_row);
@@ -554,14 +587,66 @@ base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
     first_row += j->part[c].rows;
   }
   know_joints(a);
+  return BASE_OK;
+}
+
+static void read_projected(form_assembly *a) {
+  a->near_start = a->joints.near_start;
+  a->near = a->joints.near;
+  a->block_at = a->joints.block_at;
+  a->block = a->joints.block;
+}
+
+base_status form_assembly_eliminate(form_assembly *a, base_error *err) {
+  if (a->n_group == a->n_contact) {
+    return BASE_OK;
+  }
+  BASE_TRY(project(a, err));
   a->n_joint_group = a->n_group - a->n_contact;
   a->n_group = a->n_contact;
   a->n_row = a->row[a->n_contact];
-  a->near_start = j->near_start;
-  a->near = j->near;
-  a->block_at = j->block_at;
-  a->block = j->block;
+  read_projected(a);
   form_assembly_unblock(a);
+  return BASE_OK;
+}
+
+static void read_home(form_assembly *a) {
+  a->near_start = a->home.near_start;
+  a->near = a->home.near;
+  a->block_at = a->home.block_at;
+  a->block = a->home.block;
+}
+
+static void find_self(form_assembly *a) {
+  for (int i = 0; i < a->n_contact; i++) {
+    int k = a->near_start[i];
+    while (a->near[k] != i) {
+      k++;
+    }
+    a->self[i] = k;
+  }
+}
+
+base_status form_assembly_mix(form_assembly *a, base_error *err) {
+  if (a->n_group == a->n_contact || a->n_contact == 0) {
+    return BASE_OK;
+  }
+  memcpy(a->lambda, a->r, (size_t)a->n_row * sizeof *a->r);
+  BASE_TRY(project(a, err));
+  for (int r = 0; r < a->n_row; r++) {
+    a->r[r] = a->lambda[r] - ((r < a->row[a->n_contact]) ? 0 : a->repair[r]);
+  }
+  a->n_joint_group = a->n_group - a->n_contact; /* whose errors are taken back beside the motion */
+  form_assembly_find_shift(a);
+  a->n_joint_group = 0;
+  read_projected(a);
+  const bool fewer = form_assembly_choose_rows(a);
+  read_home(a);
+  if (fewer) {
+    form_assembly_compress(a);
+  } else {
+    find_self(a);
+  }
   return BASE_OK;
 }
 

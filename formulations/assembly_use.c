@@ -80,8 +80,7 @@ static void add_motion(const form_assembly *a, const double *from, double *out) 
   }
 }
 
-/* shift = -W J_b' S^-1 repair, once a step. */
-static void find_shift(form_assembly *a) {
+void form_assembly_find_shift(form_assembly *a) {
   const contact_set *c = a->set;
   a->shifts = form_assembly_repair_impulses(a, a->lambda);
   a->shift_known = true;
@@ -102,13 +101,16 @@ static void find_shift(form_assembly *a) {
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
   if (a->n_joint_group > 0 && !a->shift_known) {
-    find_shift(a);
+    form_assembly_find_shift(a);
   }
   if (a->reduced) {
     memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
     for (int i = 0; i < a->n_contact; i++) {
       form_to_set(a, i, lambda + a->row[i], a->lambda + a->full.row[a->full_of[i]]);
     }
+    const int first = a->row[a->n_contact]; /* of joints that are rows */
+    memcpy(a->lambda + a->full.row[a->full.n_contact], lambda + first,
+           (size_t)(a->n_row - first) * sizeof *lambda);
   } else if (a->n_joint_group > 0) {
     memcpy(a->lambda, lambda, (size_t)a->n_row * sizeof *lambda);
   }
@@ -119,7 +121,8 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
     lambda = a->lambda;
   }
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
-  const int n_group = (a->reduced ? a->full.n_contact : a->n_group) + a->n_joint_group;
+  const int n_contact = a->reduced ? a->full.n_contact : a->n_contact;
+  const int n_group = n_contact + a->n_group - a->n_contact + a->n_joint_group;
   for (int i = 0; i < n_group; i++) {
     const int g = a->full.group[i];
     const int rows = a->full.row[i + 1] - a->full.row[i];

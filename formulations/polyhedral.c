@@ -197,7 +197,7 @@ static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows
   const poly_options *o = &s->opt;
   if (o->storage != POLY_FACTORED) {
     BASE_TRY(form_assembly_begin(&s->a, c, rows, rule, &s->memory, err));
-    return (o->joints == 0) ? form_assembly_eliminate(&s->a, err) : BASE_OK;
+    return (o->joints == 0) ? form_assembly_eliminate(&s->a, err) : form_assembly_mix(&s->a, err);
   }
   if (o->planar == POLY_THREE && c->dim == 2 && rows != FORM_ROWS_NORMAL) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "storage=factored: not with planar=three");

@@ -29,7 +29,7 @@ base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_stora
     return form_assembly_begin_own(a, c, FORM_ROWS_ALL, rule, memory, err);
   }
   BASE_TRY(form_assembly_begin(a, c, FORM_ROWS_ALL, rule, memory, err));
-  return eliminate ? form_assembly_eliminate(a, err) : BASE_OK;
+  return eliminate ? form_assembly_eliminate(a, err) : form_assembly_mix(a, err);
 }
 
 static void layout_rows(void *state, base_arena *a) {

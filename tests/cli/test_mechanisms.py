@@ -7,6 +7,7 @@ states with nothing of the code under test. `event` and `penalty` integrate the 
 import json
 import math
 import pathlib
+import random
 import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
@@ -192,6 +193,53 @@ def a_coarse_tolerance_parts_joints(d):
     assert said["status"] == "ok", (said["status"], said["note"])
 
 
+def chain(seed: int) -> Scene:
+    """Rods of 30 g to 30 kg, end to end, that fall on the floor. Pinned ends coincide: a contact that
+    the pin blocks, to its error."""
+    rng = random.Random(f"chain {seed}")
+    n, half = rng.choice((3, 4, 5)), 0.1
+    scene: Scene = {"id": "chain", "dim": 2, "T": 0.3, "hs": [0.005], "gravity": [0, -9.81]}
+    scene["static"] = [{"name": "floor", "normal": [0, 1], "offset": 0}]
+    scene |= {"friction": {"default": rng.choice((0, 0.5))}, "restitution": {"default": 0}}
+    height, shape = rng.uniform(0.02, 0.08), {"type": "rod", "half_length": half}
+    scene["bodies"] = [
+        {"name": f"b{k}", "shape": shape, "mass": 10 ** rng.uniform(-1.5, 1.5)} for k in range(n)
+    ]
+    for k, body in enumerate(scene["bodies"]):
+        body["pos"] = [2 * half * k, height]
+    pin = {"type": "hinge", "axis": [1, 0]}
+    ends = [[2 * half * k - half, height] for k in range(n)]
+    scene["joints"] = [
+        pin | {"name": f"j{k}", "body": f"b{k}", "other": f"b{k - 1}", "anchor": ends[k]}
+        for k in range(1, n)
+    ]
+    scene["bodies"][-1]["vel"] = [0, rng.uniform(-0.5, 0.5)]
+    scene["observe"] = [f"b{k}.{x}" for k in range(n) for x in "xy"]
+    return scene | {"no_collision": [], "checks": [{"type": "finite"}]}
+
+
+def joints_that_stay_rows_move_alike(d):
+    """Chains whose ends coincide: the same motion whether joints are eliminated or rows, where half
+    of the runs with rows ended on a ray, and coulomb and boxed with either."""
+    for seed in range(12):
+        scene = chain(seed)
+        (d / "chain.json").write_text(json.dumps(scene))
+        for formulation, solver in (("velocity", "lemke"), ("boxed", "newton"), ("coulomb", "nsgs")):
+            ends = []
+            for joints in ("eliminated", "mixed"):
+                words = ("--formulation", f"{formulation}:joints={joints}", "--solver", solver)
+                way = ("--trajectory", d / "way.csv")
+                said = run("simulate", d / "chain.json", *words, *way, code=None).stdout
+                o = json.loads(said)
+                assert o["status"] == "ok", (seed, formulation, joints, o["note"])
+                slack = SLACKS["boxes" if formulation == "boxed" else "steps"]
+                trouble = broken(scene, Motion.read(d / "way.csv"), slack)
+                assert not trouble, (seed, formulation, joints, trouble)
+                ends.append([v["value"] for v in o["observables"].values()])
+            apart = max(abs(a - b) for a, b in zip(*ends, strict=True))
+            assert apart < 1e-7, (seed, formulation, apart)
+
+
 def a_light_body_is_not_thrown_by_the_tolerance(d):
     """1e8 kg on 1 kg: an error in friction that is nothing beside the load.
 
@@ -290,6 +338,7 @@ tap(
         a_dead_point_gives_no_joint_apart,
         joints_that_part_are_told,
         a_coarse_tolerance_parts_joints,
+        joints_that_stay_rows_move_alike,
         a_light_body_is_not_thrown_by_the_tolerance,
         a_light_body_stays_under_a_heavy_one,
         spheres_that_touch_between_walls_are_no_jam,
