@@ -32,8 +32,8 @@ typedef struct watch {
   watch_result *result;
   scales scale;
   deviation off;
-  checkpoint clean;  /* nothing left out has acted up to here */
-  uint64_t carrying; /* of the last step */
+  checkpoint clean;      /* nothing left out has acted up to here */
+  sim_carrying carrying; /* of the last step */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
@@ -133,7 +133,7 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
   }
   add_step(w, h);
   const unsigned enter = acted(&w->off, small);
-  const bool impact = s->carrying != w->carrying && s->out->steps > w->clean.out.steps + 1;
+  const bool impact = s->carrying.ids != w->carrying.ids && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w);
   w->carrying = s->carrying;
   if (enter != 0 && (bound > w->result->level || impact)) {

@@ -2,6 +2,7 @@
 
 #include "harness/measure/trajectory.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 base_status step_pair_open(step_pair *p, const sim *s, base_error *err) {
@@ -27,7 +28,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
                       int n, step_end *end, base_error *err) {
   const run_status before = s->out->status;
   double start = 0.0;
-  *end = (step_end){.state = end->state, .good = true};
+  *end = (step_end){.state = end->state, .closing.at = HUGE_VAL, .good = true};
   for (int i = 0; i < n && end->good; i++) {
     bool taken;
     s->q = (i == n - 1) ? last : &p->quiet;
@@ -35,9 +36,15 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     p->solved++;
     end->good = taken && s->out->status == before;
     end->carrying = s->carrying;
-    end->event = end->event || s->carrying != p->carrying;
-    start = (i == 0) ? s->depth[0] : start;
-    end->sunk = fmax(0.0, s->depth[1] - start);
+    end->event = end->event || s->carrying.ids != p->carrying.ids;
+    end->more = end->more || s->carrying.n > p->carrying.n;
+    if (i == 0) {
+      start = s->depth.start;
+      end->closing = s->closing;
+    }
+    end->held = fmax(0.0, s->depth.held - start);
+    end->even = fmax(0.0, s->depth.even - start);
+    end->sunk = fmax(end->held, s->depth.open - start);
   }
   world_save(s->w, end->state);
   return BASE_OK;
@@ -52,7 +59,7 @@ static base_status try_both(step_pair *p, sim *s, series *record, const sim_requ
   return go(p, s, record, q, 0.5 * h, 2, &p->fine, err);
 }
 
-base_status step_pair_try(step_pair *p, sim *s, series *record, uint64_t carrying, double h,
+base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
                           base_error *err) {
   const sim_request *q = s->q;
   p->quiet = *q;

@@ -7,19 +7,23 @@
 
 /* One way over a step. */
 typedef struct step_end {
-  double *state;     /* where it ends: world_save */
-  uint64_t carrying; /* the contacts that carried last */
-  bool event;        /* others than before the step carried on the way */
-  double sunk;       /* how much deeper than at its start bodies are in each other at its end [m] */
-  bool good;         /* nothing failed */
+  double *state;         /* where it ends: world_save */
+  sim_carrying carrying; /* last */
+  bool event;            /* others than before the step carried on the way */
+  bool more;             /* and more of them: not only was one let go */
+  double sunk; /* how much deeper than at its start bodies are in each other at its end [m] */
+  double held; /* of that, where gaps were closed at the start of its last step */
+  double even; /* where they were open then, if velocities had changed evenly in it [m] */
+  sim_closing closing; /* in its first step */
+  bool good;           /* nothing failed */
 } step_end;
 
 typedef struct step_pair {
   checkpoint start;
   step_end coarse, fine;
-  uint64_t carrying; /* of the step before the try */
-  long solved;       /* steps taken in all tries */
-  sim_request quiet; /* the run's without the files of its steps */
+  sim_carrying carrying; /* of the step before the try */
+  long solved;           /* steps taken in all tries */
+  sim_request quiet;     /* the run's without the files of its steps */
 } step_pair;
 
 /* BASE_ENOMEM. Whatever is returned, step_pair_close gives back what was opened. */
@@ -28,7 +32,7 @@ void step_pair_close(step_pair *p);
 
 /* Both ways over h [s]; the run stands at the end of the fine one, `start` is where it stood. `carrying`: of the step
  * before. Dumps are of the fine way, rows of the trajectory of the contacts in its second half. */
-base_status step_pair_try(step_pair *p, sim *s, series *record, uint64_t carrying, double h,
+base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
                           base_error *err);
 /* Back to where the run stood before the last try. */
 base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err);

@@ -22,10 +22,12 @@ typedef struct controlled {
   bool smooth; /* the step just tried: both of its ways together are better than the fine one */
   double off;  /* what it is off by [m] */
   bool failed; /* a step of the shortest length has no solution: the run ends there */
-  uint64_t carrying; /* of the last step kept */
-  double fastest;    /* largest speed of a body so far [m/s] */
-  double located;    /* of the step just tried [m] */
-  double last;       /* error over its share, of the last step kept [1] */
+  sim_carrying carrying; /* of the last step kept */
+  double fastest;        /* largest speed of a body so far [m/s] */
+  double located;        /* of the step just tried [m] */
+  double last;           /* error over its share, of the last step kept [1] */
+  double stride; /* of the last step that met something, which is yet to come; 0: nothing is [s] */
+  long patience, wait; /* steps kept before longer ones are tried again, next time and yet */
 } controlled;
 
 /* ---- one step -------------------------------------------------------------------------------- */
@@ -61,15 +63,28 @@ static double error_of(controlled *c, double h) {
     position = fmax(position, bend); /* what came and went in either half */
     c->off = fmax(c->off, bend);
     e = fmax(e, bend / fmax(part, event_share));
-    c->smooth = !event || both / part <= e;
+    c->smooth = !event || (coarse->more == fine->more && both / part <= e);
     if (c->smooth) {
       c->off = position = both;
       e = both / fmax(part, least_share);
     }
   }
-  c->located = event ? fmax(position, fine->sunk) : fine->sunk;
-  e = fmax(e, fine->sunk / fmax(part, event_share)) / c->rule->tolerance;
+  /* where what closes closes behind the middle, both of its ways together end as deep as the coarse one evenly accelerated */
+  const bool behind =
+      c->smooth && !event && coarse->closing.at >= 0.5 * h && coarse->closing.at <= h;
+  const double sunk = behind ? fmax(coarse->even, fine->held) : fine->sunk;
+  c->located = event ? fmax(position, sunk) : sunk;
+  e = fmax(e, sunk / fmax(part, event_share)) / c->rule->tolerance;
   return (e == e) ? e : HUGE_VAL;
+}
+
+/* The length of a step in the place of one that met what closes in it: to just behind where it closes, so deep as half of what a step may
+ * sink. 0: nothing closes, or what closes in a step carries in it. */
+static double to_impact(const controlled *c) {
+  const step_end *coarse = &c->pair.coarse;
+  const double depth = 0.5 * c->rule->tolerance * event_share;
+  const bool met = c->rule->extrapolate && !coarse->event && coarse->closing.at < HUGE_VAL;
+  return met ? coarse->closing.at + depth / coarse->closing.speed : 0.0;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
@@ -138,10 +153,23 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   return count(c, 0.5 * h, false, err);
 }
 
+/* A longer step that met something, where a shorter one did not, is tried again after 2, 4, 8... steps: until what it met is passed, or
+ * for good where it is the length that meets it. */
+static bool may_grow(controlled *c, bool met) {
+  const bool changed = c->pair.coarse.event || c->pair.fine.event;
+  if (changed) {
+    c->patience = 1, c->wait = 0;
+  } else if (met) {
+    c->patience = (c->patience < 16) ? 2 * c->patience : c->patience;
+    c->wait = c->patience;
+  }
+  return changed || c->wait-- <= 0;
+}
+
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
-  const double wish = *h;
+  bool met = false;
   for (;;) {
     if (c->account->solved + 3 > rule->limit) {
       *limited = true;
@@ -154,14 +182,22 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
       BASE_TRY(keep(c, *h, e, err));
       *taken = *h;
       *h = next_length(c, *h, e);
-      if (rule->extrapolate && !c->smooth) {
-        *h = fmax(*h, wish); /* behind an impact the motion is as smooth as before it */
+      *h = may_grow(c, met) ? *h : fmin(*h, *taken);
+      if (rule->extrapolate && (c->pair.coarse.event || c->pair.fine.event)) {
+        *h = fmax(*h, c->stride); /* behind an impact the motion is as smooth as before it */
+        c->stride = 0.0;
       }
       return BASE_OK;
     }
     c->account->rejected++;
+    met = met || c->pair.coarse.event || c->pair.fine.event;
+    if (met && c->stride == 0.0) {
+      c->stride = *h;
+    }
     BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
-    *h = fmax(*h * shorter(c, e), rule->least);
+    const double impact = to_impact(c);
+    const bool nearer = impact > 0.0 && impact < 0.9 * *h;
+    *h = fmax(nearer ? impact : *h * shorter(c, e), rule->least);
   }
 }
 
@@ -273,6 +309,7 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                                 sim_result *out, step_list *kept, run_places *places,
                                 step_account *account, base_error *err) {
   controlled c = {.rule = rule,
+                  .patience = 1,
                   .record = record,
                   .kept = kept,
                   .places = places,

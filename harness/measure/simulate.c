@@ -78,21 +78,46 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   }
 }
 
-/* Two steps whose contacts with a normal impulse are the same have the same number. */
-static uint64_t carrying(const contact_set *set, const formulation_answer *a) {
-  uint64_t hash = SIM_HASH_START;
+/* Two steps whose contacts with a normal impulse are the same have the same hash. */
+static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
+  sim_carrying c = {.ids = SIM_HASH_START};
   for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
     if (a->impulse[set->row_start[i]] > 0.0) {
-      hash = (hash ^ set->id[i]) * 0x100000001b3u;
+      c.ids = (c.ids ^ set->id[i]) * 0x100000001b3u;
+      c.n++;
     }
   }
-  return hash;
+  return c;
 }
 
-/* Depths of the step that ends with v_next, those at its end by what the gaps change at that velocity. */
+/* Notes when an open gap closes, within a step of h, that changes by u at its start and by u_end at its end. */
+static void note_closing(sim_closing *c, double gap, double u, double u_end, double h) {
+  const double root = u * u - 2.0 * gap * (u_end - u) / h;
+  const double speed = sqrt(fmax(root, 0.0));
+  const double at = (root >= 0.0 && speed > u) ? 2.0 * gap / (speed - u) : HUGE_VAL;
+  if (at <= h && at < c->at) {
+    *c = (sim_closing){at, speed};
+  }
+}
+
+/* Contact i of a step at whose end its gap changes by u. */
+static void note_gap(sim_depth *d, const contact_set *set, int i, double u) {
+  const double gap = set->gap[i];
+  const double deep = -gap - set->h * u;
+  d->start = fmax(d->start, -gap);
+  if (gap > set->tol) {
+    d->open = fmax(d->open, deep);
+    d->even = fmax(d->even, -gap - 0.5 * set->h * (set->u_before[set->row_start[i]] + u));
+  } else {
+    d->held = fmax(d->held, deep);
+  }
+}
+
+/* Depths of the step that ends with v_next, those at its end by what the gaps change at that velocity, and what closes in it. */
 static base_status note_depth(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
-  s->depth[0] = s->depth[1] = 0.0;
+  s->depth = (sim_depth){0};
+  s->closing = (sim_closing){.at = HUGE_VAL};
   if (!s->controlled || set->n_contact == 0) {
     return BASE_OK;
   }
@@ -107,8 +132,14 @@ static base_status note_depth(sim *s, const contact_set *set, const formulation_
   }
   contact_relative_velocity(set, a->v_next, set->u_drift, s->u);
   for (int i = 0; i < set->n_contact; i++) {
-    s->depth[0] = fmax(s->depth[0], -set->gap[i]);
-    s->depth[1] = fmax(s->depth[1], -set->gap[i] - set->h * s->u[set->row_start[i]]);
+    note_gap(&s->depth, set, i, s->u[set->row_start[i]]);
+  }
+  contact_relative_velocity(set, set->v_free, set->u_drift, s->u);
+  for (int i = 0; i < set->n_contact; i++) {
+    const int k = set->row_start[i];
+    if (set->gap[i] > set->tol) {
+      note_closing(&s->closing, set->gap[i], set->u_before[k], s->u[k], set->h);
+    }
   }
   return BASE_OK;
 }

@@ -14,6 +14,24 @@ typedef struct solved {
   char text[160];
 } solved;
 
+/* How deep bodies are in each other [m]: at the start of a step; at its end where gaps were closed, where they were open, and there if
+ * the velocities had changed evenly. */
+typedef struct sim_depth {
+  double start, held, open, even;
+} sim_depth;
+
+/* When the first gap that is open closes as the bodies are accelerated without contacts, from the start of a step on [s], HUGE_VAL: not
+ * within it; and how fast [m/s]. */
+typedef struct sim_closing {
+  double at, speed;
+} sim_closing;
+
+/* Contacts with a normal impulse: how many, and a hash of their ids. */
+typedef struct sim_carrying {
+  int n;
+  uint64_t ids;
+} sim_carrying;
+
 /* Everything one run owns. */
 typedef struct sim {
   const sim_request *q;
@@ -31,7 +49,7 @@ typedef struct sim {
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
   double omitted[EFFECT_COUNT]; /* its answer for the last step [m/s] */
   double h;                     /* of this step [s] */
-  uint64_t carrying;            /* hash of the ids of the contacts that carried in the last step */
+  sim_carrying carrying;        /* in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
   int z_cap;
   double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
@@ -40,8 +58,8 @@ typedef struct sim {
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
-  double depth
-      [2]; /* how deep bodies are in each other at the start and at the end of the last step [m] */
+  sim_depth depth; /* of the last step */
+  sim_closing closing;
   double *u; /* u_cap rows' velocities at its end */
   int u_cap;
 } sim;

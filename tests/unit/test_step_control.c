@@ -239,7 +239,39 @@ static void impacts_cost_their_location(void **state) {
   assert_int_equal(o.account.forced, 0);
   assert_true(o.account.located <= 1e-3 / 16.0 && o.account.located > 0.0);
   assert_true(o.account.solved < plain.account.solved / 10 &&
-              o.account.most > 1e4 * o.account.least);
+              o.account.most > 1e2 * o.account.least);
+}
+
+/* A fall is met where it ends: one trial sees that, the next step ends just behind, another goes over it. So the work does not
+ * grow with the accuracy, as it would by halving. */
+static void an_impact_is_foreseen(void **state) {
+  (void)state;
+  for (double tolerance = 1e-2; tolerance > 1e-8; tolerance *= 0.1) {
+    const outcome o = controlled_by(
+        "drop", 0.0,
+        (step_rule){.tolerance = tolerance, .first = 0.5, .most = 0.5, .extrapolate = true});
+    assert_int_equal(o.account.forced, 0);
+    assert_true(o.account.located > 0.0 && o.account.located <= tolerance / 16.0);
+    assert_true(o.error < tolerance);
+    if (o.account.solved > 40) {
+      fail_msg("tolerance %g: %ld steps for one impact", tolerance, o.account.solved);
+    }
+  }
+}
+
+/* A step of which only the finer way sees the impact is not extrapolated, however short it is: twice the speed behind it less the
+ * one before is no speed at all. */
+static void what_one_way_meets_is_not_extrapolated(void **state) {
+  (void)state;
+  for (int i = 0; i < 4; i++) {
+    const double share = 1.0 / (20000.0 + 700.0 * i);
+    const outcome o = controlled_by(
+        "drop", 0.0,
+        (step_rule){.tolerance = 1.0, .first = share, .most = share, .extrapolate = true});
+    if (!(o.error < 1e-3)) {
+      fail_msg("steps of %g: off by %g", share, o.error);
+    }
+  }
 }
 
 static error_result to_error(simulation *k, double E) {
@@ -320,6 +352,8 @@ int main(void) {
       cmocka_unit_test(extrapolated_steps_are_of_second_order),
       cmocka_unit_test(what_ends_inside_a_half_is_seen),
       cmocka_unit_test(impacts_cost_their_location),
+      cmocka_unit_test(an_impact_is_foreseen),
+      cmocka_unit_test(what_one_way_meets_is_not_extrapolated),
       cmocka_unit_test(a_window_is_seen_between_states),
       cmocka_unit_test(what_is_asked_has_a_unit_or_a_scale),
   };
