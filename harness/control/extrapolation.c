@@ -4,16 +4,18 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 base_status step_pair_open(step_pair *p, const sim *s, base_error *err) {
   const size_t n = world_saved_size(s->w);
   *p = (step_pair){0};
   BASE_TRY(checkpoint_open(&p->start, s, err));
-  p->coarse.state = malloc(2 * n * sizeof *p->coarse.state);
+  p->coarse.state = malloc(5 * n * sizeof *p->coarse.state);
   if (p->coarse.state == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare steps");
   }
   p->fine.state = p->coarse.state + n;
+  p->past = p->fine.state + n;
   return BASE_OK;
 }
 
@@ -71,6 +73,20 @@ base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying car
   s->q = q;
   s->part = false;
   return done;
+}
+
+double step_pair_unsteady(const step_pair *p, const sim *s, double h) {
+  const size_t n = world_saved_size(s->w);
+  const saved_step before = {p->past_h, p->past, p->past + n, p->past + 2 * n};
+  const saved_step now = {h, p->start.state, p->coarse.state, p->fine.state};
+  return (p->past_h > 0.0) ? world_saved_unsteady(s->w, &before, &now) : HUGE_VAL;
+}
+
+void step_pair_keep(step_pair *p, const sim *s, double h, bool smooth) {
+  const size_t n = world_saved_size(s->w);
+  p->past_h = smooth ? h : 0.0;
+  memcpy(p->past, p->start.state, n * sizeof *p->past);
+  memcpy(p->past + n, p->coarse.state, 2 * n * sizeof *p->past);
 }
 
 base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err) {

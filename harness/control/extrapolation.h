@@ -21,6 +21,8 @@ typedef struct step_end {
 typedef struct step_pair {
   checkpoint start;
   step_end coarse, fine;
+  double *past;          /* start, coarse and fine state of the last step that was smooth */
+  double past_h;         /* its length; 0: the step before the try was none [s] */
   sim_carrying carrying; /* of the step before the try */
   long solved;           /* steps taken in all tries */
   sim_request quiet;     /* the run's without the files of its steps */
@@ -36,5 +38,10 @@ base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying car
                           base_error *err);
 /* Back to where the run stood before the last try. */
 base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err);
+/* What the step of h just tried is off by if extrapolated, as far as the smooth step before tells (world_saved_unsteady); HUGE_VAL if
+ * there is none [m]. */
+double step_pair_unsteady(const step_pair *p, const sim *s, double h);
+/* The step of h just tried is kept: a smooth one tells of the next. */
+void step_pair_keep(step_pair *p, const sim *s, double h, bool smooth);
 /* From the end of the fine way to the extrapolated state: the two rows become one, the two steps count as one. */
 base_status step_pair_extrapolate(const step_pair *p, sim *s, series *record, base_error *err);

@@ -59,7 +59,10 @@ static double error_of(controlled *c, double h) {
   double e = c->off / fmax(part, event ? event_share : least_share);
   if (c->rule->extrapolate) {
     const double bend = world_saved_bend(s->w, h, c->pair.start.state, coarse->state, fine->state);
-    const double both = bend + velocity * h;
+    double both = bend + velocity * h;
+    if (!event) {
+      both = fmin(both, step_pair_unsteady(&c->pair, s, h));
+    }
     position = fmax(position, bend); /* what came and went in either half */
     c->off = fmax(c->off, bend);
     e = fmax(e, bend / fmax(part, event_share));
@@ -139,13 +142,16 @@ static double bow_of(const controlled *c, double h) {
 /* The step just tried is kept. */
 static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_account *a = c->account;
+  const bool changed = c->pair.coarse.event || c->pair.fine.event;
   a->forced += e > 1.0;
   a->located = fmax(a->located, c->located);
   a->off += c->off;
   a->bow = fmax(a->bow, bow_of(c, h));
   c->failed = !c->pair.fine.good;
   c->carrying = c->pair.fine.carrying;
-  if (c->smooth && e <= 1.0) {
+  const bool extrapolated = c->smooth && e <= 1.0;
+  step_pair_keep(&c->pair, &c->run, h, extrapolated && !changed);
+  if (extrapolated) {
     BASE_TRY(step_pair_extrapolate(&c->pair, &c->run, c->record, err));
     return count(c, h, true, err);
   }

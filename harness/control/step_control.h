@@ -12,7 +12,8 @@
  * (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
  *
  * With `extrapolate` a step ends at 2 fine - coarse (extrapolation.h), and e is what a constant acceleration does not explain
- * (world_saved_bend), and the distance of the velocities over h. Steps in which the contacts change are as above, unless this e
+ * (world_saved_bend), and the distance of the velocities over h; or, behind another smooth step, what the two of them do not explain
+ * (world_saved_unsteady), which is of third order also where contacts or joints hold. Steps in which the contacts change are as above, unless this e
  * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
  * length is what it was before. A step in which an open gap closes is tried again up to just behind that, where the accelerations of its start
  * tell when; it ends no deeper than a step with a change may sink. A step that one of its ways begins to carry in and the other does not is never

@@ -78,6 +78,16 @@ void world_extrapolate(world *w, const double *coarse, const double *fine);
  * v_start) / 4: the largest over the points of all bodies [m]; of third order where the motion is smooth. */
 double world_saved_bend(const world *w, double h, const double *start, const double *coarse,
                         const double *fine);
+/* A step of h [s] from `start` and two of h/2, as they were saved. */
+typedef struct saved_step {
+  double h;
+  const double *start, *coarse, *fine;
+} saved_step;
+/* As world_saved_bend and the distance of the velocities over h, from two steps in a row between which nothing begins or ends: what the
+ * later one's extrapolation may be off by [m], of third order also where velocities lag: what a joint or a contact holds is held with the
+ * directions at the start of a step, so that v_fine - v_coarse = h r is of first order, but what is left of it has only the change of r.
+ * What the accelerations v_coarse - v_start = h a change by, j = (a - a_before) / h_before, is that of free motion. */
+double world_saved_unsteady(const world *w, const saved_step *before, const saved_step *now);
 
 /* What the effects that the world leaves out of `effects` would do in the step from its last set to v_next with these
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the

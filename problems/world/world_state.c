@@ -296,3 +296,32 @@ double world_saved_bend(const world *w, double h, const double *start, const dou
   }
   return most;
 }
+
+/* Of n velocities: what acceleration and lag of two steps in a row say of the later one, h^3 |j| 7/16 + h^2 |dr|. */
+static double unsteady(const saved_step *before, const saved_step *now, ptrdiff_t at, int n) {
+  double jerk = 0.0;
+  double lag = 0.0;
+  for (ptrdiff_t k = at; k < at + n; k++) {
+    const double a_before = (before->coarse[k] - before->start[k]) / before->h;
+    const double a_now = (now->coarse[k] - now->start[k]) / now->h;
+    const double r_before = (before->fine[k] - before->coarse[k]) / before->h;
+    const double r_now = (now->fine[k] - now->coarse[k]) / now->h;
+    jerk += pow((a_now - a_before) / before->h, 2);
+    lag += pow(r_now - r_before, 2);
+  }
+  return now->h * now->h * (now->h * sqrt(jerk) * 7.0 / 16.0 + sqrt(lag));
+}
+
+double world_saved_unsteady(const world *w, const saved_step *before, const saved_step *now) {
+  const ptrdiff_t velocity = offsetof(body_state, v) / sizeof(double);
+  double most = 0.0;
+  if (w->model != NULL) {
+    return unsteady(before, now, 1 + w->n_dof, w->n_dof);
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    const ptrdiff_t at = 1 + BODY_NUMBERS * (ptrdiff_t)i + velocity;
+    most = fmax(most,
+                unsteady(before, now, at, 3) + w->body[i].bound * unsteady(before, now, at + 3, 3));
+  }
+  return most;
+}

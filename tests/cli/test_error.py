@@ -69,10 +69,12 @@ def exact_steps_are_few(_):
     assert simulate("bounce", "1%")["error"]["steps_solved"] < 600
 
 
-def impacts_are_few_steps(_):
-    """What falls is met where it lands (306 steps before)."""
+def impacts_and_turning_contacts_are_few_steps(_):
+    """A fall is met where it lands; what rolls is of second order (306 and 71508 before)."""
     for E in (1e-2, 1e-4):
         assert simulate("drop", E)["error"]["steps_solved"] < 80
+    disc = simulate("euler_disc", 1e-3)["error"]
+    assert disc["promised"] and disc["steps_solved"] < 5000, disc["steps_solved"]
 
 
 def laws_that_plain_steps_keep_are_kept(_):
@@ -209,7 +211,7 @@ tap(
         absolute_errors_have_a_unit,
         all_formulations_are_controlled,
         exact_steps_are_few,
-        impacts_are_few_steps,
+        impacts_and_turning_contacts_are_few_steps,
         laws_that_plain_steps_keep_are_kept,
         what_happens_early_is_seen,
         extrapolated_steps_are_those_of_the_file,

@@ -229,6 +229,23 @@ static void what_ends_inside_a_half_is_seen(void **state) {
   assert_true(o.account.rejected > 0 && o.error < 2e-3);
 }
 
+/* A coin that rolls on its edge: the direction of what its contact holds turns. The steps are of second order all the same: a
+ * sixteenth of the tolerance takes about four times as many, not sixteen times. */
+static void what_holds_is_of_second_order(void **state) {
+  (void)state;
+  long before = 0;
+  for (int i = 0; i < 3; i++) {
+    const outcome o = controlled_by("euler_disc", 0.0,
+                                    (step_rule){.tolerance = 1e-3 * pow(1.0 / 16.0, i),
+                                                .first = 0.01,
+                                                .most = 0.5,
+                                                .extrapolate = true});
+    assert_int_equal(o.account.forced, 0);
+    assert_true(i == 0 || o.account.solved < 6 * before);
+    before = o.account.solved;
+  }
+}
+
 /* Behind an impact the steps are as long as before. */
 static void impacts_cost_their_location(void **state) {
   (void)state;
@@ -351,6 +368,7 @@ int main(void) {
       cmocka_unit_test(impacts_are_located),
       cmocka_unit_test(extrapolated_steps_are_of_second_order),
       cmocka_unit_test(what_ends_inside_a_half_is_seen),
+      cmocka_unit_test(what_holds_is_of_second_order),
       cmocka_unit_test(impacts_cost_their_location),
       cmocka_unit_test(an_impact_is_foreseen),
       cmocka_unit_test(what_one_way_meets_is_not_extrapolated),
