@@ -10,8 +10,8 @@ static const struct {
   double longest, tolerance, least;
 } first[] = {{1.0 / 8.0, 256.0, 2.0}, {1.0 / 8.0, 256.0, 2.0}, {1.0 / 2.0, 16.0, 5.0}};
 static const double most_ratio = 64.0;
-/* Parts of the first extrapolated run. */
-static const double first_parts = 4.0;
+/* Parts of the first extrapolated run, which is enough where all is at rest; and what the next one's count from. */
+static const double first_parts = 2.0, next_parts = 4.0;
 
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears) {
@@ -33,7 +33,7 @@ void error_ladder_finer(error_ladder *l, double over, double length, double part
   rule->tolerance /= l->ratio;
   if (rule->extrapolate) {
     rule->tolerance = fmax(rule->tolerance, ERROR_EXACT * length);
-    l->parts = fmin(l->parts * sqrt(l->ratio), parts);
+    l->parts = fmin(fmax(l->parts, next_parts) * sqrt(l->ratio), parts);
   }
   /* or two runs that take the longest steps would be one */
   rule->most /= error_ladder_gain(l, !rule->extrapolate);

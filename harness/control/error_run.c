@@ -145,14 +145,22 @@ static bool as_if_exact(climber *l) {
   return r->estimate <= r->asked.E;
 }
 
+/* Did no contact begin or cease to carry in the last run, and is nothing asked for between its states? What its steps are off by tells
+ * what it is off by then, but for how that grows. */
+static bool smooth(const climber *l) {
+  return !l->now.between && l->result->level[l->result->n_level - 1].account.changed == 0;
+}
+
 /* How much better the last run is than the one before. Extrapolated steps: first order in the step is counted on, second
- * where three runs show it. */
+ * where three runs show it, or where the steps of a smooth run do: together they are off by that much less, and by no more than E. */
 static double finer_by(const climber *l) {
   const error_result *r = l->result;
   const error_level *level = &r->level[r->n_level - 1];
-  const bool second = r->n_level > r->first_level + 2 &&
-                      level[-1].change >= shown * l->ratio_before * level->change;
-  return error_ladder_gain(&l->ladder, second);
+  const bool changes = r->n_level > r->first_level + 2 &&
+                       level[-1].change >= shown * l->ratio_before * level->change;
+  const bool steps = smooth(l) && level->account.off <= length_now(l) &&
+                     level[-1].account.off >= shown * l->ladder.ratio * level->account.off;
+  return error_ladder_gain(&l->ladder, changes || steps);
 }
 
 /* Judges the run just made; false: it is the last. */

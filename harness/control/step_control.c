@@ -144,6 +144,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_account *a = c->account;
   const bool changed = c->pair.coarse.event || c->pair.fine.event;
   a->forced += e > 1.0;
+  a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
   a->off += c->off;
   a->bow = fmax(a->bow, bow_of(c, h));

@@ -40,8 +40,9 @@ typedef struct step_account {
   long solved, rejected,
       forced;         /* forced: taken at the shortest length though not within its share */
   double least, most; /* of the steps kept [s] */
-  double off;         /* sum of what the steps kept are off by [m] */
-  double located;     /* largest error of a step in which the contacts changed [m] */
+  long changed;   /* steps kept in which other contacts carry than before, the first one aside */
+  double off;     /* sum of what the steps kept are off by [m] */
+  double located; /* largest error of a step in which the contacts changed [m] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
   bool ended; /* the run came to its end within the limit */

@@ -65,6 +65,9 @@ def exact_steps_are_few(_):
         e, (q, true) = o["error"], reference(o)
         assert e["promised"] and true <= 1e-9 * q["scale"] and e["method"] == "extrapolated steps"
         assert e["steps_solved"] == 6 and o["steps"] == 2 and len(e["runs"]) == 1, e
+    assert simulate("stack:n=3", "1e-4")["error"]["steps_solved"] == 6, "all at rest"
+    sliding = simulate("slide:dim=2", "1e-3")["error"]  # 174 before its steps told the order
+    assert sliding["promised"] and sliding["steps_solved"] < 100, sliding["steps_solved"]
     assert simulate("slide", "1e-4")["error"]["steps_solved"] < 300
     assert simulate("bounce", "1%")["error"]["steps_solved"] < 600
 
