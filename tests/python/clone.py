@@ -35,7 +35,8 @@ def configured(folder: pathlib.Path, *more: str) -> pathlib.Path:
     options."""
     told = json.loads((BUILD / "meson-info" / "intro-buildoptions.json").read_text())
     options = [f"-D{o['name']}={str(o['value']).lower()}" for o in told if o["name"] in KEPT]
-    compiler = json.loads((BUILD / "compile_commands.json").read_text())[0]["command"].split()[0]
+    words = json.loads((BUILD / "compile_commands.json").read_text())[0]["command"].split()
+    compiler = " ".join(words[: 2 if pathlib.Path(words[0]).name == "ccache" else 1])
     build = folder / "build"
     subprocess.run(
         ["meson", "setup", build, folder, "-Dtests=disabled", *options, *more],
