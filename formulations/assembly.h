@@ -170,6 +170,7 @@ typedef struct form_assembly {
   double *shift;    /* n_dof: formulation_answer.shift, where `shifts` */
   bool shifts; /* an error is taken back beside the motion: of eliminated joints, or an overlap */
   bool shift_known;    /* in this step */
+  bool beside;         /* errors of joints that contacts touch are */
   double *force;       /* n_dof, scratch: J' lambda [N s] */
   unsigned char *mode; /* n_contact of the set */
 
@@ -203,6 +204,11 @@ void form_assembly_close(form_assembly *a);
 
 static inline int form_rows_of(const form_assembly *a, int i) {
   return a->row[i + 1] - a->row[i];
+}
+
+/* Joints, eliminated or rows. */
+static inline int form_joints_of(const form_assembly *a) {
+  return a->n_joint_group + a->n_group - a->n_contact;
 }
 
 /* The own block of group i: rows_i x rows_i. */
@@ -275,8 +281,6 @@ base_status form_assembly_mix(form_assembly *a, base_error *err);
 void form_assembly_joint_impulses(form_assembly *a, double *lambda);
 /* S^-1 repair over all rows of `full`: the impulses that would take back the errors of eliminated joints; false: there are none. */
 bool form_assembly_repair_impulses(const form_assembly *a, double *lambda);
-/* shift = -W J_b' S^-1 repair, once a step. */
-void form_assembly_find_shift(form_assembly *a);
 static inline const double *form_shift_of(const form_assembly *a) {
   return a->shifts ? a->shift : NULL;
 }

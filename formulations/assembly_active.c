@@ -258,6 +258,7 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
   a->all_rows = rule->all_rows;
   a->shifts = false;
   a->shift_known = false;
+  a->beside = false;
   a->reduced = false;
   a->full.n_contact = a->n_contact;
   a->full.group = a->group;

@@ -587,6 +587,7 @@ static base_status project(form_assembly *a, base_error *err) {
     first_row += j->part[c].rows;
   }
   know_joints(a);
+  a->beside = true;
   return BASE_OK;
 }
 
@@ -636,9 +637,6 @@ base_status form_assembly_mix(form_assembly *a, base_error *err) {
   for (int r = 0; r < a->n_row; r++) {
     a->r[r] = a->lambda[r] - ((r < a->row[a->n_contact]) ? 0 : a->repair[r]);
   }
-  a->n_joint_group = a->n_group - a->n_contact; /* whose errors are taken back beside the motion */
-  form_assembly_find_shift(a);
-  a->n_joint_group = 0;
   read_projected(a);
   const bool fewer = form_assembly_choose_rows(a);
   read_home(a);
@@ -688,7 +686,7 @@ bool form_assembly_repair_impulses(const form_assembly *a, double *lambda) {
   const form_joints *j = &a->joints;
   const int *row = a->full.row;
   bool any = false;
-  for (int r = row[a->full.n_contact]; r < row[a->full.n_contact + a->n_joint_group]; r++) {
+  for (int r = row[a->full.n_contact]; r < row[a->full.n_contact + form_joints_of(a)]; r++) {
     any = any || a->repair[r] != 0;
   }
   for (int c = 0; any && c < j->n_part; c++) {

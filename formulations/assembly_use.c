@@ -80,7 +80,8 @@ static void add_motion(const form_assembly *a, const double *from, double *out) 
   }
 }
 
-void form_assembly_find_shift(form_assembly *a) {
+/* shift = -W J_b' S^-1 repair, once a step. */
+static void find_shift(form_assembly *a) {
   const contact_set *c = a->set;
   a->shifts = form_assembly_repair_impulses(a, a->lambda);
   a->shift_known = true;
@@ -89,7 +90,7 @@ void form_assembly_find_shift(form_assembly *a) {
   }
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   memset(a->shift, 0, (size_t)c->n_dof * sizeof *a->shift);
-  for (int i = a->full.n_contact; i < a->full.n_contact + a->n_joint_group; i++) {
+  for (int i = a->full.n_contact; i < a->full.n_contact + form_joints_of(a); i++) {
     push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], a->lambda + a->full.row[i]);
   }
   add_motion(a, a->shift, a->shift);
@@ -100,8 +101,8 @@ void form_assembly_find_shift(form_assembly *a) {
 
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
-  if (a->n_joint_group > 0 && !a->shift_known) {
-    form_assembly_find_shift(a);
+  if (a->beside && !a->shift_known) {
+    find_shift(a);
   }
   if (a->reduced) {
     memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
@@ -122,7 +123,7 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
   }
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   const int n_contact = a->reduced ? a->full.n_contact : a->n_contact;
-  const int n_group = n_contact + a->n_group - a->n_contact + a->n_joint_group;
+  const int n_group = n_contact + form_joints_of(a);
   for (int i = 0; i < n_group; i++) {
     const int g = a->full.group[i];
     const int rows = a->full.row[i + 1] - a->full.row[i];

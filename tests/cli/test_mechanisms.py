@@ -194,8 +194,8 @@ def a_coarse_tolerance_parts_joints(d):
 
 
 def chain(seed: int) -> Scene:
-    """Rods of 30 g to 30 kg, end to end, that fall on the floor. Pinned ends coincide: a contact that
-    the pin blocks, to its error."""
+    """Rods of 30 g to 30 kg, end to end, that fall on the floor. Pinned ends coincide: a contact
+    that the pin blocks, to its error."""
     rng = random.Random(f"chain {seed}")
     n, half = rng.choice((3, 4, 5)), 0.1
     scene: Scene = {"id": "chain", "dim": 2, "T": 0.3, "hs": [0.005], "gravity": [0, -9.81]}
@@ -224,7 +224,11 @@ def joints_that_stay_rows_move_alike(d):
     for seed in range(12):
         scene = chain(seed)
         (d / "chain.json").write_text(json.dumps(scene))
-        for formulation, solver in (("velocity", "lemke"), ("boxed", "newton"), ("coulomb", "nsgs")):
+        for formulation, solver in (
+            ("velocity", "lemke"),
+            ("boxed", "newton"),
+            ("coulomb", "nsgs"),
+        ):
             ends = []
             for joints in ("eliminated", "mixed"):
                 words = ("--formulation", f"{formulation}:joints={joints}", "--solver", solver)

@@ -8,6 +8,7 @@ import math
 import re
 
 from laws import Motion, momentum_error
+
 from support import SANITIZED, TESTS, Skip, run, run_json, tap
 
 FOLDER = TESTS / "cases" / "regressions"
@@ -334,8 +335,8 @@ def work_is_limited(d):
 
 
 def loads_that_cancel_do_not_cut_steps(d):
-    """Under a load of 1e8 and 1e10 of its weights a block is at rest: the rounding of the load, which
-    no substep is short enough for, took 1.8 million evaluations."""
+    """Under a load of 1e8 and 1e10 of its weights a block is at rest: the rounding of the load,
+    which no substep is short enough for, took 1.8 million evaluations."""
     scene = json.loads((FOLDER / "scenes" / "heavy_on_light_1e8.json").read_text())
     scene["checks"] = [c for c in scene["checks"] if c["type"] == "max_drift"]
     path = d / "loads.json"
