@@ -123,7 +123,9 @@ def a_slip_begins_in_a_direction_that_turns(d):
         assert said["status"] == "ok", said["note"]
         for name, x in zip(("puck.x", "puck.y"), exact, strict=True):
             got = said["observables"][name]["value"]
-            assert abs(got - x) < 1e-8, f"{name} = {got} at h = {step} s, {x} by another integration"
+            assert abs(got - x) < 1e-8, (
+                f"{name} = {got} at h = {step} s, {x} by another integration"
+            )
 
 
 def thirty_random_scenes_end(d):
