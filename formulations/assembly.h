@@ -81,11 +81,10 @@ typedef struct form_component {
   size_t at;          /* S, then Y = L^-1 P' R, in dense */
 } form_component;
 
-/* What is known of a row before it is judged: the diagonal of C up to which it cannot move, and up to which the errors of joints
- * alone let it move [1/kg]; the velocity that it
+/* What is known of a row before it is judged: the diagonal of C up to which it cannot move [1/kg]; the velocity that it
  * has if it cannot, and the rounding error of that [m/s]. */
 typedef struct form_blocked {
-  double noise, lever, u, u_noise;
+  double noise, u, u_noise;
 } form_blocked;
 
 /* One row in use of a contact that lost some: sum of c_k times the rows row .. row+n-1 of the set's contact. A tied one moves

@@ -83,11 +83,6 @@ static void main_axis(double p, double q, double r, double axis[2]) {
   axis[1] = (length > 0) ? axis[1] / length : 0;
 }
 
-/* The diagonal c of C is that of a direction that cannot move, or that an error of joints alone lets move and nothing drives. */
-static bool is_blocked(const form_blocked *known, double c) {
-  return c <= known->noise || (c <= known->lever && fabs(known->u) <= known->u_noise);
-}
-
 /* Keeps what can move of the n rows from `first` on (of one kind, n <= 2); returns how many stay. */
 static int keep_part(const form_assembly *a, int i, int first, int n, remains *out) {
   const int rows = a->full.row[i + 1] - a->full.row[i];
@@ -95,7 +90,7 @@ static int keep_part(const form_assembly *a, int i, int first, int n, remains *o
   const double *own = form_own_block(a, i) + (ptrdiff_t)first * (rows + 1);
   const form_blocked *known = a->known + a->full.row[i] + first;
   if (n == 1) {
-    if (is_blocked(known, own[0])) {
+    if (own[0] <= known->noise) {
       keep_still(out, first, 1, 1, 0, known->u, known->u_noise);
     } else {
       keep(out, first, 1, 1, 0);
@@ -105,7 +100,7 @@ static int keep_part(const form_assembly *a, int i, int first, int n, remains *o
     const double noise = fmax(known[0].noise, known[1].noise);
     const double u_noise = known[0].u_noise + known[1].u_noise;
     const double largest = 0.5 * (p + r) + hypot(0.5 * (p - r), q);
-    if (largest <= noise || (is_blocked(&known[0], largest) && is_blocked(&known[1], largest))) {
+    if (largest <= noise) {
       const bool moved = hypot(known[0].u, known[1].u) > u_noise;
       for (int k = 0; moved && k < 2; k++) {
         keep_still(out, first + k, 1, 1, 0, known[k].u, -1);
@@ -219,7 +214,7 @@ static void judge(const form_assembly *a, int i, remains *out) {
   const contact_rows rows = a->rows[i];
   const form_blocked *normal = a->known + a->full.row[i];
   *out = (remains){.n = 0};
-  if (is_blocked(normal, form_own_block(a, i)[0])) {
+  if (form_own_block(a, i)[0] <= normal->noise) {
     const double apart = normal->u + fmax(a->bias[a->full.group[i]], 0);
     if (apart < -normal->u_noise) {
       keep_still(out, 0, 1, 1, 0, normal->u, -1);

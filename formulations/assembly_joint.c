@@ -12,8 +12,7 @@
  * Whether the joints block a direction of a contact is judged here, where the numbers that it is lost in are known. With
  * w = S^-1 R of its row a blocked direction has J_c = w' J_b: its diagonal of C' is zero, computed with an error of
  * some roundings of (|J_c| + sum |w_k| |J_b,k|)^2, and its velocity is drift_c - w' drift_b, whatever r' says: that
- * holds the correction of joint errors besides, which is no motion of the contact. To the error of the joints a direction is
- * blocked that a lever of that length would free, and that nothing drives. */
+ * holds the correction of joint errors besides, which is no motion of the contact. */
 #include "formulations/assembly.h"
 
 #include <assert.h>
@@ -430,37 +429,6 @@ static void joint_drift(const form_assembly *a, const form_component *part, doub
   }
 }
 
-/* Largest error of the joints of one component [m or rad]. */
-static double joint_error(const form_assembly *a, const form_component *part) {
-  const contact_set *c = a->set;
-  const int first = c->row_start[c->n_contact];
-  double largest = 0;
-  for (int m = part->first; m < part->first + part->count; m++) {
-    const int g = a->group[a->joints.member[m]];
-    for (int r = c->row_start[g]; r < c->row_start[g + 1]; r++) {
-      largest = fmax(largest, fabs(c->joint_error[r - first]));
-    }
-  }
-  return largest;
-}
-
-/* What a lever as long as the error does to the diagonal of contact i [1/kg]: where the ends of two rods coincide but for the
- * error of their joint, their contact cannot turn them about it. */
-static double lever(const form_assembly *a, int i, double error) {
-  const contact_set *c = a->set;
-  double sum = 0;
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * a->group[i] + side];
-    const int n = contact_dofs(c, b);
-    double most = 0;
-    for (int k = 0; k < n; k++) {
-      most = fmax(most, c->inv_mass[c->mass_start[b] + k * n + k]);
-    }
-    sum += most;
-  }
-  return 4 * error * error * sum;
-}
-
 /* Adds to what is known of contact row `row` what the joints of one component do to it; column: its part of Y. */
 static void know_row(form_assembly *a, const form_component *part, const double *S,
                      const double *column, const double *drift, int row) {
@@ -530,7 +498,7 @@ static bool may_be_blocked(const form_assembly *a, int i, int first, int n) {
 }
 
 static void know_part(form_assembly *a, const form_component *part, int t, int first, int n,
-                      const double *drift, double error) {
+                      const double *drift) {
   const form_joints *j = &a->joints;
   const int i = j->touch[t];
   if (n == 0 || !may_be_blocked(a, i, first, n)) {
@@ -540,8 +508,6 @@ static void know_part(form_assembly *a, const form_component *part, int t, int f
   const double *Y = S + (ptrdiff_t)part->rows * part->rows;
   for (int p = first; p < first + n; p++) {
     know_row(a, part, S, Y + (ptrdiff_t)(j->column[t] + p) * part->rows, drift, a->row[i] + p);
-    form_blocked *known = &a->known[a->row[i] + p];
-    known->lever = fmax(known->lever, lever(a, i, error));
   }
 }
 
@@ -551,13 +517,12 @@ static void know_joints(form_assembly *a) {
   for (int c = 0; c < j->n_part; c++) {
     const form_component *part = &j->part[c];
     double *drift = j->work + j->cap_row;
-    const double error = joint_error(a, part);
     joint_drift(a, part, drift);
     for (int t = part->touch; t < part->touch + part->n_touch; t++) {
       const contact_rows rows = a->rows[j->touch[t]];
-      know_part(a, part, t, 0, 1 + rows.tangent, drift, error);
-      know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift, 0);
-      know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift, 0);
+      know_part(a, part, t, 0, 1 + rows.tangent, drift);
+      know_part(a, part, t, 1 + rows.tangent, rows.torsion, drift);
+      know_part(a, part, t, 1 + rows.tangent + rows.torsion, rows.rolling, drift);
     }
   }
 }
