@@ -247,8 +247,10 @@ static inline void subtract(int n, double f, const double *restrict x, double *r
   }
 }
 
-/* P A = L U in place with partial pivoting, as dgetrf; swap[k]: row exchanged with row k. False: a pivot is zero. */
+/* P A = L U in place with partial pivoting, as dgetrf; swap[k]: row exchanged with row k, for all of them. False: a pivot is
+ * zero. */
 BASE_CLONES static bool factor_small(int n, double *A, int *swap) {
+  bool regular = true;
   for (int k = 0; k < n; ++k) {
     double *own = A + (ptrdiff_t)k * n;
     int p = k;
@@ -262,7 +264,8 @@ BASE_CLONES static bool factor_small(int n, double *A, int *swap) {
       A[k + j * n] = x;
     }
     if (!(fabs(own[k]) > 0)) {
-      return false;
+      regular = false; /* nothing below it either */
+      continue;
     }
     for (int i = k + 1; i < n; ++i) {
       own[i] /= own[k];
@@ -272,7 +275,7 @@ BASE_CLONES static bool factor_small(int n, double *A, int *swap) {
       subtract(n - k - 1, other[k], own + k + 1, other + k + 1);
     }
   }
-  return true;
+  return regular;
 }
 
 /* b <- U^-1 L^-1 b. */
