@@ -17,6 +17,7 @@ static const double rank_tol = 1e-11; /* singular directions of redundant contac
 static const double spring = 1e-6, friction_share = 1e-2;
 enum { CORRECTIONS = 100, TURNS = 50 };
 static const double settled = 1e-13;   /* a direction of sliding [1] */
+static const double slowly = 1e-3;     /* an acceleration, beside what friction could do [1] */
 static const double corrected = 1e-12; /* what delta may still hold, of the right side */
 /* Where speeds of rounding are taken out, a direction that is nearly redundant would magnify them. */
 static const double settle_rank_tol = 1e-8;
@@ -283,8 +284,19 @@ static base_status solve_forces(arc *a, size_t m, const work *w, base_error *err
   return BASE_OK;
 }
 
-/* d <- (a_t + c mu f d) / |...| of the contacts that slide where they are accelerated to, c the mean of what friction does to
- * its own tangents: a contraction with a_t parallel to d at its fixed point. Returns whether a direction moved. */
+/* c mu f of a contact with two tangents, c the mean of what friction does to them [m/s^2]. */
+static double friction_alone(const arc *a, const arc_contact *k) {
+  const double *own = form_own_block(&a->space->a, k->at);
+  return 0.5 * (own[4] + own[8]) * k->mu * k->force[0];
+}
+
+bool arc_begins_slowly(const arc *a, const arc_contact *k) {
+  return k->present && form_rows_of(&a->space->a, k->at) >= 3 &&
+         hypot(k->rate[0], k->rate[1]) < slowly * friction_alone(a, k);
+}
+
+/* d <- (a_t + c mu f d) / |...| of the contacts that slide where they are accelerated to: a contraction with a_t parallel to d
+ * at its fixed point. Returns whether a direction moved. */
 static bool follow(arc *a) {
   bool moved = false;
   for (int i = 0; i < a->n; i++) {
@@ -292,8 +304,7 @@ static bool follow(arc *a) {
     if (!k->follows || k->stick || !k->present || form_rows_of(&a->space->a, k->at) < 3) {
       continue;
     }
-    const double *own = form_own_block(&a->space->a, k->at);
-    const double hold = 0.5 * (own[4] + own[8]) * k->mu * k->force[0];
+    const double hold = friction_alone(a, k);
     const double d[2] = {k->rate[0] + hold * k->direction[0], k->rate[1] + hold * k->direction[1]};
     const double size = hypot(d[0], d[1]);
     if (!(size > 0.0)) {

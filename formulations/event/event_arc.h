@@ -57,6 +57,9 @@ void arc_close(arc *a);
 /* Accelerations (n_dof) at the world's present state, with forces, gaps and velocities of the listed
  * contacts. BASE_EEXTERNAL if the equations cannot be solved. */
 base_status arc_forces(arc *a, double *acc, base_error *err);
+/* Is contact k, which begins to slide, hardly accelerated, beside what its friction would do to it alone? Then its slip takes long to
+ * have a direction of its own. As of the last evaluation. */
+bool arc_begins_slowly(const arc *a, const arc_contact *k);
 /* How fast contact k slides across its direction [m/s]. */
 double arc_across(const arc_contact *k);
 /* Can the contacts carry the forces last evaluated: all touching, none pulls, sticking ones inside their cones? */

@@ -281,7 +281,8 @@ base_status event_resolve(event_run *s, double t, base_error *err) {
   world_set_state(s->w, t, s->y, s->y + s->n_config);
   BASE_TRY(restart_forces(s, err));
   for (int i = 0; i < s->arc.n; i++) {
-    s->arc.contact[i].follows = s->arc.contact[i].starts && !s->arc.contact[i].stick;
+    arc_contact *k = &s->arc.contact[i];
+    k->follows = k->starts && !k->stick && arc_begins_slowly(&s->arc, k);
   }
   return watch_take(&s->watch, &s->arc, true, event_touching * s->arc.set.tol, err);
 }
