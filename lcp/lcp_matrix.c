@@ -126,7 +126,8 @@ BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *
     }
   }
   weight_times(f, force, v);
-  velocities u = {f, v, y};
+  velocities u = {.f = f, .v = v};
+  u.y = y;
   base_share((f->n_group + SHARE - 1) / SHARE, share_rows, &u);
 }
 

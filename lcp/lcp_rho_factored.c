@@ -129,9 +129,15 @@ static void add_shift(shift_reader *r, int i, int count, double *entry) {
   }
 }
 
-/* size_i += |M_ij x_j| over `count` rows j of group h, of `wide`, from `from` on; M_ij has S inside a group. */
-static inline void add_columns(const lcp_factored *f, const meeting *m, int g, int h, int from,
-                               int count, int wide, const double *x, double *size) {
+/* `count` rows from `from` on, of the `wide` of a group. */
+typedef struct strip {
+  int from, count, wide;
+} strip;
+
+/* size_i += |M_ij x_j| over some rows j of group h; M_ij has S inside a group. */
+static inline void add_columns(const lcp_factored *f, const meeting *m, int g, int h, strip some,
+                               const double *x, double *size) {
+  const int from = some.from, count = some.count;
   const bool own = g == h && f->shift != NULL;
   const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
   const int other = f->row_start[h] + from;
@@ -141,7 +147,7 @@ static inline void add_columns(const lcp_factored *f, const meeting *m, int g, i
   }
   for (int i = 0; i < rows; i++) {
     double entry[LANES] = {0}, sum = size[first + i];
-    entries(m, i, from, count, wide, entry);
+    entries(m, i, from, count, some.wide, entry);
     if (own) {
       add_shift(&shift, first + i, count, entry);
     }
@@ -157,12 +163,13 @@ BASE_CLONES static void add_pair(const lcp_rho_factored *s, const lcp_factored *
   const meeting m = meet(s, f, g, h);
   const int wide = f->row_start[h + 1] - f->row_start[h];
   if (wide == 6) { /* the commonest: a contact over four facets, and over a cone */
-    add_columns(f, &m, g, h, 0, 6, 6, x, size);
+    add_columns(f, &m, g, h, (strip){0, 6, 6}, x, size);
   } else if (wide == 3) {
-    add_columns(f, &m, g, h, 0, 3, 3, x, size);
+    add_columns(f, &m, g, h, (strip){0, 3, 3}, x, size);
   } else {
     for (int from = 0; from < wide; from += LANES) {
-      add_columns(f, &m, g, h, from, (wide - from < LANES) ? wide - from : LANES, wide, x, size);
+      const int count = (wide - from < LANES) ? wide - from : LANES;
+      add_columns(f, &m, g, h, (strip){from, count, wide}, x, size);
     }
   }
 }

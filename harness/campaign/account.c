@@ -66,30 +66,34 @@ static void add_values(json_t *values, const cell *c, bool good) {
   }
 }
 
+/* {part: {axis: [value]}} of the values of a part without a measured cell. */
+static void add_absent(json_t *out, const char *part, json_t *axes) {
+  const char *axis;
+  const char *value;
+  json_t *of;
+  json_t *pair;
+  json_object_foreach(axes, axis, of) {
+    json_t *list = json_array();
+    json_object_foreach(of, value, pair) {
+      if (json_integer_value(json_array_get(pair, 0)) == 0) {
+        (void)json_array_append_new(list, json_string(value));
+      }
+    }
+    if (json_array_size(list) > 0) {
+      (void)json_object_set(below(out, part), axis, list);
+    }
+    json_decref(list);
+  }
+}
+
 /* The values without a measured cell, of parts that have one. */
 static json_t *absent(json_t *values, json_t *parts) {
   json_t *out = json_object();
   const char *part;
-  const char *axis;
-  const char *value;
   json_t *axes;
-  json_t *of;
-  json_t *pair;
   json_object_foreach(values, part, axes) {
-    if (json_integer_value(json_array_get(json_object_get(parts, part), 0)) == 0) {
-      continue;
-    }
-    json_object_foreach(axes, axis, of) {
-      json_object_foreach(of, value, pair) {
-        if (json_integer_value(json_array_get(pair, 0)) == 0) {
-          json_t *list = json_object_get(below(out, part), axis);
-          if (list == NULL) {
-            list = json_array();
-            (void)json_object_set_new(below(out, part), axis, list);
-          }
-          (void)json_array_append_new(list, json_string(value));
-        }
-      }
+    if (json_integer_value(json_array_get(json_object_get(parts, part), 0)) > 0) {
+      add_absent(out, part, axes);
     }
   }
   return out;

@@ -137,14 +137,19 @@ typedef struct candidate {
   bool quick, refused, taken;
 } candidate;
 
+/* A cell in the order of its texts. */
+typedef struct listed {
+  const cell *cell;
+} listed;
+
 typedef struct covering {
   texts texts;
   int n;
-  candidate *of;  /* [n] cells with units, cheap ones first; owned */
-  int *brings;    /* [n_cell, BRINGS] numbers of features; owned */
-  bool *covered;  /* [features]; owned */
-  feature *all;   /* [n_cell * BRINGS], sorted; owned */
-  const cell **q; /* the quick form's cells, sorted; owned */
+  candidate *of; /* [n] cells with units, cheap ones first; owned */
+  int *brings;   /* [n_cell, BRINGS] numbers of features; owned */
+  bool *covered; /* [features]; owned */
+  feature *all;  /* [n_cell * BRINGS], sorted; owned */
+  listed *q;     /* the quick form's cells, sorted; owned */
   int n_quick;
   cover *out;
 } covering;
@@ -158,8 +163,8 @@ static int by_cost(const void *a, const void *b) {
 
 /* By all texts: the same experiment, in whatever form. */
 static int by_texts(const void *a, const void *b) {
-  const cell *x = *(const cell *const *)a;
-  const cell *y = *(const cell *const *)b;
+  const cell *x = ((const listed *)a)->cell;
+  const cell *y = ((const listed *)b)->cell;
   const char *of_x[AXIS_COUNT];
   const char *of_y[AXIS_COUNT];
   int order = strcmp(x->part, y->part);
@@ -255,12 +260,12 @@ static void number_features(covering *s, const plan *p) {
 static void list_candidates(covering *s, const plan *p, const plan *quick, const cover_hint *hint) {
   s->n_quick = quick->n_cell;
   for (int i = 0; i < quick->n_cell; i++) {
-    s->q[i] = &quick->cell[i];
+    s->q[i].cell = &quick->cell[i];
   }
   qsort(s->q, (size_t)s->n_quick, sizeof *s->q, by_texts);
   for (int u = 0; u < p->n_unit; u++) {
     const int i = p->unit[u].cell;
-    const cell *c = &p->cell[i];
+    const listed c = {&p->cell[i]};
     if (p->unit[u].process == 0) {
       s->of[s->n++] = (candidate){
           .cell = i,
