@@ -13,6 +13,7 @@ from support import SANITIZED, TESTS, Skip, run, run_json, tap
 
 FOLDER = TESTS / "cases" / "regressions"
 DISPUTED = TESTS / "cases" / "disputed"
+MOVING = TESTS / "cases" / "moving"
 # what a model leaves out is no failure
 LIMITS = ("models no ", "models compliant ", "not applicable")
 # 1600 and 160 contacts: one combination, where every other scene goes through all formulations
@@ -86,6 +87,25 @@ def disputed_scenes_come_out_right(d):
     if SANITIZED:
         raise Skip("hundreds of contacts in many formulations: too slow with sanitizers")
     come_out_right(sorted(DISPUTED.glob("*.json")), 8)
+
+
+def many_contacts_move_right(d):
+    """24 to 48 contacts that slip, stick and roll, by formulations with the exact cone and one with
+    facets, each within its step's first order of the closed form (cases/derive/moving.py)."""
+    ways = (
+        ("regularized", "lemke"),
+        ("coulomb", "cone_newton"),
+        ("position:facets=8", "cone_newton"),
+    )
+    for name in ("bowls24", "pushed_row6", "pulled_plate8", "rollers12"):
+        for formulation, solver in ways:
+            if name == "bowls24" and "facets" in formulation:
+                continue  # no polygon has the direction of every slip
+            words = ("--formulation", formulation, "--solver", solver, "--start", "previous")
+            o = run_json("simulate", MOVING / f"{name}.json", *words, "--step", 0.01)
+            off = [c for c in o["predictions"] if not c["ok"]]
+            assert o["status"] == "ok" and len(o["predictions"]) > 4, (name, formulation, o["note"])
+            assert o["n_contact_max"] >= 24 and not off, (name, formulation, off)
 
 
 def come_out_right(scenes, n):
@@ -393,6 +413,7 @@ tap(
         lcps_are_solved,
         scenes_come_out_right,
         disputed_scenes_come_out_right,
+        many_contacts_move_right,
         cases_come_out_right,
         a_house_of_cards_stands,
         the_same_result_twice,
