@@ -359,7 +359,13 @@ PLOTLY_MARKER = {
 PLOTLY_DASH = ["solid", "dash", "dot", "dashdot", "4px,2px", "longdashdot"]
 
 
-def _plotly_line(line: Line, axis: str, shown: set[str]):
+def _at(panel: Panel) -> str:
+    """What a point of the panel says of itself: the axes' own words, with their units."""
+    named = ((panel.xlabel, "%{x:.4g}"), (panel.ylabel, "%{y:.4g}"))
+    return "<br>".join(f"{name}: {at}" if name else at for name, at in named) + "<extra></extra>"
+
+
+def _plotly_line(line: Line, panel: Panel, axis: str, shown: set[str]):
     look = line.look()
     first = line.name not in shown
     shown.add(line.name)
@@ -428,7 +434,7 @@ def _plotly_line(line: Line, axis: str, shown: set[str]):
     if line.kind == "steps":
         trace["marker"] |= {"size": 6, "maxdisplayed": 6}
     if line.hover:
-        trace.update(text=line.hover, hovertemplate="%{text}<br>%{x:.4g}, %{y:.4g}<extra></extra>")
+        trace.update(text=line.hover, hovertemplate="%{text}<br>" + _at(panel))
     out.append(trace)
     if line.bad:
         bx, by = zip(*line.bad, strict=True)
@@ -445,9 +451,7 @@ def _plotly_line(line: Line, axis: str, shown: set[str]):
                     "size": 11,
                     "line": {"width": 2.5, "color": look["color"]},
                 },
-                "hovertemplate": (
-                    line.name + ": not solved or not verified<br>%{x:.4g}, %{y:.4g}<extra></extra>"
-                ),
+                "hovertemplate": line.name + ": not solved or not verified<br>" + _at(panel),
             }
         )
     return out
@@ -546,7 +550,7 @@ def plotly(chart: Chart) -> str:
                 ):  # 0.02, not a 2 without its decade
                     layout[f"{which}axis{axis}"]["tickformat"] = "~g"
         for line in panel.lines:
-            data += _plotly_line(line, axis, shown)
+            data += _plotly_line(line, panel, axis, shown)
     layout["annotations"] = notes
     if chart.width <= style.COLUMN:
         layout["width"] = 620
