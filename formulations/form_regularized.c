@@ -31,6 +31,7 @@ static const base_field fields[] = {
     BASE_FIELD(options, ellipse, BASE_REAL, "1", 1, 1e-3, 1e3, "mu along t2 over mu along t1"),
     BASE_FIELD_CHOICE(options, impact, "keep|boost", 0, "raise G to the ratio at impacts"),
     BASE_FIELD_CHOICE(options, modes, "newton|plain|secant|once", 0, "iteration of stick and slip"),
+    BASE_FIELD_CHOICE(options, turned, "sticks|slips", 0, "plain: a slip that has turned round"),
     BASE_FIELD_CHOICE(options, bound, "current|previous", 0, "once: normal impulse of this step"),
     BASE_FIELD_CHOICE(options, integration, "implicit|explicit", 0, "once: force of the bristle"),
     BASE_FIELD_CHOICE(options, bristle, "saturated|reset", 0, "once: deflection while it slides"),
@@ -224,6 +225,9 @@ static base_status open(void *state, const void *opt, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL,
                      "regularized: bound, integration and bristle are readings of modes=once");
   }
+  if (o->turned != REG_TURNED_STICKS && o->modes != REG_PLAIN) {
+    return BASE_FAIL(err, BASE_EINVAL, "regularized: turned is a reading of modes=plain");
+  }
   if (o->modes == REG_ONCE && (o->model == REG_LUGRE || o->form == 2)) {
     return BASE_FAIL(err, BASE_EINVAL, "regularized: modes=once needs %s",
                      (o->form == 2) ? "form=contact" : "model=bristle or viscous");
@@ -329,7 +333,7 @@ static void keep_best(regularized *s, double residual) {
   }
 }
 
-/* The limit of solves is reached: the best iterate stands, declared as not solved. */
+/* The limit of solves is reached, or the loop goes in circles: the best iterate stands, declared as not solved. */
 static void give_up(regularized *s) {
   if (s->best_residual < HUGE_VAL) {
     memcpy(s->lambda, s->best, (size_t)s->a.n_row * sizeof *s->best);
@@ -393,6 +397,11 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
   }
   memcpy(s->z0, z, (size_t)s->a.n_contact * sizeof *z);
   reg_modes_next(s, residual);
+  s->answer.circle = reg_modes_circle(s);
+  if (s->answer.circle > 0) {
+    give_up(s);
+    return BASE_OK;
+  }
   reduce(s);
   return BASE_OK;
 }

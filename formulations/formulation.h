@@ -60,6 +60,8 @@ typedef struct formulation_answer {
   const double *bias;        /* n_contact: normal bias used [m/s]; HUGE_VAL: contact not active */
   bool solved;               /* the formulation's own residual met its tolerance in this step */
   double residual;           /* its own model's residual (mode loop, bound loop) [1] */
+  int circle;                /* solves after which that loop was back, bit for bit, in a state that
+                                it had been in, which proves that it has no end; 0: none is known */
   int lcp_dim;               /* unknowns of the largest problem posed */
   int n_active;              /* active contacts */
   double stiffness_ratio;    /* min over contacts of G/m_t; HUGE_VAL if not regularised */

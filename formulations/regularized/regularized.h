@@ -33,6 +33,7 @@ typedef enum reg_pose { REG_REDUCED, REG_CONE } reg_pose;
 enum { REG_BOUND_CURRENT, REG_BOUND_PREVIOUS };
 enum { REG_IMPLICIT, REG_EXPLICIT };
 enum { REG_SATURATED, REG_RESET };
+enum { REG_TURNED_STICKS, REG_TURNED_SLIPS }; /* of REG_PLAIN */
 
 /* A memory entry: what all formulations remember, whether there is more of an active contact, then for each kind of part the
  * numbers below, which count only where a step starts from the previous one. */
@@ -57,6 +58,7 @@ typedef struct reg_options {
   double k, c;   /* [N/m], [N s/m] */
   int impact;    /* 0: keep k and c, 1: raise G to ratio m_t in steps with an impact */
   int modes;     /* reg_modes */
+  int turned;    /* of REG_PLAIN: what a slip becomes that its own friction has turned round */
   int bound, integration,
       bristle;      /* of REG_ONCE: the normal impulse behind the friction, the bristle's force, and
                                       what is left of it while it slides */
@@ -153,6 +155,7 @@ typedef struct reg_schedule {
   double way;      /* LuGre: how much of the way to the law's answer an iteration goes */
   double mark;     /* the residual to be halved */
   int waited;      /* iterations since the last one that halved it */
+  int kept;        /* REG_PLAIN: the iteration whose state is in base */
 } reg_schedule;
 
 /* regularized_cone.c: the step as one cone problem. */
@@ -173,7 +176,9 @@ typedef struct regularized {
   formulation_start start;
   bool by_factors; /* formulation_by_factors */
 
-  reg_part *part, *best_part, *base_part; /* n_part; base: where a trial of Newton's began */
+  reg_part *part, *best_part,
+      *base_part; /* n_part; base: where a trial of Newton's began; REG_PLAIN:
+                                             a state that the loop has been in */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
   int *sharers;    /* n_contact: active contacts that share its stiffness, itself included */
@@ -227,6 +232,9 @@ bool reg_is_idle(const regularized *s, const reg_part *p);
 void reg_modes_begin(regularized *s);
 void reg_modes_next(regularized *s, double residual);
 void reg_modes_without_solution(regularized *s);
+/* After reg_modes_next with REG_PLAIN: the number of solves after which the loop is, bit for bit, in a state that it has been
+ * in, so that it has no end; 0: it is not known to be. */
+int reg_modes_circle(regularized *s);
 
 /* regularized_once.c: modes from the state alone; friction known before the solve goes into `given` and into the free
  * velocities. Then what a part leaves behind: the impulse of the solve, and the next deflections. */

@@ -187,7 +187,8 @@ static void choose_mode(regularized *s, reg_part *p, bool secant) {
     const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
     const bool turned = was != REG_STICK && d[0] * p->d[0] + d[1] * p->d[1] < 0;
     const bool hold = s->opt.modes == REG_NEWTON && turned;
-    p->mode = (secant || hold) ? REG_SECANT : REG_SLIP;
+    const bool stays = s->opt.modes == REG_PLAIN && s->opt.turned == REG_TURNED_STICKS && turned;
+    p->mode = (secant || hold) ? REG_SECANT : stays ? REG_STICK : REG_SLIP;
     p->d[0] = d[0];
     p->d[1] = d[1];
   }
@@ -222,4 +223,33 @@ void reg_modes_without_solution(regularized *s) {
       s->part[k].mode = REG_SECANT;
     }
   }
+}
+
+/* The next solve follows from these alone: what a plain iteration does with an iterate depends on no other. */
+static bool is_kept(const regularized *s) {
+  bool same = memcmp(s->base, s->lambda, (size_t)s->a.n_row * sizeof *s->base) == 0;
+  for (int k = 0; k < s->n_part && same; k++) {
+    const reg_part *p = &s->part[k], *b = &s->base_part[k];
+    same = p->mode == b->mode && p->sliding == b->sliding && p->flips == b->flips &&
+           memcmp(p->d, b->d, sizeof p->d) == 0;
+  }
+  return same;
+}
+
+/* One state is kept, anew at iterations 1, 2, 4, 8, ...: a circle is found within three times what leads into it and its
+ * length (Brent 1980). */
+int reg_modes_circle(regularized *s) {
+  const int i = s->iteration;
+  if (s->opt.modes != REG_PLAIN) {
+    return 0;
+  }
+  if (i > 1 && is_kept(s)) {
+    return i - s->schedule.kept;
+  }
+  if ((i & (i - 1)) == 0) {
+    s->schedule.kept = i;
+    memcpy(s->base, s->lambda, (size_t)s->a.n_row * sizeof *s->base);
+    memcpy(s->base_part, s->part, (size_t)s->n_part * sizeof *s->part);
+  }
+  return 0;
 }

@@ -72,8 +72,14 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   }
   if (!a->solved) {
     char text[96];
-    (void)snprintf(text, sizeof text, "the formulation's own loop ended at residual %.3g",
-                   a->residual);
+    if (a->circle > 0) {
+      (void)snprintf(text, sizeof text,
+                     "the formulation's own loop goes in circles of %d solves, at residual %.3g",
+                     a->circle, a->residual);
+    } else {
+      (void)snprintf(text, sizeof text, "the formulation's own loop ended at residual %.3g",
+                     a->residual);
+    }
     sim_trouble(s, RUN_STALLED, text);
   }
 }
