@@ -319,10 +319,14 @@ static bool restart_after_ray(lemke_state *k, const lcp_problem *p, const lemke_
 
 /* The basis a path ended in is right up to the tolerance for ties, which lets a contact penetrate by
  * as much; a few pivots from there with the sharp one put that right: on a local path, and where that
- * ends on a ray with the cover of all rows. */
+ * ends on a ray with the cover of all rows. Where masses are 1e8 apart a wrong basis within that tolerance
+ * can be one whose point is none at all: then from there. */
 static bool polish(lemke_state *k, const lcp_problem *p, const lemke_options *o, lcp_result *res) {
   const lemke_system *s = whole(k, p);
   lemke_engine *e = &k->basis.engine;
+  if (!(res->residual < HUGE_VAL)) {
+    memcpy(k->answer, k->path.in_z, (size_t)s->n);
+  }
   for (int way = 0; way < BASE_COUNT(polishing); ++way) {
     res->work.refinements++;
     memcpy(k->path.in_z, k->answer, (size_t)s->n);
@@ -402,7 +406,7 @@ static bool settled(lemke_state *k, const lcp_problem *p, const lemke_options *o
                     lemke_end end, const char *word, lcp_result *res) {
   return accept(k, e, &o->stop, (word == NULL) ? e->kind->word : word, res) || end == LEMKE_LIMIT ||
          end == LEMKE_TIMEOUT || res->certificate.kind == LCP_CERT_FARKAS ||
-         (end == LEMKE_SOLVED && res->residual < HUGE_VAL && polish(k, p, o, res));
+         (end == LEMKE_SOLVED && polish(k, p, o, res));
 }
 
 /* Cold after warm, then the other attempts, until a basis is right to round-off. */
