@@ -96,6 +96,15 @@ typedef struct form_direction {
   double share;
 } form_direction;
 
+/* A matrix of groups by blocks: group i meets near[near_start[i] ..], ascending and itself included; its block is
+ * rows_i x rows_j, row-major, at block + block_at[]. */
+typedef struct form_blocks {
+  int *near_start;  /* n_group+1 */
+  int *near;        /* n_near */
+  size_t *block_at; /* n_near+1 */
+  double *block;
+} form_blocks;
+
 /* assembly_joint.c: the joints that were eliminated, and C' in their place. */
 typedef struct form_joints {
   int n_part;
@@ -106,9 +115,7 @@ typedef struct form_joints {
   double *unit;                            /* joint rows: power of two that brings S_kk near 1 */
   double *before;                          /* contact rows: diagonal of C before the elimination */
   double *y, *work, *dense;
-  int *near_start, *near;
-  size_t *block_at;
-  double *block;
+  form_blocks left; /* C' */
   int cap_group, cap_row, cap_near;
   size_t cap_dense, cap_block;
   void *mem, *dense_mem, *block_mem; /* owned */
@@ -145,21 +152,15 @@ typedef struct form_assembly {
   int *home_group; /* where `full` stands once it differs */
   int *home_row;
 
-  /* C: group i meets near[near_start[i] ..], ascending and itself included; its block is
-   * rows_i x rows_j, row-major, at block + block_at[]. */
-  int *near_start;  /* n_group+1 */
-  int *near;        /* n_near */
-  size_t *block_at; /* n_near+1 */
+  /* C, as form_blocks has it: of `home` or of `joints.left` */
+  int *near_start, *near;
+  size_t *block_at;
   double *block;
   int *self; /* n_group: position of the own block in near */
 
   int n_joint_group; /* joints that were eliminated: their rows follow the n_row of the contacts */
   form_joints joints;
-  struct { /* as laid out, before an elimination */
-    int *near_start, *near;
-    size_t *block_at;
-    double *block;
-  } home;
+  form_blocks home; /* as laid out, before an elimination */
 
   /* per contact of the set, and the answer */
   double *bias;     /* n_contact of the set; HUGE_VAL: not active */
