@@ -3,6 +3,7 @@ of the field do (tests/cases/disputed): each comes out right, or is listed in kn
 reason. A listed one that comes out right fails too, so that the list only shrinks."""
 
 import csv
+import itertools
 import json
 import math
 import re
@@ -371,6 +372,25 @@ def loads_that_cancel_do_not_cut_steps(d):
         assert moved < 1e-6, (mass, step, moved)
 
 
+def a_mass_ratio_is_a_rate(d):
+    """Sweeps of Gauss-Seidel on a heavy body above a light one converge linearly, ten times as
+    slowly at ten times the ratio, which is why nsgs is listed in known.txt; mixed sweeps do not."""
+    scene = json.loads((FOLDER / "scenes" / "heavy_on_light_1e8.json").read_text())
+    scene |= {"T": 0.01, "checks": [{"type": "finite"}]}
+    path, taken = d / "ratio.json", []
+    for mass in (1e1, 1e2, 1e3):
+        scene["bodies"][1]["mass"] = mass
+        path.write_text(json.dumps(scene))
+        words = ("--formulation", "coulomb", "--solver", "nsgs:max_iter=1000000")
+        taken.append(run_json("simulate", path, *words)["n_iter"])
+    assert all(9 < b / a < 11 for a, b in itertools.pairwise(taken)), taken
+    heavy = FOLDER / "scenes" / "heavy_on_light_1e8.json"
+    words = ("--formulation", "coulomb", "--solver", "nsgs:accelerate=anderson")
+    o = run_json("simulate", heavy, *words)
+    off = [c for c in o["predictions"] if not c["ok"]]
+    assert o["n_iter"] < 200 * o["steps"] and not off, (o["n_iter"], off)
+
+
 def rounding_does_not_choose_what_carries(d):
     """Feet that slide, at position level: gaps of 1e-14 m, what a solver's tolerance leaves, chose
     the feet that carry, and the spin was 10 to 30 % off. Positions of the compliant limit."""
@@ -425,6 +445,7 @@ tap(
         nothing_moves,
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
+        a_mass_ratio_is_a_rate,
         rounding_does_not_choose_what_carries,
         the_list_names_what_exists,
         large_choices_are_made,
