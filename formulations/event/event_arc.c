@@ -223,8 +223,9 @@ static base_status share(arc *a, size_t m, const work *w, base_error *err) {
     most_soft = fmax(most_soft, soft_of(a, w, j));
     w->x[j] = 0.0;
   }
-  /* b is what the forces of the start leave of the loads: it is known to their rounding */
-  enough = fmax(enough, (double)m * DBL_EPSILON * carried);
+  /* b is what the forces of the start leave of the loads: it is known to their rounding, of which friction that can take the place of
+   * a normal force makes more in the row of that */
+  enough = fmax(enough, (double)m * DBL_EPSILON * carried / friction_share);
   for (size_t j = 0; j < m; j++) {
     const double share = (w->row[j] == 0) ? soft_of(a, w, j) / most_soft : friction_share;
     w->delta[j] = share * spring * most;
@@ -250,6 +251,7 @@ static base_status share(arc *a, size_t m, const work *w, base_error *err) {
   }
   if (left > enough && m > 0) {
     a->unshared++;
+    a->distribution = FORM_EXTREME; /* to the end of the arc, whose forces would jump otherwise */
     memcpy(w->A, w->C, m * m * sizeof *w->A);
     return solve(m, rank_tol, w, err);
   }
@@ -339,16 +341,25 @@ base_status arc_forces(arc *a, double *acc, base_error *err) {
   return BASE_OK;
 }
 
-bool arc_carries(const arc *a) {
+/* The largest force at hand. */
+static double largest_force(const arc *a) {
   double largest = 0.0;
   for (int i = 0; i < a->n; i++) {
     largest = fmax(largest, fmax(fabs(a->contact[i].force[0]), a->contact[i].start[0]));
   }
+  return largest;
+}
+
+bool arc_slips(const arc *a, const arc_contact *k) {
+  const double beyond = hypot(k->force[1], k->force[2]) - k->mu * k->force[0];
+  return k->stick && beyond > force_tol * largest_force(a);
+}
+
+bool arc_carries(const arc *a) {
+  const double least = -force_tol * largest_force(a);
   for (int i = 0; i < a->n; i++) {
     const arc_contact *k = &a->contact[i];
-    const double beyond = hypot(k->force[1], k->force[2]) - k->mu * k->force[0];
-    if (!k->present || k->force[0] < -force_tol * largest ||
-        (k->stick && beyond > force_tol * largest)) {
+    if (!k->present || k->force[0] < least || arc_slips(a, k)) {
       return false;
     }
   }

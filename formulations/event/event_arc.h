@@ -62,6 +62,8 @@ base_status arc_forces(arc *a, double *acc, base_error *err);
 bool arc_begins_slowly(const arc *a, const arc_contact *k);
 /* How fast contact k slides across its direction [m/s]. */
 double arc_across(const arc_contact *k);
+/* Does contact k stick by a force that lies outside its cone? As of the last evaluation. */
+bool arc_slips(const arc *a, const arc_contact *k);
 /* Can the contacts carry the forces last evaluated: all touching, none pulls, sticking ones inside their cones? */
 bool arc_carries(const arc *a);
 /* Takes out of v (n_dof, the world's present velocities) what is left of the normal velocities of the listed

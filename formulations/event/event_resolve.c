@@ -64,6 +64,19 @@ static double scale_of(const event_run *s, const double *u0) {
   return scale;
 }
 
+/* How contact i starts to move along its tangents; zero where that is none, or where it slides. */
+static double departs(const event_run *s, int i, const double *u0, const double *lambda,
+                      double along[2]) {
+  slip_departure(&s->p, &s->space.a, i, u0, lambda, along);
+  const double size = hypot(along[0], along[1]);
+  return (size > 1e-9 * scale_of(s, u0)) ? size : 0.0;
+}
+
+bool event_holds(const event_run *s, int i, const double *u0, const double *lambda) {
+  double along[2];
+  return slip_at_rest(&s->p, &s->space.a, i) && departs(s, i, u0, lambda, along) == 0.0;
+}
+
 /* A contact at rest sticks if the forces leave it at rest inside its cone. On the edge of its cone it
  * slides against its force: where it starts to move its acceleration may be too small to point
  * anywhere, and where redundant neighbours hold it, sharing among sticking contacts could not give
@@ -78,14 +91,13 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   *k = (arc_contact){
       .id = c->id[s->space.a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
   k->stick = k->starts = slip_at_rest(&s->p, &s->space.a, i);
-  slip_departure(&s->p, &s->space.a, i, u0, lambda, along);
-  const double size = hypot(along[0], along[1]), friction = hypot(f[1], f[2]);
+  const double size = departs(s, i, u0, lambda, along), friction = hypot(f[1], f[2]);
   if (k->stick && saturated(s, i, f)) {
     k->stick = false;
     k->edge = c->mu_static[s->space.a.group[i]] > c->mu_kinetic[s->space.a.group[i]];
     k->direction[0] = -f[1] / friction;
     k->direction[1] = -f[2] / friction;
-  } else if (k->stick && size > 1e-9 * scale_of(s, u0)) {
+  } else if (k->stick && size > 0.0) {
     k->stick = false;
     k->direction[0] = along[0] / size;
     k->direction[1] = along[1] / size;
@@ -155,6 +167,9 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
     largest = fmax(largest, lambda[s->space.a.row[i]]);
   }
   s->arc.n = 0;
+  if (s->solved) {
+    BASE_TRY(event_inside(s, u0, 1e-9 * largest, lambda, err));
+  }
   for (int i = 0; s->solved && i < s->space.a.n_contact; i++) {
     if (lambda[s->space.a.row[i]] > 1e-9 * largest) {
       BASE_TRY(keep_contact(s, c, i, u0, lambda, err));
@@ -191,6 +206,10 @@ static base_status hold_on_edge(event_run *s, base_error *err) {
   return BASE_OK;
 }
 
+static bool turns_back(const event_run *s, const arc_contact *k) {
+  return k->starts && !k->stick && k->mu > 0.0 && along_of(k) < -1e-9 * s->pull;
+}
+
 /* A contact on the edge of its cone that starts to slide and is accelerated against that direction at once
  * does not slide: redundant neighbours hold it. It sticks, with the force that it has. */
 static base_status hold_what_turns_back(event_run *s, base_error *err) {
@@ -200,10 +219,30 @@ static base_status hold_what_turns_back(event_run *s, base_error *err) {
     BASE_TRY(arc_forces(&s->arc, s->acc, err));
     for (int i = 0; i < s->arc.n; i++) {
       arc_contact *k = &s->arc.contact[i];
-      if (k->starts && !k->stick && k->mu > 0.0 && along_of(k) < -1e-9 * s->pull) {
+      if (turns_back(s, k)) {
         k->stick = turned = true;
       }
     }
+  }
+  return BASE_OK;
+}
+
+/* A contact that sticks only with a force beyond its cone slides, against that force: its acceleration may be too small to tell, which
+ * for a contact that moves as one with its joints is no small force. Returns whether the contacts carry this and none turns back. */
+static base_status release(event_run *s, bool *carries, base_error *err) {
+  for (int i = 0; i < s->arc.n; i++) {
+    arc_contact *k = &s->arc.contact[i];
+    const double friction = hypot(k->force[1], k->force[2]);
+    if (k->starts && k->stick && arc_slips(&s->arc, k)) {
+      k->stick = false;
+      k->direction[0] = -k->force[1] / friction;
+      k->direction[1] = -k->force[2] / friction;
+    }
+  }
+  BASE_TRY(arc_forces(&s->arc, s->acc, err));
+  *carries = arc_carries(&s->arc);
+  for (int i = 0; i < s->arc.n; i++) {
+    *carries = *carries && !turns_back(s, &s->arc.contact[i]);
   }
   return BASE_OK;
 }
@@ -220,7 +259,11 @@ static base_status begin_forces(event_run *s, base_error *err) {
     s->arc.unshared++;
     BASE_TRY(hold_what_turns_back(s, err));
   }
-  if (arc_carries(&s->arc)) {
+  bool carries = arc_carries(&s->arc);
+  if (!carries) {
+    BASE_TRY(release(s, &carries, err));
+  }
+  if (carries) {
     return BASE_OK;
   }
   s->answer.work.fallbacks++;

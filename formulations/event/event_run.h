@@ -82,6 +82,13 @@ void event_drop_noise(int n, double *u);
  * do anything else, and friction would seem to miss its law. */
 void event_make_consistent(const double *B, int n, double *term);
 
+/* Contact i is at rest and the forces lambda leave it there. */
+bool event_holds(const event_run *s, int i, const double *u0, const double *lambda);
+/* Where a contact that holds stands on the edge of its cone, lambda, which answers u0, becomes other forces of the same motion inside
+ * all cones, if there are any; forces of at most `least` stay what they are. BASE_ENOMEM, BASE_EEXTERNAL. */
+base_status event_inside(const event_run *s, const double *u0, double least, double *lambda,
+                         base_error *err);
+
 /* Joint rows of s->space into s->joints: impulses of a jump, or forces over a substep of dt > 0 and, with
  * dt = 0, forces that the next substep starts from. */
 base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err);

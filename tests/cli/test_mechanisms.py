@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable
 from laws import SLACKS, Motion, broken, gained
 from overlaps import behind, between
 from random_mechanisms import random_mechanism
+from random_pinned import random_pinned
 from random_scenes import Scene, random_scene
 
 from support import SANITIZED, TESTS, Skip, run, run_json, tap
@@ -75,6 +76,21 @@ def forty_scenes_are_integrated(d):
     if SANITIZED:
         raise Skip("eighty runs under error control: too slow with sanitizers")
     judge(random_scene, range(40), 0.9, INTEGRATED)
+
+
+# forces of contacts that joints hold at rest: on an edge of the cone that nothing presses them to
+# (232), and beyond it by more than the acceleration tells (472)
+HELD = (232, 472)
+# forces that joints and not the motion determine: out of the cone by 0.2 to 0.9 of the largest,
+# status ok, where the arc shared them as springs do
+TIED = (*range(12), 16, 27, 39, 70, 119, 220)
+
+
+def forces_that_joints_hold_stay_in_their_cones(d):
+    if SANITIZED:
+        raise Skip("runs under error control: too slow with sanitizers")
+    judge(random_mechanism, HELD, 1.0, INTEGRATED[:1])
+    judge(random_pinned, TIED, 1.0, INTEGRATED[:1])
 
 
 # seed, formulation, options, how it ends. Impulses of a jam times a correction are energy: that of
@@ -339,6 +355,7 @@ tap(
         thirty_scenes_keep_their_laws,
         thirty_mechanisms_keep_their_laws,
         forty_scenes_are_integrated,
+        forces_that_joints_hold_stay_in_their_cones,
         corrections_make_no_energy,
         a_plunger_bounces_or_jams,
         a_dead_point_gives_no_joint_apart,
