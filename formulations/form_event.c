@@ -142,7 +142,7 @@ static base_status report(event_run *s, double h, formulation_answer *out, base_
   out->solved = s->solved;
   out->n_active = s->arc.n;
   out->work.evaluations = s->arc.evaluations;
-  out->work.fallbacks += s->arc.unshared;
+  out->work.fallbacks += s->arc.unshared + s->arc.unsettled;
   return BASE_OK;
 }
 
@@ -159,6 +159,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL};
   s->arc.evaluations = 0;
   s->arc.unshared = 0;
+  s->arc.unsettled = 0;
   double t = world_time(w);
   const double end = t + h;
   world_get_state(w, s->y, s->y + s->n_config);

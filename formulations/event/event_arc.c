@@ -337,6 +337,7 @@ base_status arc_forces(arc *a, double *acc, base_error *err) {
     BASE_TRY(solve_forces(a, m, &w, err));
     turned = follow(a);
   }
+  a->unsettled += turned;
   memcpy(acc, s->v_next, (size_t)a->set.n_dof * sizeof *acc);
   return BASE_OK;
 }

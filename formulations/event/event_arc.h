@@ -11,7 +11,8 @@
  * LAPACK dgelsy). The latter lie in their cones at the start, the former only where arc_carries says so; both change
  * continuously with the motion. d = u_t/|u_t| while sliding. Friction turns a slip u_t towards what drives it at the rate
  * mu f/(m |u_t|), which has no bound where sliding begins: there d is the direction of a_t, the limit of a fast turn, as long
- * as u_t leaves it by nothing that the integrator can tell from none.
+ * as u_t leaves it by nothing that the integrator can tell from none. It is found by turning; where 50 turns do not settle it the last is
+ * taken, and that counts.
  */
 #pragma once
 
@@ -47,6 +48,7 @@ typedef struct arc {
   int n, cap;
   contact_set set;            /* of the last evaluation */
   long evaluations, unshared; /* answers where redundant contacts could not share as springs do */
+  long unsettled;             /* those with directions that had not settled where sliding begins */
   double *mem;                /* work arrays, owned */
   size_t cap_mem;
 } arc;

@@ -93,6 +93,14 @@ def forces_that_joints_hold_stay_in_their_cones(d):
     judge(random_pinned, TIED, 1.0, INTEGRATED[:1])
 
 
+def directions_that_do_not_settle_are_told(d):
+    """Of 159 sliding begins where no direction is against its own friction to rounding."""
+    scene_file = d / "scene.json"
+    scene_file.write_text(json.dumps(random_pinned(159)))
+    said = run_json("simulate", scene_file, "--formulation", "event", "--solver", "lemke")
+    assert said["status"] == "ok" and said["n_fallback"] > 100, said["n_fallback"]
+
+
 # seed, formulation, options, how it ends. Impulses of a jam times a correction are energy: that of
 # a joint error, the push out of an overlap, the turn of contact frames. 163: a rod of 22 g sweeps
 # 0.3 m in a step.
@@ -356,6 +364,7 @@ tap(
         thirty_mechanisms_keep_their_laws,
         forty_scenes_are_integrated,
         forces_that_joints_hold_stay_in_their_cones,
+        directions_that_do_not_settle_are_told,
         corrections_make_no_energy,
         a_plunger_bounces_or_jams,
         a_dead_point_gives_no_joint_apart,
