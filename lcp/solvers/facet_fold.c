@@ -378,7 +378,18 @@ void lcp_fold_out_rows(const lcp_fold *s, const double *x, double *z) {
   }
 }
 
-void lcp_fold_out(const lcp_fold *s, const double *x, const double *w, double *z) {
+/* Friction t stays inside its polygon of this radius where the speed u pushes on: u counts as none. */
+static bool sticks(int f, int dim, double radius, const double *t, const double *u,
+                   const double *unit) {
+  double p[2] = {0}, to[2], by_v[4], by_radius[2];
+  for (int i = 0; i < dim; i++) {
+    p[i] = t[i] - unit[i] * unit[i] * u[i];
+  }
+  return (dim == 1) ? fabs(p[0]) <= radius : lcp_polygon_project(f, radius, p, to, by_v, by_radius);
+}
+
+void lcp_fold_out(const lcp_fold *s, const double *x, const double *w, const double *unit,
+                  double *z) {
   for (int k = 0; k < s->p.n_block; k++) {
     const lcp_block *b = &s->of->block[k], *to = &s->block[k];
     if (!is_faceted(b)) {
@@ -391,7 +402,9 @@ void lcp_fold_out(const lcp_fold *s, const double *x, const double *w, double *z
       const int f = b->part_dim[part], dim = to->part_dim[part];
       const double t[2] = {x[row], (dim == 2) ? x[row + 1] : 0};
       split(f, t, z + first);
-      z[b->start + b->size - b->n_part + part] = speed(f, dim, w + row) / s->unit[row];
+      const bool stuck = sticks(f, dim, to->part_mu[part] * z[b->start], t, w + row, unit + row);
+      z[b->start + b->size - b->n_part + part] =
+          stuck ? 0.0 : speed(f, dim, w + row) / s->unit[row];
       row += dim;
       first += f;
     }

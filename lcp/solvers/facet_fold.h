@@ -38,9 +38,12 @@ void lcp_fold_layout(lcp_fold *s, const lcp_capacity *cap, base_arena *a);
 /* Folds p; s->done tells whether there was anything to fold that can be. p stays where it is while s is used. */
 void lcp_fold_begin(lcp_fold *s, const lcp_problem *p);
 
-/* x (folded) from z, and back: z from x and w = M x + q of the folded problem. x_n below zero counts as zero. */
+/* x (folded) from z, and back: z from x and w = M x + q of the folded problem. x_n below zero counts as zero. unit: scale of
+ * x, n entries; sigma is zero where t - unit^2 u is inside the polygon, for there the contact sticks, and u is the error of
+ * that. A sigma of rounding beside a row w_sigma that is not zero would be an error of its own. */
 void lcp_fold_in(const lcp_fold *s, const double *z, double *x);
-void lcp_fold_out(const lcp_fold *s, const double *x, const double *w, double *z);
+void lcp_fold_out(const lcp_fold *s, const double *x, const double *w, const double *unit,
+                  double *z);
 
 /* z = x in the normal rows and those that were not folded, zero in facets and sigmas. */
 void lcp_fold_out_rows(const lcp_fold *s, const double *x, double *z);

@@ -69,6 +69,7 @@ typedef struct state {
   /* of the outer step */
   lcp_map map;
   double weight, shrink;
+  double bare;   /* |F|^2 without the weight at the centre */
   double lowest; /* |F|^2 */
   int waited;    /* steps since */
   bool started;
@@ -118,7 +119,7 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
 static void show(state *s, const double *x, double *w, double *z, lcp_result *res) {
   if (s->fold.done) {
     lcp_matrix_apply(&s->fold.p.M, x, s->fold.p.q, w, s->loop.stop.scratch);
-    lcp_fold_out(&s->fold, x, w, z);
+    lcp_fold_out(&s->fold, x, w, s->eq.s, z);
     res->work.matvecs++;
   }
 }
@@ -183,14 +184,26 @@ static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
   return lcp_farkas_prove(&p->M, p->q, s->kind, s->force, s->proof);
 }
 
+/* z back to the centre, with its w. */
+static void turn_back(state *s, const lcp_problem *p, double *z, double *w, lcp_result *res) {
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = s->eq.s[i] * s->center[i];
+  }
+  lcp_matrix_apply(&p->M, z, p->q, w, s->loop.stop.scratch);
+  res->work.matvecs++;
+}
+
 /* Where the outer step stands, before the next Newton step from z: on, or on to the next. Returns |F|^2.
- * res->outcome turns LCP_INFEASIBLE where that is proved. */
-static double advance(state *s, const options *o, const lcp_problem *p, const double *z,
-                      const double *w, lcp_result *res) {
+ * Over facets an outer step that stalls farther off than it began starts again from its centre, with the larger weight: the map
+ * has pieces, and iterates that are lost among them tell nothing. res->outcome turns LCP_INFEASIBLE where that is proved. */
+static double advance(state *s, const options *o, const lcp_problem *p, double *z, double *w,
+                      lcp_result *res) {
   const int n = inner_of(s, p)->M.n;
   const double bare = merit(s, n, 0.0, z, w, false);
   double now = merit(s, n, s->weight, z, w, true);
   const bool reached = s->started && now <= 0.01 * bare;
+  bool lost = false;
+  s->bare = (s->bare < HUGE_VAL) ? s->bare : bare; /* the start point is the first centre */
   if (reached && proved_infeasible(s, p, z)) {
     res->outcome = LCP_INFEASIBLE;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->proof};
@@ -198,7 +211,13 @@ static double advance(state *s, const options *o, const lcp_problem *p, const do
   if (reached) {
     s->weight = fmax(s->shrink * s->weight, least_weight);
   } else if (s->waited >= PATIENCE) {
+    lost = s->fold.done && s->bare < bare && s->weight < most_weight;
     stalled(s, o, res);
+  }
+  if (lost) {
+    turn_back(s, inner_of(s, p), z, w, res);
+  } else if (reached || s->waited >= PATIENCE) {
+    s->bare = bare;
   }
   if (reached || s->waited >= PATIENCE) {
     recentre(s, n, z);
@@ -318,8 +337,8 @@ static base_status finish(state *s, const options *o, const lcp_problem *p, cons
 }
 
 /* One Newton step from x, whose w is given. False: the solve ends with the outcome that is set. */
-static bool advance_and_step(state *s, const options *o, const lcp_problem *p, const double *w,
-                             double *x, lcp_result *res, base_status *status) {
+static bool advance_and_step(state *s, const options *o, const lcp_problem *p, double *w, double *x,
+                             lcp_result *res, base_status *status) {
   const lcp_problem *in = inner_of(s, p);
   const double now = advance(s, o, p, x, w, res);
   if (res->outcome == LCP_INFEASIBLE) {
@@ -345,6 +364,7 @@ static void begin(state *s, const options *o, const lcp_problem *p, double *z, d
   s->map = (o->map == FISCHER) ? LCP_MAP_FISCHER : LCP_MAP_MIN;
   s->shrink = o->shrink;
   s->waited = 0;
+  s->bare = HUGE_VAL;
   if (s->fold.done) {
     lcp_fold_in(&s->fold, z, x);
   }

@@ -234,18 +234,20 @@ static void check_sigmas(const lcp_problem *p, const double *w, double top) {
 static void check_fold(const lcp_fold *s, const lcp_problem *cones, const lcp_problem *p,
                        base_rng *r) {
   const size_t n = (size_t)cones->M.n, m = (size_t)p->M.n;
-  double *x = room(4 * n + 2 * m + lcp_matrix_scratch(&p->M), sizeof *x);
-  double *w = x + n, *back = w + n, *cone = back + n, *z = cone + n, *wz = z + m, *own = wz + m;
+  double *x = room(5 * n + 2 * m + lcp_matrix_scratch(&p->M), sizeof *x);
+  double *w = x + n, *back = w + n, *cone = back + n, *unit = cone + n;
+  double *z = unit + n, *wz = z + m, *own = wz + m;
   double top = 0;
   for (size_t i = 0; i < n; i++) {
     x[i] = base_rng_normal(r);
+    unit[i] = 1e8; /* any speed leaves the polygon */
   }
   for (int g = 0; g < cones->n_block; g++) {
     x[cones->block[g].start] = fabs(x[cones->block[g].start]);
   }
   lcp_matrix_apply(&s->p.M, x, s->p.q, w, own);
   lcp_matrix_apply(&cones->M, x, cones->q, cone, own);
-  lcp_fold_out(s, x, w, z);
+  lcp_fold_out(s, x, w, unit, z);
   lcp_fold_in(s, z, back);
   lcp_matrix_apply(&p->M, z, p->q, wz, own);
   for (size_t i = 0; i < n; i++) {
@@ -260,6 +262,54 @@ static void check_fold(const lcp_fold *s, const lcp_problem *cones, const lcp_pr
   }
   check_sigmas(p, wz, top);
   free(x);
+}
+
+/* Friction inside its polygon by half, and speeds that are its rounding: the contact sticks, and sigma is zero to the last bit.
+ * At a corner a speed that pushes on is a slip speed. */
+static void a_contact_that_sticks_has_no_slip_speed(void **state) {
+  (void)state;
+  int told = 0;
+  for (int facets = 2; facets < 9; facets++) {
+    known_lcp k;
+    faceted t;
+    lcp_fold s;
+    base_error err = {0};
+    check_ok(random_cones(&k, (uint64_t)facets, &err), &err);
+    facet(&t, &k.p, facets);
+    void *mem = open_fold(&s, &t.p);
+    assert_true(s.done);
+    const size_t n = (size_t)s.p.M.n;
+    double *x = room(3 * n + (size_t)t.p.M.n, sizeof *x), *w = x + n, *unit = w + n, *z = unit + n;
+    for (size_t i = 0; i < n; i++) {
+      unit[i] = 1;
+    }
+    for (int corner = 0; corner < 2; corner++) {
+      for (int g = 0; g < s.p.n_block; g++) {
+        const lcp_block *b = &s.p.block[g];
+        x[b->start] = 1;
+        for (int part = 0, row = b->start + 1; part < b->n_part; row += b->part_dim[part++]) {
+          x[row] = b->part_mu[part] * ((corner == 1) ? 1 : 0.25);
+          w[row] = (corner == 1) ? -1e-6 : -1e-17;
+        }
+      }
+      lcp_fold_out(&s, x, w, unit, z);
+      for (int g = 0; g < t.p.n_block; g++) {
+        const lcp_block *b = &t.p.block[g];
+        for (int part = 0; part < b->n_part; part++) {
+          const double sigma = z[b->start + b->size - b->n_part + part];
+          if (s.p.block[g].part_mu[part] > 0) {
+            assert_true((corner == 1) ? sigma > 0 : sigma == 0);
+            told++;
+          }
+        }
+      }
+    }
+    free(x);
+    free(mem);
+    facet_free(&t);
+    known_lcp_free(&k);
+  }
+  assert_true(told > 100);
 }
 
 static void products_are_those_of_the_facets(void **state) {
@@ -350,6 +400,7 @@ static void faceted_sets_are_solved_folded(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_nearest_point_of_a_polygon),
+      cmocka_unit_test(a_contact_that_sticks_has_no_slip_speed),
       cmocka_unit_test(products_are_those_of_the_facets),
       cmocka_unit_test(faceted_sets_are_solved_folded),
   };
