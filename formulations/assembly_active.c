@@ -117,8 +117,11 @@ static double mobility(const contact_set *c, int g) {
 }
 
 /* Gap up to which contact i is closed [m]. Closed before, it may have moved away by the rounding of positions, and by what was left
- * of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). */
-static double closed_up_to(const contact_set *c, int i, const contact_memory *memory) {
+ * of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). One that carried
+ * and would close again within the step was lifted by the turning of its bodies, or bounced: it stays closed,
+ * for a step in which it were open would end in an overlap, and the next in an impact. */
+static double closed_up_to(const contact_set *c, int i, const form_rule *rule,
+                           const contact_memory *memory, double u_free) {
   const double *past = contact_memory_old(memory, i);
   if (!contact_memory_closed(memory, i)) {
     return c->tol;
@@ -126,7 +129,8 @@ static double closed_up_to(const contact_set *c, int i, const contact_memory *me
   if (past == NULL || !(past[PAST_IMPULSE] > 0) || !(c->gap[i] > held * c->tol)) {
     return held * c->tol;
   }
-  return fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
+  const double left = fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
+  return (rule->activation == FORM_CLOSED) ? fmax(left, -c->h * u_free) : left;
 }
 
 /* Gap of contact i without what says nothing [m]: rounding, and of a contact that carried an impulse what the solver's
@@ -238,7 +242,7 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
     a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], gap_without_noise(c, i, memory),
-                             closed_up_to(c, i, memory));
+                             closed_up_to(c, i, rule, memory, a->r_normal[i]));
     a->mode[i] = 0;
     if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
         c->restitution != NULL) {
