@@ -30,7 +30,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
                       int n, step_end *end, base_error *err) {
   const run_status before = s->out->status;
   double start = 0.0;
-  *end = (step_end){.state = end->state, .closing.at = HUGE_VAL, .good = true};
+  *end = (step_end){.state = end->state, .closing.at = HUGE_VAL, .stops = HUGE_VAL, .good = true};
   for (int i = 0; i < n && end->good; i++) {
     bool taken;
     s->q = (i == n - 1) ? last : &p->quiet;
@@ -43,7 +43,9 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     if (i == 0) {
       start = s->depth.start;
       end->closing = s->closing;
+      end->stops = s->slip.stops;
     }
+    end->pushed = fmax(end->pushed, s->slip.pushed);
     end->held = fmax(0.0, s->depth.held - start);
     end->even = fmax(0.0, s->depth.even - start);
     end->sunk = fmax(end->held, s->depth.open - start);

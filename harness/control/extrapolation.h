@@ -15,6 +15,8 @@ typedef struct step_end {
   double held; /* of that, where gaps were closed at the start of its last step */
   double even; /* where they were open then, if velocities had changed evenly in it [m] */
   sim_closing closing; /* in its first step */
+  double stops;        /* when a slip of its first step would be at rest [s] */
+  double pushed;       /* largest speed of a slip that friction pushes on [m/s] */
   bool good;           /* nothing failed */
 } step_end;
 

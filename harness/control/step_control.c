@@ -77,7 +77,10 @@ static double error_of(controlled *c, double h) {
       c->smooth && !event && coarse->closing.at >= 0.5 * h && coarse->closing.at <= h;
   const double sunk = behind ? fmax(coarse->even, fine->held) : fine->sunk;
   c->located = event ? fmax(position, sunk) : sunk;
-  e = fmax(e, sunk / fmax(part, event_share)) / c->rule->tolerance;
+  /* a friction that pushes on is one of before the slip turned round, on both ways alike */
+  const double pushed = event ? 0.0 : fine->pushed * reach(c);
+  c->located = fmax(c->located, pushed);
+  e = fmax(e, fmax(sunk, pushed) / fmax(part, event_share)) / c->rule->tolerance;
   return (e == e) ? e : HUGE_VAL;
 }
 
@@ -90,6 +93,13 @@ static double to_impact(const controlled *c) {
   return met ? coarse->closing.at + depth / coarse->closing.speed : 0.0;
 }
 
+/* The length of a step in the place of one of h in whose second half friction stops: up to there; 0: none does. */
+static double to_rest(const controlled *c, double h) {
+  const double at = c->pair.fine.stops;
+  const bool met = c->pair.coarse.event || c->pair.fine.event;
+  return (c->rule->extrapolate && !met && at < 0.9 * h) ? at : 0.0;
+}
+
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
  * middle and the end of a step, and only the finer way sees it, half of the step ends just behind it. */
 static double shorter(const controlled *c, double e) {
@@ -100,6 +110,18 @@ static double shorter(const controlled *c, double e) {
     return fmin(wish, 0.5);
   }
   return fmin(fmax(wish, met ? 0.5 : shrink), 0.5);
+}
+
+/* The length to try in the place of h, which was off by e over its share; twice in a row none is aimed at where friction stops. */
+static double again(const controlled *c, double h, double e, bool *aimed) {
+  const double impact = to_impact(c);
+  if (impact > 0.0 && impact < 0.9 * h) {
+    *aimed = false;
+    return impact;
+  }
+  const double rest = *aimed ? 0.0 : to_rest(c, h);
+  *aimed = rest > 0.0;
+  return *aimed ? rest : h * shorter(c, e);
 }
 
 /* The length of the step after one of h that was kept with error e over its share. */
@@ -177,6 +199,7 @@ static bool may_grow(controlled *c, bool met) {
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
   bool met = false;
+  bool aimed = false;
   for (;;) {
     if (c->account->solved + 3 > rule->limit) {
       *limited = true;
@@ -202,9 +225,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
       c->stride = *h;
     }
     BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
-    const double impact = to_impact(c);
-    const bool nearer = impact > 0.0 && impact < 0.9 * *h;
-    *h = fmax(nearer ? impact : *h * shorter(c, e), rule->least);
+    *h = fmax(again(c, *h, e, &aimed), rule->least);
   }
 }
 

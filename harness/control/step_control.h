@@ -16,7 +16,8 @@
  * (world_saved_unsteady), which is of third order also where contacts or joints hold. Steps in which the contacts change are as above, unless this e
  * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
  * length is what it was before. A step in which an open gap closes is tried again up to just behind that, where the accelerations of its start
- * tell when; it ends no deeper than a step with a change may sink. A step that one of its ways begins to carry in and the other does not is never
+ * tell when; it ends no deeper than a step with a change may sink. A step in whose second half a slip stops is tried again up to there, which the
+ * first half tells; where friction pushes a slip on that has turned round inside the step, on both of its ways alike, this counts as what changes. A step that one of its ways begins to carry in and the other does not is never
  * extrapolated: they differ by an impact. A length that met something where a shorter one did not is tried again after 2, 4, 8, 16 steps.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */

@@ -84,6 +84,9 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   }
 }
 
+/* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
+static const double at_rest = 0.01;
+
 /* Two steps whose contacts with a normal impulse are the same have the same hash. */
 static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
   sim_carrying c = {.ids = SIM_HASH_START};
@@ -106,6 +109,32 @@ static void note_closing(sim_closing *c, double gap, double u, double u_end, dou
   }
 }
 
+/* Notes when the slip u of a contact's n tangential rows comes to rest that a step of h leaves at u_end, and how fast it is where the
+ * friction of that step pushes it on. */
+static void note_slip(sim_slip *slip, const double *u, const double *u_end, const double *friction,
+                      int n, double h) {
+  double along = 0.0;
+  double slowed = 0.0;
+  double before = 0.0;
+  double after = 0.0;
+  double work = 0.0;
+  for (int k = 0; k < n; k++) {
+    along += u[k] * (u[k] - u_end[k]);
+    slowed += (u[k] - u_end[k]) * (u[k] - u_end[k]);
+    before += u[k] * u[k];
+    after += u_end[k] * u_end[k];
+    work += friction[k] * u_end[k];
+  }
+  const bool passes = before - along * along / slowed <= at_rest * before; /* through rest */
+  const double at = (along > 0.0 && passes) ? h * along / slowed : HUGE_VAL;
+  if (at > h && at < slip->stops) {
+    slip->stops = at;
+  }
+  if (work > 0.0) {
+    slip->pushed = fmax(slip->pushed, sqrt(after));
+  }
+}
+
 /* Contact i of a step at whose end its gap changes by u. */
 static void note_gap(sim_depth *d, const contact_set *set, int i, double u) {
   const double gap = set->gap[i];
@@ -124,6 +153,7 @@ static base_status note_depth(sim *s, const contact_set *set, const formulation_
                               base_error *err) {
   s->depth = (sim_depth){0};
   s->closing = (sim_closing){.at = HUGE_VAL};
+  s->slip = (sim_slip){.stops = HUGE_VAL};
   if (!s->controlled || set->n_contact == 0) {
     return BASE_OK;
   }
@@ -138,7 +168,12 @@ static base_status note_depth(sim *s, const contact_set *set, const formulation_
   }
   contact_relative_velocity(set, a->v_next, set->u_drift, s->u);
   for (int i = 0; i < set->n_contact; i++) {
-    note_gap(&s->depth, set, i, s->u[set->row_start[i]]);
+    const int k = set->row_start[i];
+    note_gap(&s->depth, set, i, s->u[k]);
+    if (a->impulse != NULL && a->impulse[k] > 0.0) {
+      note_slip(&s->slip, set->u_before + k + 1, s->u + k + 1, a->impulse + k + 1,
+                set->rows[i].tangent, set->h);
+    }
   }
   contact_relative_velocity(set, set->v_free, set->u_drift, s->u);
   for (int i = 0; i < set->n_contact; i++) {

@@ -26,6 +26,12 @@ typedef struct sim_closing {
   double at, speed;
 } sim_closing;
 
+/* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
+ * step already; and the largest speed of a slip at its end that friction pushes on instead of holding it [m/s]. */
+typedef struct sim_slip {
+  double stops, pushed;
+} sim_slip;
+
 /* Contacts with a normal impulse: how many, and a hash of their ids. */
 typedef struct sim_carrying {
   int n;
@@ -60,6 +66,7 @@ typedef struct sim {
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   sim_depth depth; /* of the last step */
   sim_closing closing;
+  sim_slip slip;
   double *u; /* u_cap rows' velocities at its end */
   int u_cap;
 } sim;

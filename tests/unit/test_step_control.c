@@ -276,6 +276,22 @@ static void an_impact_is_foreseen(void **state) {
   }
 }
 
+/* A belt takes its load along until friction holds it: one trial tells when, and the next step ends there. As for an impact the work
+ * does not grow with the accuracy. */
+static void where_friction_stops_is_foreseen(void **state) {
+  (void)state;
+  for (double tolerance = 1e-2; tolerance > 1e-7; tolerance *= 0.1) {
+    const outcome o = controlled_by(
+        "conveyor", 0.0,
+        (step_rule){.tolerance = tolerance, .first = 0.4, .most = 0.4, .extrapolate = true});
+    assert_int_equal(o.account.forced, 0);
+    assert_true(o.error < tolerance);
+    if (o.account.solved > 60) {
+      fail_msg("tolerance %g: %ld steps for one stop", tolerance, o.account.solved);
+    }
+  }
+}
+
 /* A step of which only the finer way sees the impact is not extrapolated, however short it is: twice the speed behind it less the
  * one before is no speed at all. */
 static void what_one_way_meets_is_not_extrapolated(void **state) {
@@ -388,6 +404,7 @@ int main(void) {
       cmocka_unit_test(what_holds_is_of_second_order),
       cmocka_unit_test(impacts_cost_their_location),
       cmocka_unit_test(an_impact_is_foreseen),
+      cmocka_unit_test(where_friction_stops_is_foreseen),
       cmocka_unit_test(what_turning_lifts_stays_in_contact),
       cmocka_unit_test(what_one_way_meets_is_not_extrapolated),
       cmocka_unit_test(a_window_is_seen_between_states),
