@@ -231,19 +231,19 @@ static bool is_kept(const regularized *s) {
   for (int k = 0; k < s->n_part && same; k++) {
     const reg_part *p = &s->part[k], *b = &s->base_part[k];
     same = p->mode == b->mode && p->sliding == b->sliding && p->flips == b->flips &&
-           memcmp(p->d, b->d, sizeof p->d) == 0;
+           p->d[0] == b->d[0] && p->d[1] == b->d[1];
   }
   return same;
 }
 
-/* One state is kept, anew at iterations 1, 2, 4, 8, ...: a circle is found within three times what leads into it and its
- * length (Brent 1980). */
+/* One state is kept, anew at iterations 2, 4, 8, ...: a circle is found within three times what leads into it and its
+ * length (Brent 1980). The first does not count, before which there is no proximal term yet. */
 int reg_modes_circle(regularized *s) {
   const int i = s->iteration;
   if (s->opt.modes != REG_PLAIN) {
     return 0;
   }
-  if (i > 1 && is_kept(s)) {
+  if (i > 2 && is_kept(s)) {
     return i - s->schedule.kept;
   }
   if ((i & (i - 1)) == 0) {
