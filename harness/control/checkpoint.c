@@ -1,6 +1,8 @@
 #include "harness/control/checkpoint.h"
 
+#include <stddef.h>
 #include <stdlib.h>
+#include <string.h>
 
 base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err) {
   *c = (checkpoint){.state = malloc(world_saved_size(s->w) * sizeof *c->state)};
@@ -8,10 +10,14 @@ base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err) {
                             : BASE_FAIL(err, BASE_ENOMEM, "no memory to keep the state of a run");
 }
 
+static size_t result_size(const sim_result *r) {
+  return offsetof(sim_result, part) + (size_t)r->n_part * sizeof *r->part;
+}
+
 base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, base_error *err) {
   BASE_TRY(formulation_keep(s->form, &c->past, err));
   world_save(s->w, c->state);
-  c->out = *s->out;
+  memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
   c->n_row = record->n_row;
   return BASE_OK;
@@ -21,7 +27,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
   BASE_TRY(formulation_recall(s->form, &c->past, err));
   world_load(s->w, c->state);
   const sim_result spent = *s->out;
-  *s->out = c->out;
+  memcpy(s->out, &c->out, result_size(&c->out));
   s->out->time = spent.time;
   s->out->work = spent.work;
   s->out->n_solves = spent.n_solves;

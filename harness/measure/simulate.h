@@ -118,10 +118,10 @@ typedef struct sim_result {
   unsigned effects_seen;
   size_t workspace; /* [B] */
   sim_times time;
-  int n_part; /* 1, and one more with each change of the combination that came */
-  sim_part part[COMBINATION_SPANS];
   double step_longest; /* longest single step [s] */
   uint64_t hash;       /* FNV-1a of every answer z and every velocity: same bits, same hash */
+  int n_part;          /* 1, and one more with each change of the combination that came */
+  sim_part part[COMBINATION_SPANS]; /* last: a checkpoint keeps those that there are */
 } sim_result;
 
 double sim_total_seconds(const sim_result *r);
