@@ -7,8 +7,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const unsigned candidates = EFFECT_FRICTION | EFFECT_RESTITUTION | EFFECT_ROLLING |
-                                   EFFECT_TORSION | EFFECT_ROTATION | EFFECT_SPATIAL;
+/* Without one of these a step has fewer rows or axes. */
+static const unsigned candidates =
+    EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION | EFFECT_ROTATION | EFFECT_SPATIAL;
 static const double noise =
     1e-9; /* of the speed scale, in one step: what a verified answer may be off by */
 static const double small =
@@ -34,6 +35,7 @@ typedef struct watch {
   deviation off;
   checkpoint clean;      /* nothing left out has acted up to here */
   sim_carrying carrying; /* of the last step */
+  bool waits;            /* for contacts that stay, to leave something out */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
@@ -69,9 +71,8 @@ static double least_change(const watch *w) {
   return fmin(noise * w->scale.speed, 0.1 * E * reach / n);
 }
 
-/* Enters what the step left out could have changed. */
-static void add_step(watch *w, double h) {
-  const double grown = exp(w->scale.rate * h);
+/* Enters what the step left out could have changed; false: nothing left out has acted up to now. */
+static bool add_step(watch *w, double h) {
   deviation *d = &w->off;
   double change = 0.0;
   w->scale.speed = fmax(w->scale.speed, world_max_speed(w->s->w));
@@ -83,8 +84,13 @@ static void add_step(watch *w, double h) {
       change += more;
     }
   }
+  if (change == 0.0 && d->speed == 0.0) {
+    return false;
+  }
+  const double grown = exp(w->scale.rate * h);
   d->speed = (d->speed + change) * grown;
   d->place = (d->place + h * d->speed) * grown;
+  return true;
 }
 
 /* How far the end may be off, over the scales. */
@@ -92,9 +98,6 @@ static double end_bound(const watch *w) {
   const double left = fmax(w->q->duration - world_time(w->s->w), 0.0);
   const double grown = exp(fmin(w->scale.rate * left, 700.0));
   const deviation *d = &w->off;
-  if (acted(d, 0.0) == 0) {
-    return 0.0;
-  }
   return grown * fmax(d->speed / w->scale.speed, (d->place + d->speed * left) / w->scale.size);
 }
 
@@ -103,10 +106,20 @@ static unsigned left_out(const watch *w) {
   return w->q->effects & ~p->span[p->n - 1].effects;
 }
 
+/* From the step now reached on. */
+static base_status change_effects(watch *w, unsigned now, base_error *err) {
+  effects_plan *p = &w->result->plan;
+  p->n -= (p->span[p->n - 1].from == w->s->out->steps) ? 1 : 0;
+  if (p->n == 0 || p->span[p->n - 1].effects != now) {
+    p->span[p->n++] = (effects_span){w->s->out->steps, now};
+  }
+  return sim_change_effects(w->s, now, err);
+}
+
 /* From the clean step on with more effects. */
 static base_status go_back(watch *w, unsigned more, base_error *err) {
-  effects_plan *p = &w->result->plan;
-  sim_result *out = w->s->out;
+  const effects_plan *p = &w->result->plan;
+  const sim_result *out = w->s->out;
   const long reached = out->steps;
   unsigned now = p->span[p->n - 1].effects | more;
   if (p->n + 1 == EFFECTS_SPANS) {
@@ -116,12 +129,7 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
   BASE_TRY(checkpoint_return(&w->clean, w->s, w->record, err));
   w->result->repeated += reached - out->steps;
   w->off = (deviation){0};
-  if (p->span[p->n - 1].from == out->steps) {
-    p->span[p->n - 1].effects = now;
-  } else {
-    p->span[p->n++] = (effects_span){out->steps, now};
-  }
-  return sim_change_effects(w->s, now, err);
+  return change_effects(w, now, err);
 }
 
 /* What follows from the step just taken. A step that fails proves nothing of the whole scene: everything comes in. */
@@ -131,16 +139,60 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     *taken = true;
     return go_back(w, w->q->effects, err);
   }
-  add_step(w, h);
-  const unsigned enter = acted(&w->off, small);
+  if (!add_step(w, h)) {
+    w->carrying = s->carrying;
+    return BASE_OK;
+  }
   const bool impact = s->carrying.ids != w->carrying.ids && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w);
   w->carrying = s->carrying;
-  if (enter != 0 && (bound > w->result->level || impact)) {
-    return go_back(w, enter, err);
+  if (bound > w->result->level || impact) {
+    return go_back(w, acted(&w->off, small), err);
   }
   w->result->bound = bound;
   w->result->speed = w->scale.speed;
+  return BASE_OK;
+}
+
+static unsigned with_gyroscopic(const sim_request *q, unsigned without) {
+  return without | (((without & EFFECT_ROTATION) != 0) ? q->effects & EFFECT_GYROSCOPIC : 0u);
+}
+
+/* What is sure to act in the next step, and by more than E, needs no step to tell. *touches: a contact is closed. */
+static base_status foresee(watch *w, unsigned *acts, bool *touches, base_error *err) {
+  contact_set set;
+  const double h = step_of(w->q, w->s->out->steps);
+  BASE_TRY(world_contacts(w->s->w, h, -1.0, &set, err));
+  *touches = false;
+  for (int i = 0; i < set.n_contact && !*touches; i++) {
+    *touches = set.gap[i] <= set.tol;
+  }
+  world_foreseen(w->s->w, w->result->watched, w->s->omitted);
+  const bool enough = add_step(w, h) && end_bound(w) > w->result->level;
+  *acts = enough ? acted(&w->off, small) : 0u;
+  w->off = (deviation){0};
+  return BASE_OK;
+}
+
+/* The same contacts carried twice: what does not move, and is not foreseen to act, is left out from here on. Once a run. */
+static base_status leave_out(watch *w, base_error *err) {
+  const sim *s = w->s;
+  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
+  unsigned acts;
+  bool touches;
+  w->carrying = s->carrying;
+  if (!stay || s->out->steps == s->out->steps_planned) {
+    return BASE_OK;
+  }
+  w->waits = false;
+  const double from = base_seconds();
+  BASE_TRY(foresee(w, &acts, &touches, err));
+  unsigned without = w->result->watched & candidates & ~acts;
+  without &= ~world_moves(s->w, without, least_change(w));
+  if (without != 0) {
+    BASE_TRY(change_effects(w, w->q->effects & ~with_gyroscopic(w->q, without), err));
+  }
+  s->out->time.watch += base_seconds() - from;
   return BASE_OK;
 }
 
@@ -151,10 +203,11 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   const double h = step_of(w->q, out->steps);
   s->watched = left_out(w);
   if (s->watched == 0) {
-    return sim_step(s, w->record, h, taken, err);
+    BASE_TRY(sim_step(s, w->record, h, taken, err));
+    return w->waits && *taken ? leave_out(w, err) : BASE_OK;
   }
   double from = base_seconds();
-  if (acted(&w->off, 0.0) == 0) {
+  if (w->off.speed == 0.0) {
     BASE_TRY(checkpoint_take(&w->clean, s, w->record, err));
     w->carrying = s->carrying;
   }
@@ -166,17 +219,36 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   return done;
 }
 
+/* Before contacts touch, or joints are rows, leaving out saves nothing: everything is in but what the formulation does not
+ * simulate. */
+static base_status begin(watch *w, base_error *err) {
+  const sim_request *q = w->q;
+  const double from = base_seconds();
+  unsigned acts;
+  bool touches;
+  if (w->result->watched == 0) {
+    return BASE_OK;
+  }
+  BASE_TRY(foresee(w, &acts, &touches, err));
+  w->waits = !touches && (q->effects & EFFECT_JOINTS) == 0;
+  const unsigned in = w->result->watched & (w->waits ? ~q->form->form->lacks : acts);
+  const base_status done = (in != 0) ? change_effects(w, w->s->effects | in, err) : BASE_OK;
+  w->s->out->time.watch += base_seconds() - from;
+  return done;
+}
+
 static base_status run(watch *w, base_error *err) {
   sim_result *out = w->s->out;
   BASE_TRY(checkpoint_open(&w->clean, w->s, err));
+  BASE_TRY(begin(w, err));
   for (bool taken = true; taken && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
     BASE_TRY(step(w, &taken, err));
   }
   return BASE_OK;
 }
 
-/* What the run may begin without. */
-static unsigned begin_without(const sim_request *q) {
+/* What a run may do without. */
+static unsigned unneeded(const sim_request *q) {
   const bool own = (q->form->form->model & FORM_NO_LCP) != 0 || q->form->form->memory == 0;
   if (q->spec->model != NULL || own) {
     return 0;
@@ -184,14 +256,14 @@ static unsigned begin_without(const sim_request *q) {
   unsigned without = q->effects & candidates;
   without &= (q->spec->dim == 2) ? ~(unsigned)EFFECT_ROTATION : ~0u;
   without &= ~world_moved_by(q->spec, without);
-  return without | (((without & EFFECT_ROTATION) != 0) ? q->effects & EFFECT_GYROSCOPIC : 0u);
+  return with_gyroscopic(q, without);
 }
 
 base_status watch_run(const sim_request *q, double level, series *record, sim_result *out,
                       watch_result *result, base_error *err) {
   sim s;
   sim_request first = *q;
-  *result = (watch_result){.level = level, .watched = begin_without(q)};
+  *result = (watch_result){.level = level, .watched = unneeded(q)};
   result->plan.n = 1;
   result->plan.span[0].effects = first.effects = q->effects & ~result->watched;
   first.plan = NULL;
@@ -229,14 +301,20 @@ base_status watch_check(const char *text, base_error *err) {
   return is ? BASE_OK : effects_plan_parse(0, text, &plan, err);
 }
 
-/* The step from which on an effect is simulated, -1: never. */
-static long entered(const effects_plan *p, unsigned bit) {
-  for (int k = 0; k < p->n; k++) {
-    if ((p->span[k].effects & bit) != 0) {
-      return p->span[k].from;
+/* "friction from step 12", "friction to step 9, from step 12", or "dropped friction". */
+static size_t print_effect(const effects_plan *p, int which, char *text, size_t cap) {
+  size_t used = 0;
+  bool in = false;
+  for (int k = 0; k < p->n && used < cap; k++) {
+    const bool now = (p->span[k].effects & 1u << which) != 0;
+    if (now != in) {
+      used += (size_t)snprintf(text + used, cap - used, "%s %s step %ld",
+                               (used == 0) ? effect_name(which) : "", now ? "from" : "to",
+                               p->span[k].from + (now ? 1 : 0));
     }
+    in = now;
   }
-  return -1;
+  return (used > 0) ? used : (size_t)snprintf(text, cap, "dropped %s", effect_name(which));
 }
 
 void watch_print(const watch_result *r, unsigned declared, char text[EFFECTS_TEXT]) {
@@ -247,14 +325,9 @@ void watch_print(const watch_result *r, unsigned declared, char text[EFFECTS_TEX
     if ((declared & (candidates | EFFECT_GYROSCOPIC) & bit) == 0) {
       continue;
     }
-    const long from = entered(&r->plan, bit);
-    const char *comma = (used > 0) ? ", " : "";
-    if (from < 0) {
-      used +=
-          (size_t)snprintf(text + used, EFFECTS_TEXT - used, "%sdropped %s", comma, effect_name(i));
-    } else {
-      used += (size_t)snprintf(text + used, EFFECTS_TEXT - used, "%s%s from step %ld", comma,
-                               effect_name(i), from + 1);
+    used += (size_t)snprintf(text + used, EFFECTS_TEXT - used, "%s", (used > 0) ? ", " : "");
+    if (used < EFFECTS_TEXT) {
+      used += print_effect(&r->plan, i, text + used, EFFECTS_TEXT - used);
     }
   }
 }

@@ -1,9 +1,12 @@
 /* harness/control/effects_watch.h - `--effects auto:E`: simulates only the effects that the run calls for.
  *
- * The run begins without friction, restitution, rolling, torsion, rotation and the third dimension, as far as the scene
- * declares them and no velocity at the start needs them; in the plane with rotation, which has no row there, while two feet of a body that cannot turn
- * are one too many. Every step without an effect tells how much that effect could have changed in it
- * (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From these follows how far the motion may be off:
+ * The run begins without friction, rolling, torsion, rotation and the third dimension, as far as the scene declares them and no
+ * velocity at the start needs them; in the plane with rotation, which has no row there, while two feet of a body that cannot turn
+ * are one too many; and with restitution, which adds no row to a step. Before contacts touch, leaving out saves nothing: a scene
+ * without joints in which none does begins with everything, and leaves out once the same contacts carried in two steps. What is
+ * sure to act in the step to come (world_foreseen) is in at once. Every step without an effect tells how much that effect could
+ * have changed in it (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From
+ * these follows how far the motion may be off:
  *
  *   s <- (s + ds) exp(r h)              velocity [m/s]
  *   x <- (x + h s) exp(r h)             place [m]
@@ -18,7 +21,7 @@
  *
  * Then the run goes back to the last step up to which nothing left out had acted, and goes on from there with the effects that
  * had most. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. Nothing is guessed from
- * a part of the run, and nothing is watched once everything is in. An effect that came in stays.
+ * a part of the run, and nothing is watched once everything is in. An effect that was left out and came in stays.
  *
  * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
  * step by themselves, and generalised coordinates, have everything in. */
@@ -29,7 +32,7 @@
 
 typedef struct watch_result {
   double level;       /* E [1] */
-  unsigned watched;   /* EFFECT_ bits that the run began without */
+  unsigned watched;   /* EFFECT_ bits that the run may do without */
   effects_plan plan;  /* what was simulated when */
   double bound;       /* of what was left out to the end, over its scale [1] */
   double size, speed; /* the scales [m], [m/s] */

@@ -21,38 +21,18 @@ static base_status open_formulation(sim *s, base_error *err) {
   return BASE_OK;
 }
 
-/* What has the shape of the rows begins anew. */
-static base_status replace_world(sim *s, world *next, double *state, contact_past *past,
-                                 base_error *err) {
-  world_save(s->w, state);
-  world_load(next, state);
-  BASE_TRY(formulation_keep(s->form, past, err));
-  BASE_TRY(open_formulation(s, err));
-  BASE_TRY(formulation_recall(s->form, past, err));
-  lcp_instance_close(s->instance);
-  lcp_share_close(s->share);
-  s->instance = NULL;
-  s->share = NULL;
-  return BASE_OK;
-}
-
+/* Formulation and solver stay: their workspaces follow the rows of every step, and memory is by contact. */
 base_status sim_change_effects(sim *s, unsigned effects, base_error *err) {
-  world *next;
-  contact_past past = {0};
-  BASE_TRY(world_open(&next, s->q->spec, effects, err));
-  double *state = malloc(world_saved_size(s->w) * sizeof *state);
-  base_status done = (state != NULL) ? replace_world(s, next, state, &past, err)
-                                     : BASE_FAIL(err, BASE_ENOMEM, "no memory for a state");
-  free(state);
-  contact_memory_drop(&past);
-  world_close((done == BASE_OK) ? s->w : next);
-  if (done == BASE_OK) {
-    s->w = next;
-    s->effects = effects;
-    s->out->n_dof = (world_n_dof(next) > s->out->n_dof) ? world_n_dof(next) : s->out->n_dof;
-    sim_ask_admission(s);
+  if (s->q->form->form->memory == 0) {
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "%s: has no memory to go on with other effects",
+                     s->q->form->form->name);
   }
-  return done;
+  BASE_TRY(world_set_effects(s->w, effects, err));
+  const int n_dof = world_n_dof(s->w);
+  s->effects = effects;
+  s->out->n_dof = (n_dof > s->out->n_dof || s->out->steps == 0) ? n_dof : s->out->n_dof;
+  sim_ask_admission(s);
+  return BASE_OK;
 }
 
 static bool same_solver(const solver_choice *a, const solver_choice *b) {

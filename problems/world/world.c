@@ -200,6 +200,19 @@ base_status world_open(world **out, const scene_spec *spec, unsigned effects, ba
   return BASE_OK;
 }
 
+base_status world_set_effects(world *w, unsigned effects, base_error *err) {
+  double *state = malloc(world_saved_size(w) * sizeof *state);
+  if (state == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "scene %.64s: no memory to keep its state", w->spec.id);
+  }
+  world_save(w, state);
+  w->effects = effects;
+  const base_status done = start(w, err);
+  world_load(w, state);
+  free(state);
+  return done;
+}
+
 void world_close(world *w) {
   if (w == NULL) {
     return;

@@ -17,6 +17,9 @@ typedef struct world world; /* opaque: owns every array */
 /* Builds the world of a checked spec with the effects in `effects` (EFFECT_ bits; what is missing
  * gets no dof, row or force). The spec is copied. */
 base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err);
+/* Bodies go on from where they are with other effects, the clock too; the last contact set is no longer valid. An axis that stands
+ * still without an effect is at rest. */
+base_status world_set_effects(world *w, unsigned effects, base_error *err);
 void world_close(world *w);
 
 /* Detects contacts with gap below margin at the current configuration and fills *out with views
@@ -95,8 +98,13 @@ double world_saved_unsteady(const world *w, const saved_step *before, const save
  * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. */
 void world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
                    double change[EFFECT_COUNT]);
+/* The same, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one
+ * direction only and slide, the third dimension where a contact pushes out of the plane. 0: nothing is known before. */
+void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT]);
 /* Those of `effects` (rotation, spatial) that a velocity or a prescribed motion of the scene needs. */
 unsigned world_moved_by(const scene_spec *spec, unsigned effects);
+/* Those that some body now moves along by more than `least` [m/s]. */
+unsigned world_moves(const world *w, unsigned effects, double least);
 
 /* "body.x", "body.pos", "body.vel", "body.omega.z", "body.angle", ...: false if there is no such
  * quantity. dir (or NULL) picks a component of a vector; without dir a vector gives its norm. */

@@ -183,6 +183,13 @@ int joint_rows_posed(const world *w, const joint_data *j, joint_row *row);
 base_status world_reserve_set(world *w, size_t n_group, size_t n_row, size_t n_jac,
                               base_error *err);
 
+/* world_needs.c: the effects that an axis (0 to 5) needs, it counts for each. */
+enum { AXES = 6 };
+unsigned world_axis_needs(int axis, int dim);
+/* Velocity of the point `at` of a side at the end of the last set's step, and the side's angular velocity. */
+void world_side_motion(const world *w, int side, const double *v_next, const double *at,
+                       double *velocity, double *spin);
+
 /* world_forces.c */
 base_status world_free_motion(world *w, double h, base_error *err); /* mass blocks, v, v_free */
 double world_load_energy(const world *w);

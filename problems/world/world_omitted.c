@@ -6,8 +6,6 @@
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
-enum { AXES = 6 };
-
 /* What may act on one body in the step. */
 typedef struct residual {
   double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
@@ -30,13 +28,6 @@ static unsigned free_axes(const world *w, int i, unsigned effects) {
 
 static unsigned locked_now(const world *w, int i, unsigned effects) {
   return free_axes(w, i, effects) & ~free_axes(w, i, w->effects);
-}
-
-/* The effects that an axis needs: it counts for each. */
-static unsigned needs(int axis, int dim) {
-  const bool turns = axis >= 3;
-  const bool in_plane = dim == 2 || axis == 0 || axis == 2 || axis == 4;
-  return (turns ? EFFECT_ROTATION : 0u) | (in_plane ? 0u : EFFECT_SPATIAL);
 }
 
 static void push(const world *w, int side, const double *at, const double *impulse, double sign) {
@@ -241,31 +232,6 @@ static bool without_loads(const world *w, int i) {
 
 /* ---- laws that are left out at contacts ------------------------------------------------------- */
 
-/* Velocity of a side's point at the end of the step, and its angular velocity. */
-static void side_motion(const world *w, int side, const double *v_next, const double *at,
-                        double *velocity, double *spin) {
-  memset(velocity, 0, 3 * sizeof *velocity);
-  memset(spin, 0, 3 * sizeof *spin);
-  if (side >= w->n_body) {
-    v3_copy(world_has(w, EFFECT_MOTION) ? w->spec.fixed[side - w->n_body].surface_velocity : spin,
-            velocity);
-    return;
-  }
-  const body *b = &w->body[side];
-  double arm[3], v[AXES];
-  memcpy(v, b->v, sizeof v);
-  if (b->driven) {
-    body_driven(b, w->t + w->h, v);
-  }
-  for (int k = 0; k < b->n_dof; k++) {
-    v[b->axis[k]] = v_next[b->dof + k];
-  }
-  v3_sub(at, b->at.x, arm);
-  v3_copy(v + 3, spin);
-  v3_cross(spin, arm, velocity);
-  v3_add_scaled(velocity, 1.0, v, velocity);
-}
-
 static double inverse_mass(const world *w, int side) {
   return (side < w->n_body && w->body[side].n_dof > 0) ? 1.0 / w->body[side].mass : 0.0;
 }
@@ -300,8 +266,8 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
   const contact_item *c = &s->item[s->key[i].item];
   const double *n = s->frame + 9 * (ptrdiff_t)i;
   double ua[3], ub[3], wa[3], wb[3];
-  side_motion(w, c->a, v_next, c->x, ua, wa);
-  side_motion(w, c->b, v_next, c->x, ub, wb);
+  world_side_motion(w, c->a, v_next, c->x, ua, wa);
+  world_side_motion(w, c->b, v_next, c->x, ub, wb);
   v3_sub(ua, ub, ua);
   v3_sub(wa, wb, wa);
   v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
@@ -355,7 +321,7 @@ static void judge_body(const world *w, int i, int first, unsigned effects, const
   const bool still = turns && without_loads(w, i) && stands(w, i, first, impulse);
   for (int k = 0; k < AXES; k++) {
     if ((locked & 1u << k) != 0 && !(k >= 3 && still)) {
-      raise(change, needs(k, w->dim) & omitted,
+      raise(change, world_axis_needs(k, w->dim) & omitted,
             fabs(r->wrench[k]) * (k < 3 ? 1.0 / b->mass : reach));
     }
   }
@@ -391,19 +357,4 @@ void world_omitted(const world *w, unsigned effects, const double *v_next, const
     }
     judge_body(w, i, first, effects, impulse, change);
   }
-}
-
-unsigned world_moved_by(const scene_spec *s, unsigned effects) {
-  unsigned moved = 0;
-  for (int i = 0; i < s->n_body; i++) {
-    const spec_body *b = &s->body[i];
-    for (int k = 0; k < AXES; k++) {
-      const double v = (k < 3) ? b->vel[k] : b->omega[k - 3];
-      const double a = (k < 3 && b->kinematic) ? b->acc[k] : b->prescribed_a[k];
-      if (v != 0.0 || a != 0.0 || b->prescribed_v0[k] != 0.0) {
-        moved |= needs(k, s->dim);
-      }
-    }
-  }
-  return moved & effects;
 }

@@ -29,16 +29,49 @@ def a_straight_slide_needs_neither_rotation_nor_space(_):
     assert abs(error[0] - error[1]) < 1e-6, error
 
 
-def what_matters_comes_in(_):
-    """Friction at the first step; restitution with the first impact, not before."""
+def landing(d):
+    """A box at rest, onto which a disc falls from one metre above it, with 1 m/s along it."""
+    box = {"name": "a", "shape": {"type": "box", "half": [1, 0.1]}, "mass": 1.0, "pos": [0, 0.1]}
+    disc = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1.3]}
+    floor = {"name": "floor", "normal": [0, 1], "offset": 0}
+    scene = {"id": "landing", "dim": 2, "T": 0.8, "hs": [0.01], "gravity": [0, -9.81]}
+    scene |= {"static": [floor], "bodies": [box, disc | {"vel": [1, 0]}], "observe": ["b.x"]}
+    scene |= {"friction": {"default": 0.3}, "restitution": {"default": 0.5}}
+    path = d / "landing.json"
+    path.write_text(json.dumps(scene))
+    return path
+
+
+def what_matters_comes_in(d):
+    """Friction at the first step, taken once where that is foreseen; and with what lands."""
     auto = simulate("spin", "auto:1e-6")
     assert (
         auto["effects_auto"]["dropped"] == ""
         and auto["effects_simulated"] == auto["effects_declared"]
     ), auto["effects_auto"]
-    late = simulate("bounce", "auto:1e-6")["effects_auto"]
-    first = int(late["repeat"].split("/")[1].split(":")[0])
-    assert late["repeat"].startswith("-restitution/") and first > 100, late
+    late = simulate(landing(d), "auto:1e-6")["effects_auto"]
+    assert late["repeat"] == "-friction/45:declared" and late["steps_repeated"] == 1, late
+    for scene in ("slide", "tip", "pit", "tablecloth"):
+        foreseen = simulate(scene, "auto:1e-6")["effects_auto"]
+        assert foreseen["steps_repeated"] == 0, (scene, foreseen)
+
+
+def nothing_is_watched_before_contacts_touch(d):
+    """What falls has no rows to save: all is in until it lies. Restitution has none at all."""
+    for scene in ("bounce", "cradle", "impact"):
+        auto = simulate(scene, "auto:1e-6")["effects_auto"]
+        assert auto["repeat"] == "declared" and auto["steps_repeated"] == 0, (scene, auto)
+    box = {"name": "a", "shape": {"type": "box", "half": [0.1] * 3}, "mass": 1, "pos": [0, 0, 0.2]}
+    floor = {"name": "floor", "normal": [0, 0, 1], "offset": 0}
+    scene = {"id": "falls", "dim": 3, "T": 1, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene |= {"static": [floor], "bodies": [box], "friction": {"default": 0.5}}
+    (d / "falls.json").write_text(json.dumps(scene | {"observe": ["a.z"]}))
+    whole, auto = (simulate(d / "falls.json", e) for e in ("declared", "auto:1e-6"))
+    plan = auto["effects_auto"]["repeat"].split("/")
+    assert plan[0] == "declared" and plan[1].endswith(":-friction,-rotation,-spatial")
+    assert 10 < int(plan[1].split(":")[0]) < 25 and len(plan) == 2, plan
+    a, b = (o["observables"]["a.z"]["value"] for o in (whole, auto))
+    assert abs(a - b) < 1e-7 and auto["lcp_dim_max"] == whole["lcp_dim_max"], (a, b)
 
 
 def a_velocity_at_the_start_keeps_its_effect(_):
@@ -48,7 +81,7 @@ def a_velocity_at_the_start_keeps_its_effect(_):
 
 def the_run_can_be_repeated_without_auto(d):
     """Bit for bit, by what the result says under `repeat`, files included."""
-    for scene in ("bounce", "slide", "stack:n=3", "spin", "clatter", "push"):
+    for scene in (landing(d), "bounce", "slide", "stack:n=3", "spin", "clatter", "push"):
         for form, solver in (("velocity", "lemke"), ("regularized", "lemke"), ("coulomb", "nsgs")):
             run = ("simulate", scene, "--formulation", form, "--solver", solver)
             auto = run_json(*run, "--effects", "auto:1e-4", code=None)
@@ -56,8 +89,8 @@ def the_run_can_be_repeated_without_auto(d):
             assert auto["solution_hash"] == again["solution_hash"], (scene, form, auto)
             assert auto["effects_simulated"] == again["effects_simulated"], (scene, form)
     paths = [d / "auto.csv", d / "plan.csv"]
-    for path, effects in zip(paths, ("auto:1e-4", "-restitution/226:declared"), strict=True):
-        simulate("bounce", effects, more=("--trajectory", path))
+    for path, effects in zip(paths, ("auto:1e-4", "-friction/45:declared"), strict=True):
+        simulate(landing(d), effects, more=("--trajectory", path))
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
@@ -175,6 +208,7 @@ tap(
     [
         a_straight_slide_needs_neither_rotation_nor_space,
         what_matters_comes_in,
+        nothing_is_watched_before_contacts_touch,
         a_velocity_at_the_start_keeps_its_effect,
         the_run_can_be_repeated_without_auto,
         nothing_given_is_lost_on_the_way,

@@ -138,6 +138,73 @@ static void motion_at_the_start_is_seen(void **state) {
   spec_free(&s);
 }
 
+/* Before a step is solved: what slides on one plane rubs, and what leans out of the plane is pushed out of it. */
+static void some_of_it_is_foreseen(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  double change[EFFECT_COUNT];
+  for (int k = 0; k < 4;
+       k++) { /* at rest; sliding; sliding along a wall too; on a slope out of the plane */
+    box_on_floor(&s, 3, (k == 1 || k == 2) ? 3.0 : 0.0);
+    if (k == 2) {
+      spec_static *wall;
+      check_ok(spec_add_static(&s, "wall", (double[]){0, 1, 0}, -0.1, &wall, &err), &err);
+    } else if (k == 3) {
+      s.fixed[0].normal[1] = sin(0.2), s.fixed[0].normal[2] = cos(0.2);
+      s.body[0].quat[0] = cos(0.1), s.body[0].quat[1] = -sin(0.1);
+      s.body[0].pos[1] = 0.1 * sin(0.2), s.body[0].pos[2] = 0.1 * cos(0.2);
+    }
+    check_ok(spec_check_all(&s, &err), &err);
+    check_ok(world_open(&w, &s, s.present & ~(unsigned)EFFECT_FRICTION, &err), &err);
+    check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+    assert_true(c.n_contact >= 4);
+    world_foreseen(w, ~0u, change);
+    const double slope = 0.5 * g * h * cos(0.2); /* mu g h cos, less than g h sin */
+    const double rubs = (k == 1) ? 0.5 * g * h : (k == 3) ? fmin(slope, g * h * sin(0.2)) : 0.0;
+    check_close(change[EFFECT_FRICTION_BIT], rubs, 1e-12);
+    check_close(change[EFFECT_SPATIAL_BIT], (k == 3) ? g * h * cos(0.2) : 0.0, 1e-12);
+    world_foreseen(w, EFFECT_SPATIAL, change);
+    check_close(change[EFFECT_FRICTION_BIT], 0.0, 0.0);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
+/* The bodies are where they were, with fewer axes and back; a step from there has the bits of a world that began so. */
+static void effects_change_in_place(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  box_on_floor(&s, 3, 1.0);
+  s.body[0].omega[1] = 2.0;
+  check_ok(spec_check_all(&s, &err), &err);
+  check_ok(world_open(&w, &s, s.present, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  check_ok(world_advance(w, (double[]){1, 0, 0, 0, 2, 0}, NULL, &err), &err);
+  double before[3], after[3], quat[4], turned[4], velocity[3], omega[3];
+  world_body_pose(w, 0, before, quat);
+  check_ok(world_set_effects(w, s.present & ~(unsigned)(EFFECT_ROTATION | EFFECT_SPATIAL), &err),
+           &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_dof, 2);
+  assert_int_equal(world_moves(w, EFFECT_ROTATION | EFFECT_SPATIAL, 1e-12), 0);
+  check_ok(world_set_effects(w, s.present, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_dof, 6);
+  world_body_pose(w, 0, after, turned);
+  world_body_velocity(w, 0, velocity, omega);
+  assert_memory_equal(before, after, sizeof before);
+  assert_memory_equal(quat, turned, sizeof quat);
+  check_close(velocity[0], 1.0, 0.0);
+  check_close(omega[1], 0.0, 0.0); /* stood still without rotation */
+  check_close(world_time(w), h, 0.0);
+  world_close(w);
+  spec_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_box_at_rest_needs_nothing),
@@ -146,6 +213,8 @@ int main(void) {
       cmocka_unit_test(a_force_across_needs_space),
       cmocka_unit_test(an_impact_needs_restitution),
       cmocka_unit_test(motion_at_the_start_is_seen),
+      cmocka_unit_test(some_of_it_is_foreseen),
+      cmocka_unit_test(effects_change_in_place),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
