@@ -105,18 +105,17 @@ base_status event_impact_without_collision(event_run *s, const contact_set *c, b
   s->answer.work.fallbacks++;
   BASE_TRY(space_impact(&s->space, c, err));
   BASE_TRY(slip_begin(&s->p, a, s->opt->facets, s->opt->distribution, err));
+  double *lambda = s->row + s->cap_row, *term = lambda;
+  memset(term, 0, (size_t)a->n_row * sizeof *term);
+  for (int i = 0; i < a->n_contact; i++) { /* it persists: so slow an opening is none */
+    term[a->row[i]] = -fmax(a->r[a->row[i]], 0.0);
+  }
+  BASE_TRY(event_make_consistent(s, term, err));
   for (int i = 0; i < a->n_contact; i++) {
-    const int n = form_rows_of(a, i), first = a->row[i];
-    const double *own = form_own_block(a, i);
-    double term[3] = {-fmax(a->r[first], 0.0)}; /* it persists: so slow an opening is none */
-    if (own[0] > 0.0) {
-      event_make_consistent(own, n, term);
-    }
-    for (int r = 0; r < n; r++) {
-      u0[first + r] = a->r[first + r] + h * pull[c->row_start[a->group[i]] + r] + term[r];
+    for (int r = a->row[i]; r < a->row[i + 1]; r++) {
+      u0[r] = a->r[r] + h * pull[c->row_start[a->group[i]] + r - a->row[i]] + term[r];
     }
   }
-  double *lambda = s->row + s->cap_row;
   event_drop_noise(a->n_row, u0);
   BASE_TRY(event_solve(s, u0, lambda, err));
   return s->solved ? take_impulses(s, c, lambda, err) : BASE_OK;

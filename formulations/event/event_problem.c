@@ -2,7 +2,9 @@
  * the joints that follow. */
 #include "formulations/event/event_run.h"
 
+#include <lapacke.h>
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Distance from the circle's law over the largest friction. */
@@ -53,37 +55,93 @@ base_status event_solve(event_run *s, const double *u0, double *lambda, base_err
   return BASE_OK;
 }
 
-/* Rows of a contact move together where less than this share of a row's own mobility is left without the others. */
-static const double together = 1e-9;
-
-/* The row of the largest diagonal that is left, the normal before all others. */
-static int next_row(const double *left, const bool *done, int n) {
-  int k = -1;
-  for (int r = 0; r < n && (done[0] || r == 0); r++) {
-    k = (!done[r] && (k < 0 || left[r * (n + 1)] > left[k * (n + 1)])) ? r : k;
+double event_scale(const event_run *s, const double *u0) {
+  double scale = 0.0;
+  for (int r = 0; r < s->space.a.n_row; r++) {
+    scale = fmax(scale, fabs(u0[r]));
   }
-  return k;
+  return scale;
 }
 
-void event_make_consistent(const double *B, int n, double *term) {
-  double left[9], asked[3];
-  bool done[3] = {false};
-  memcpy(left, B, (size_t)(n * n) * sizeof *left);
-  memcpy(asked, term, (size_t)n * sizeof *asked);
-  for (int k = 0; k >= 0 && left[k * (n + 1)] > together * B[k * (n + 1)];
-       k = next_row(left, done, n)) {
-    done[k] = true;
-    for (int r = 0; r < n; r++) {
-      const double share = done[r] ? 0.0 : left[k * n + r] / left[k * (n + 1)];
-      asked[r] -= share * asked[k];
-      for (int c = 0; c < n; c++) {
-        left[c * n + r] -= share * (done[c] ? 0.0 : left[c * n + k]);
-      }
+double event_departs(const event_run *s, int i, const double *u0, const double *lambda,
+                     double along[2]) {
+  slip_departure(&s->p, &s->space.a, i, u0, lambda, along);
+  const double size = hypot(along[0], along[1]);
+  return (size > 1e-9 * event_scale(s, u0)) ? size : 0.0;
+}
+
+bool event_holds(const event_run *s, int i, const double *u0, const double *lambda) {
+  double along[2];
+  return slip_at_rest(&s->p, &s->space.a, i) && event_departs(s, i, u0, lambda, along) == 0.0;
+}
+
+/* Rows move together where less than this share of their own mobility is left without the others. */
+static const double together = 1e-9;
+
+/* Rows that take part, each scaled to a mobility of one. */
+typedef struct moving {
+  double *C, *A, *b, *scale; /* m*m, m*m, m, m */
+  lapack_int *pivot;
+  int *row, m;
+} moving;
+
+static void moving_layout(void *state, base_arena *m) {
+  moving *w = state;
+  const size_t n = (size_t)w->m;
+  w->C = BASE_ARRAY(m, double, n *n);
+  w->A = BASE_ARRAY(m, double, n *n);
+  w->b = BASE_ARRAY(m, double, n);
+  w->scale = BASE_ARRAY(m, double, n);
+  w->pivot = BASE_ARRAY(m, lapack_int, n);
+  w->row = BASE_ARRAY(m, int, n);
+}
+
+static void list_moving(const event_run *s, moving *w) {
+  const form_assembly *a = &s->space.a;
+  w->m = 0;
+  for (int i = 0; i < a->n_contact; i++) {
+    const double *own = form_own_block(a, i);
+    const int n = form_rows_of(a, i), rows = slip_at_rest(&s->p, a, i) ? n : 1;
+    for (int r = 0; r < rows && own[0] > 0.0; r++) {
+      w->row[w->m] = a->row[i] + r;
+      w->scale[w->m] = (own[r * (n + 1)] > 0.0) ? 1.0 / sqrt(own[r * (n + 1)]) : 1.0;
+      w->m++;
     }
   }
-  for (int r = 0; r < n; r++) {
-    term[r] -= done[r] ? 0.0 : asked[r];
+}
+
+base_status event_make_consistent(const event_run *s, double *term, base_error *err) {
+  moving w = {.m = s->space.a.n_row};
+  void *mem = NULL;
+  if (w.m == 0) {
+    return BASE_OK;
   }
+  BASE_TRY(form_memory(&mem, moving_layout, &w, err));
+  list_moving(s, &w);
+  const size_t m = (size_t)w.m, n = (size_t)s->space.a.n_row;
+  for (size_t j = 0; j < m; j++) {
+    w.b[j] = w.scale[j] * term[w.row[j]];
+    for (size_t i = 0; i < m; i++) {
+      w.C[j * m + i] = w.scale[i] * s->p.C[(size_t)w.row[j] * n + (size_t)w.row[i]] * w.scale[j];
+    }
+  }
+  memcpy(w.A, w.C, m * m * sizeof *w.A);
+  memset(w.pivot, 0, m * sizeof *w.pivot);
+  lapack_int rank = 0;
+  if (m > 0 && LAPACKE_dgelsy(LAPACK_COL_MAJOR, w.m, w.m, 1, w.A, w.m, w.b, w.m, w.pivot, together,
+                              &rank) != 0) {
+    free(mem);
+    return BASE_FAIL(err, BASE_EEXTERNAL, "event: no consistent terms of %d rows", w.m);
+  }
+  for (size_t i = 0; i < m && rank < w.m; i++) {
+    double sum = 0.0;
+    for (size_t j = 0; j < m; j++) {
+      sum += w.C[j * m + i] * w.b[j];
+    }
+    term[w.row[i]] = sum / w.scale[i];
+  }
+  free(mem);
+  return BASE_OK;
 }
 
 base_status event_log_joints(event_run *s, double dt, bool jump, base_error *err) {

@@ -55,28 +55,6 @@ static bool saturated(const event_run *s, int i, const double *f) {
   return friction > 0.0 && friction >= s->p.mu[i] * f[0] * (1.0 - 1e-9);
 }
 
-/* Largest free acceleration: what is smaller than 1e-9 of it is none. */
-static double scale_of(const event_run *s, const double *u0) {
-  double scale = 0.0;
-  for (int r = 0; r < s->space.a.n_row; r++) {
-    scale = fmax(scale, fabs(u0[r]));
-  }
-  return scale;
-}
-
-/* How contact i starts to move along its tangents; zero where that is none, or where it slides. */
-static double departs(const event_run *s, int i, const double *u0, const double *lambda,
-                      double along[2]) {
-  slip_departure(&s->p, &s->space.a, i, u0, lambda, along);
-  const double size = hypot(along[0], along[1]);
-  return (size > 1e-9 * scale_of(s, u0)) ? size : 0.0;
-}
-
-bool event_holds(const event_run *s, int i, const double *u0, const double *lambda) {
-  double along[2];
-  return slip_at_rest(&s->p, &s->space.a, i) && departs(s, i, u0, lambda, along) == 0.0;
-}
-
 /* A contact at rest sticks if the forces leave it at rest inside its cone. On the edge of its cone it
  * slides against its force: where it starts to move its acceleration may be too small to point
  * anywhere, and where redundant neighbours hold it, sharing among sticking contacts could not give
@@ -91,7 +69,7 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
   *k = (arc_contact){
       .id = c->id[s->space.a.group[i]], .direction = {d[0], d[1]}, .start = {f[0], f[1], f[2]}};
   k->stick = k->starts = slip_at_rest(&s->p, &s->space.a, i);
-  const double size = departs(s, i, u0, lambda, along), friction = hypot(f[1], f[2]);
+  const double size = event_departs(s, i, u0, lambda, along), friction = hypot(f[1], f[2]);
   if (k->stick && saturated(s, i, f)) {
     k->stick = false;
     k->edge = c->mu_static[s->space.a.group[i]] > c->mu_kinetic[s->space.a.group[i]];
@@ -108,28 +86,29 @@ static base_status keep_contact(event_run *s, const contact_set *c, int i, const
 /* The terms of the arc that keep contacts from drifting: a force that ran out on the arc has run out
  * here. A contact whose normal joints or locks hold needs none, and what its acceleration has is the error of its curvature; if
  * it closes all the same that is an impact, for which there is no impulse. */
-static void stabilise(const event_run *s, const contact_set *c, double *u0) {
+static base_status stabilise(const event_run *s, const contact_set *c, double *u0, double *term,
+                             base_error *err) {
+  const form_assembly *a = &s->space.a;
   const double rate = s->opt->rate;
-  for (int i = 0; i < s->space.a.n_contact; i++) {
-    const int g = s->space.a.group[i], n = form_rows_of(&s->space.a, i);
-    const double *u = c->u_before + c->row_start[g], *own = form_own_block(&s->space.a, i);
-    double *row = u0 + s->space.a.row[i];
-    if (!(own[0] > 0.0)) {
-      row[0] =
-          fmax(row[0], 0.0); /* no force answers what joints or locks hold, and none is needed */
+  memset(term, 0, (size_t)a->n_row * sizeof *term);
+  for (int i = 0; i < a->n_contact; i++) {
+    const int g = a->group[i], first = a->row[i];
+    const double *u = c->u_before + c->row_start[g];
+    if (!(form_own_block(a, i)[0] > 0.0)) {
+      u0[first] =
+          fmax(u0[first], 0.0); /* no force answers what joints or locks hold, and none is needed */
       continue;
     }
-    double term[3] = {2.0 * rate * u[0] + rate * rate * c->gap[g]};
-    if (slip_at_rest(&s->p, &s->space.a, i)) {
-      for (int t = 1; t < n; t++) {
-        term[t] = rate * u[t];
-      }
-      event_make_consistent(own, n, term);
-    }
-    for (int r = 0; r < n; r++) {
-      row[r] += term[r];
+    term[first] = 2.0 * rate * u[0] + rate * rate * c->gap[g];
+    for (int t = 1; t < form_rows_of(a, i) && slip_at_rest(&s->p, a, i); t++) {
+      term[first + t] = rate * u[t];
     }
   }
+  BASE_TRY(event_make_consistent(s, term, err));
+  for (int r = 0; r < a->n_row; r++) {
+    u0[r] += term[r];
+  }
+  return BASE_OK;
 }
 
 void event_set_slow(event_run *s) {
@@ -158,8 +137,8 @@ static base_status choose_modes(event_run *s, const contact_set *c, base_error *
   BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
   set_directions(s, c);
   memcpy(u0, s->space.a.r, (size_t)s->space.a.n_row * sizeof *u0);
-  s->pull = scale_of(s, u0);
-  stabilise(s, c, u0);
+  s->pull = event_scale(s, u0);
+  BASE_TRY(stabilise(s, c, u0, lambda, err));
   event_drop_noise(s->space.a.n_row, u0);
   BASE_TRY(event_solve(s, u0, lambda, err));
   double largest = 0.0;

@@ -77,11 +77,16 @@ base_status event_solve(event_run *s, const double *u0, double *lambda, base_err
 /* Velocities that are rounding errors of the others are zero: a contact at rest beside an impact
  * would otherwise pose a problem of its own, of noise. */
 void event_drop_noise(int n, double *u);
-/* term (n rows, the normal first) of a contact with the own block B (n x n). Joints may leave it fewer ways to move than rows:
- * a row that moves only with others takes what their terms make of it, because no force of the contact could make it
- * do anything else, and friction would seem to miss its law. */
-void event_make_consistent(const double *B, int n, double *term);
+/* term (n_row) of the contacts that s->space poses becomes the nearest that their forces could answer: normal rows, and all of contacts
+ * at rest. Joints, and contacts that hold each other, leave fewer ways to move than rows: what no force could make of them would seem
+ * to part contacts, or friction to miss its law. Normals that joints hold are left out. BASE_ENOMEM, BASE_EEXTERNAL. */
+base_status event_make_consistent(const event_run *s, double *term, base_error *err);
 
+/* Largest free acceleration of u0: what is smaller than 1e-9 of it is none. */
+double event_scale(const event_run *s, const double *u0);
+/* How contact i starts to move along its tangents under the forces lambda: its acceleration, and the size of that, 0 where it is none. */
+double event_departs(const event_run *s, int i, const double *u0, const double *lambda,
+                     double along[2]);
 /* Contact i is at rest and the forces lambda leave it there. */
 bool event_holds(const event_run *s, int i, const double *u0, const double *lambda);
 /* Where a contact that holds stands on the edge of its cone, lambda, which answers u0, becomes other forces of the same motion inside

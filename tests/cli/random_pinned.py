@@ -1,5 +1,6 @@
-"""Bodies that one joint ties to the world while they lie on a floor, at times against a wall too: the joint
-makes normal and tangent of a contact move as one, so that the motion does not say what friction is."""
+"""Bodies that one joint ties to the world while they lie on a floor, at times against a wall too:
+the joint makes normal and tangent of a contact move as one, so that the motion does not say what
+friction is."""
 
 import math
 import random
