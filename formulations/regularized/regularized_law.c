@@ -377,11 +377,14 @@ static void settle(regularized *s, const reg_part *p, double ln, double *lambda,
   }
 }
 
-static void report(regularized *s, const reg_part *p, double ln) {
+/* A contact that separated has no spring. */
+static void report(regularized *s, const reg_part *p, double ln, bool separated) {
   formulation_answer *out = &s->answer;
   const double bound = bound_of(p, ln);
   const double h = s->a.set->h;
-  out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / (p->share * p->m));
+  if (!separated) {
+    out->stiffness_ratio = fmin(out->stiffness_ratio, p->G / (p->share * p->m));
+  }
   const bool slips = ((s->opt.modes == REG_ONCE) ? p->r : p->next_r) < 1;
   s->a.mode[s->a.group[p->contact]] = (unsigned char)((ln > 0) ? 1 + slips : 0);
   if (p->k > 0) {
@@ -405,12 +408,13 @@ void reg_commit(regularized *s, double *lambda) {
     const double ln = lambda[s->a.row[p->contact]];
     double next[2] = {0, 0};
     settle(s, p, ln, lambda, next);
-    if (ln > 0 || c->gap[s->a.group[p->contact]] <= 10 * c->tol) { /* else separated: forgotten */
+    const bool separated = !(ln > 0) && c->gap[s->a.group[p->contact]] > 10 * c->tol;
+    if (!separated) { /* else forgotten */
       s->answer.spring_energy += 0.5 * p->k * (next[0] * next[0] + next[1] * next[1]);
       store(s, p, next);
     }
     if (p->kind == 0) {
-      report(s, p, ln);
+      report(s, p, ln, separated);
     }
   }
   for (int i = 0; i < s->a.n_contact; i++) {
