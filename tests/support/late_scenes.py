@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import random
 
-KINDS = ("lands", "wall", "load", "spin", "nothing", "leans")
+KINDS = ("lands", "wall", "load", "spin", "nothing", "leans", "falls")
 
 
 def sized(dim: int, rng: random.Random) -> list[float]:
@@ -14,7 +14,8 @@ def sized(dim: int, rng: random.Random) -> list[float]:
 
 def late_scene(rng: random.Random) -> dict:
     """A block that slides, and what comes: a second body lands, a wall stands in the way, a load
-    grows, a spin turns over, a ball rolls into it, or nothing does."""
+    grows, a spin turns over, a ball rolls into it, or nothing does. Or the block itself falls, flat
+    or on an edge, and then stays or slides."""
     dim = rng.choice([2, 3])
     up, half = dim - 1, sized(dim, rng)
     pos, vel = [0.0] * dim, [0.0] * dim
@@ -54,5 +55,12 @@ def late_scene(rng: random.Random) -> dict:
         if dim == 3:
             start[1] = rng.choice([0.0, rng.uniform(-0.1, 0.1)])
         bodies.append({"name": "b", "shape": ball, "mass": 0.5, "pos": start, "vel": [0.0] * dim})
+    elif kind == "falls":
+        pos[up] += rng.uniform(0.01, 0.6)
+        vel[0] = rng.choice([0.0, vel[0]])
+        tilt = rng.choice([0.0, rng.uniform(-0.4, 0.4)])
+        half_turn = [math.cos(tilt / 2), 0.0, math.sin(tilt / 2), 0.0]
+        bodies[0] |= {"angle": tilt} if dim == 2 else {"quat": half_turn}
+        pos[up] += half[0] * abs(math.sin(tilt))
     scene["bodies"] = bodies
     return scene
