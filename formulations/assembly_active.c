@@ -116,12 +116,9 @@ static double mobility(const contact_set *c, int g) {
   return sum;
 }
 
-/* Gap up to which contact i is closed [m]. Closed before, it may have moved away by the rounding of positions, and by what was left
- * of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). One that carried
- * and would close again within the step was lifted by the turning of its bodies, or bounced: it stays closed,
- * for a step in which it were open would end in an overlap, and the next in an impact. */
-static double closed_up_to(const contact_set *c, int i, const form_rule *rule,
-                           const contact_memory *memory, double u_free) {
+/* Gap up to which contact i is closed whatever it does [m]. Closed before, it may have moved away by the rounding of positions, and by
+ * what was left of the velocity that its impulse made: much where a large impulse passes through a light body (1e8 kg on 1 kg). */
+static double closed_up_to(const contact_set *c, int i, const contact_memory *memory) {
   const double *past = contact_memory_old(memory, i);
   if (!contact_memory_closed(memory, i)) {
     return c->tol;
@@ -129,8 +126,31 @@ static double closed_up_to(const contact_set *c, int i, const form_rule *rule,
   if (past == NULL || !(past[PAST_IMPULSE] > 0) || !(c->gap[i] > held * c->tol)) {
     return held * c->tol;
   }
-  const double left = fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
-  return (rule->activation == FORM_CLOSED) ? fmax(left, -c->h * u_free) : left;
+  return fmax(loaded * c->tol, met * c->h * mobility(c, i) * past[PAST_IMPULSE]);
+}
+
+/* Is another contact of the two shapes of contact i closed? Contacts of two shapes follow each other. */
+static bool pair_touches(const contact_set *c, int i, const contact_memory *memory) {
+  const uint64_t shapes = contact_shapes_of(c->id[i]);
+  bool touches = false;
+  for (int way = -1; way <= 1; way += 2) {
+    for (int k = i + way;
+         !touches && k >= 0 && k < c->n_contact && contact_shapes_of(c->id[k]) == shapes;
+         k += way) {
+      touches = c->gap[k] <= closed_up_to(c, k, memory);
+    }
+  }
+  return touches;
+}
+
+/* Did contact i carry, and would it close again within the step? The turning of its bodies lifted it, or it bounced. If it were open the
+ * step would end in an overlap, and the next begin with an impact. Where its shapes touch at another point they turn about that one. */
+static bool hovers(const contact_set *c, int i, const form_rule *rule, const contact_memory *memory,
+                   double u_free) {
+  const double *past = contact_memory_old(memory, i);
+  return rule->activation == FORM_CLOSED && past != NULL && past[PAST_IMPULSE] > 0 &&
+         c->gap[i] > held * c->tol && c->gap[i] <= -c->h * u_free &&
+         contact_memory_closed(memory, i) && !pair_touches(c, i, memory);
 }
 
 /* Gap of contact i without what says nothing [m]: rounding, and of a contact that carried an impulse what the solver's
@@ -152,9 +172,9 @@ static double normal_bias(const contact_set *c, int i, const form_rule *rule, do
   if (!closed && rule->level == FORM_LEVEL_VELOCITY) {
     return HUGE_VAL;
   }
-  const bool hovers = closed && gap > held * c->tol && rule->activation == FORM_CLOSED;
+  const bool off = closed && gap > held * c->tol && rule->activation == FORM_CLOSED;
   double b = 0;
-  if (gap < 0 || hovers || rule->level == FORM_LEVEL_POSITION) {
+  if (gap < 0 || off || rule->level == FORM_LEVEL_POSITION) {
     b = ((gap < 0) ? rule->repair.push : 1.0) * gap / c->h;
     b = fmax(b, -rule->repair.push_speed);
   }
@@ -241,8 +261,9 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
     const double u = row_velocity(c, &r, 0, &size);
     a->r_normal[i] = without_noise(u, size);
     const double *past = contact_memory_old(memory, i);
-    a->bias[i] = normal_bias(c, i, rule, a->r_normal[i], gap_without_noise(c, i, memory),
-                             closed_up_to(c, i, rule, memory, a->r_normal[i]));
+    a->bias[i] = normal_bias(
+        c, i, rule, a->r_normal[i], gap_without_noise(c, i, memory),
+        hovers(c, i, rule, memory, a->r_normal[i]) ? c->gap[i] : closed_up_to(c, i, memory));
     a->mode[i] = 0;
     if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
         c->restitution != NULL) {

@@ -4,6 +4,7 @@ import json
 import math
 
 from random_scenes import random_scene
+
 from support import one_line_error, run, run_json, tap
 
 RUN = ("--formulation", "coulomb", "--solver", "nsgs")

@@ -119,8 +119,8 @@ def come_out_right(scenes, n):
     compare(found, {path.stem for path in scenes})
 
 
-# copies of a contact on a compliant law, a box on four corners and on two, and bounds of friction
-# on an arch of redundant contacts
+# copies of a contact on a compliant law, a box on four corners and on two, bounds of friction on an
+# arch of redundant contacts, and an arch that falls, whose stones turn about one corner each
 CASES = (
     ("E03", "regularized", "lemke"),
     ("E07", "regularized", "lemke"),
@@ -128,6 +128,7 @@ CASES = (
     ("E07", "regularized:pose=cone", "cone_newton"),
     ("E07", "boxed:bristle=1e5,damper=1e2", "ppm"),
     ("B21.a", "boxed", "ppm"),
+    ("B21.b", "coulomb", "nsgs"),
 )
 
 
