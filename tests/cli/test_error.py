@@ -190,8 +190,8 @@ def chaos_is_not_promised(d):
 
 
 def friction_that_pushes_a_slip_on_is_seen(d):
-    # one direction is left to what a slider holds on the floor: where it turns round inside a step, the
-    # friction of `regularized` was that of before, in a step and in its halves alike
+    # one direction is left to what a slider holds on the floor: where it turns round inside a step,
+    # the friction of `regularized` was that of before, in a step and in its halves alike
     scene = dict(random_scene(98), observe=["b0.z"])
     path = d / "turned.json"
     path.write_text(json.dumps(scene))

@@ -1,6 +1,6 @@
 """The scenes of tests/cases/moving: 24 to 204 contacts that move, in two sizes each, for studies
-that would otherwise rest on scenes of four. Those with a closed form have it as their checks, derived
-here without the program; the others are judged by converged references (campaign `accuracy`).
+that would otherwise rest on scenes of four. Those with a closed form have it as their checks,
+derived here without the program; the others are judged by converged references (`accuracy`).
 
 moving.py prints what differs between the files and what is written here, and exits with 1 where
 something does; moving.py --write writes the files.
