@@ -72,16 +72,27 @@ bool reg_is_lugre(const regularized *s, const reg_part *p) {
 /* Slower than this share of the largest free velocity of the step is no sliding to begin with. */
 static const double slow = 0.01;
 
+/* The normal impulse that would stop the approach of the part's contact if nothing else did [N s]. */
+static double alone(const regularized *s, const reg_part *p) {
+  const form_assembly *a = &s->a;
+  const int i = p->contact;
+  const double own = form_own_block(a, i)[0];
+  const double approach = fmax(0.0, -(a->r[a->row[i]] + a->bias[a->group[i]]));
+  return (own > 0) ? approach / own : 0;
+}
+
+static double bound_of(const reg_part *p, double lambda_n) {
+  return (p->sliding ? p->mu_kinetic : p->mu_static) * ((lambda_n > 0) ? lambda_n : 0);
+}
+
 /* Where the first solve of a cold step begins, from the state alone: a contact that slides before the step slips, unless
  * friction could stop it, with the normal impulse that would stop its approach if nothing else did; everything else sticks. */
 static void guess(const regularized *s, reg_part *p) {
   const form_assembly *a = &s->a;
   const int i = p->contact, g = a->group[i];
   double before[REG_ROWS_MAX], tau[2] = {0, 0};
-  const double own = form_own_block(a, i)[0];
-  const double approach = fmax(0.0, -(a->r[a->row[i]] + a->bias[g]));
-  const double lambda_n = (own > 0) ? approach / own : 0;
-  const double bound = (p->sliding ? p->mu_kinetic : p->mu_static) * lambda_n;
+  const double lambda_n = alone(s, p);
+  const double bound = bound_of(p, lambda_n);
   form_to_rows(a, i, a->set->u_before + a->set->row_start[g], before);
   for (int m = 0; m < p->dim; m++) {
     p->v[m] = ((m == 1) ? p->axis2 : 1) * before[p->row - a->row[i] + m];
@@ -129,6 +140,20 @@ static void restore_mode(const regularized *s, int g, const double *past, reg_pa
   }
 }
 
+/* What a slip pulled with is its bound, which an impact in a short step makes as large as it likes. In a longer step it is no more
+ * than what this step's load could hold, or than its impulse as a force of this step: kept whole, a force of 1e5 N deflects the
+ * softer springs of the longer step by metres, and friction pushes the slip on. */
+static void relax(const regularized *s, reg_part *p, double k) {
+  const double h = s->a.set->h, h_old = s->memory.h_old;
+  const double pulls = k * hypot(p->s[0], p->s[1]);
+  if (h > h_old && pulls > 0) {
+    const double most = fmax(bound_of(p, alone(s, p)) / h, pulls * h_old / h);
+    for (int m = 0; m < p->dim && pulls > most; m++) {
+      p->s[m] *= most / pulls;
+    }
+  }
+}
+
 /* The state of the model: deflections from the forces of the springs, which a planar tangent or a torsion has as one number, and
  * which of two coefficients holds. Then the modes: from the last step with start=previous, if that step was this
  * formulation's, or guessed. */
@@ -147,6 +172,10 @@ static void restore(const regularized *s, int g, reg_part *p) {
     }
   }
   p->sliding = past != NULL && p->kind == 0 && past[PAST_SLIDES] > 0;
+  if (past != NULL && past[REG_PAST_OWN] > 0 && s->opt.stiffness == 0 && !reg_is_lugre(s, p) &&
+      past[REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind + REG_PAST_MODE] == REG_SLIP) {
+    relax(s, p, k);
+  }
   if (!warm || (past != NULL && past[PAST_CLOSED] > 0 && !(past[REG_PAST_OWN] > 0))) {
     guess(s, p);
   } else if (past != NULL) {
@@ -260,10 +289,6 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
       p->tau[m] = -lambda[p->row + m] / (r * axis_unit(p, m));
     }
   }
-}
-
-static double bound_of(const reg_part *p, double lambda_n) {
-  return (p->sliding ? p->mu_kinetic : p->mu_static) * ((lambda_n > 0) ? lambda_n : 0);
 }
 
 /* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATHEMATICS 2.3.6). At

@@ -325,6 +325,31 @@ def no_force_is_lost_with_its_corner(d):
     assert off < 1e-7 and max(corners) >= 4, (off, corners)
 
 
+def an_impact_in_a_short_step_leaves_no_spring(d):
+    """A puck lands at 2 m/s along the floor and 3 m/s down within a microsecond, a force of 1.5e6 N.
+    The springs of the steps of 0.02 s after it are softer by 4e8, and this force in them would be
+    metres of deflection, which pushed the puck back (ratio=10), status ok. It slides
+    0.5^2/(2 mu g) and stops."""
+    scene = {"id": "puck", "dim": 2, "T": 0.3, "hs": [0.02], "gravity": [0, -9.81]}
+    scene["static"] = [{"name": "floor", "normal": [0, 1], "offset": 0}]
+    puck = {"name": "puck", "shape": {"type": "point"}, "mass": 1, "pos": [0, 0], "vel": [2, -3]}
+    scene |= {"bodies": [puck], "friction": {"default": 0.5}, "restitution": {"default": 0.0}}
+    scene |= {"observe": ["puck.x", "puck.vx"], "checks": [{"type": "finite"}]}
+    path, steps = d / "puck.json", d / "steps.txt"
+    path.write_text(json.dumps(scene))
+    steps.write_text("1e-6\n" + "0.02\n" * 15)
+    for formulation, solver in (
+        *((f"regularized{more}", "lemke") for more in ("", ":ratio=10", ":ratio=1000")),
+        ("regularized:pose=cone", "cone_newton"),
+        ("velocity", "lemke"),
+    ):
+        words = ("--formulation", formulation, "--solver", solver, "--start", "previous")
+        o = run_json("simulate", path, *words, "--steps", steps, "--duration", 0.300001)
+        x, v = (o["observables"][f"puck.{q}"]["value"] for q in ("x", "vx"))
+        assert o["status"] == "ok", (formulation, o["note"])
+        assert abs(x - 0.5**2 / 9.81) < 0.01 and abs(v) < 1e-3, (formulation, x, v)
+
+
 def nothing_moves(d):
     """A box that is locked in every direction, on the floor: it stays, or the run is refused."""
     scene = {"id": "still", "dim": 2, "T": 0.05, "hs": [0.01], "gravity": [0, -9.81]}
@@ -443,6 +468,7 @@ tap(
         a_ball_on_a_rail_jams,
         a_chain_of_capsules_bounces_flat,
         no_force_is_lost_with_its_corner,
+        an_impact_in_a_short_step_leaves_no_spring,
         nothing_moves,
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
