@@ -326,7 +326,7 @@ def no_force_is_lost_with_its_corner(d):
 
 
 def an_impact_in_a_short_step_leaves_no_spring(d):
-    """A puck lands at 2 m/s along the floor and 3 m/s down within a microsecond, a force of 1.5e6 N.
+    """A puck lands at 2 m/s along the floor and 3 m/s down in a microsecond: 1.5e6 N of friction.
     The springs of the steps of 0.02 s after it are softer by 4e8, and this force in them would be
     metres of deflection, which pushed the puck back (ratio=10), status ok. It slides
     0.5^2/(2 mu g) and stops."""
