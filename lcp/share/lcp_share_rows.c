@@ -107,12 +107,24 @@ static bool slip_part(lcp_share *s, const lcp_block *b, const share_part *p) {
   return true;
 }
 
+/* One more row asks for another kind. It may have it unless only one row may change and one has. */
+static bool may_change(lcp_share *s) {
+  return s->asked++ == 0 || !s->one_by_one;
+}
+
 /* Stick or slip of every part from the present z and w; true where something is to be solved again. */
 static bool settle_cone(lcp_share *s, const lcp_block *b) {
   bool changed = false;
   for (int k = 0, row = b->start + 1; k < b->n_part; row += b->part_dim[k++]) {
     const share_part p = part_at(s, b, k, row);
-    changed = (part_slips(s, &p) ? slip_part(s, b, &p) : stick_part(s, &p)) || changed;
+    const unsigned char kind = s->rows.kind[row];
+    const bool slips = part_slips(s, &p);
+    const bool turns = kind == (slips ? SHARE_ACTIVE : SHARE_SLIP);
+    if (turns && !may_change(s)) {
+      changed = true;
+      continue;
+    }
+    changed = (slips ? slip_part(s, b, &p) : stick_part(s, &p)) || changed;
   }
   return changed;
 }
@@ -199,11 +211,10 @@ static bool settle_resting(lcp_share *s, int i) {
   if (*kind == SHARE_ACTIVE) {
     s->z[i] = fmax(s->z[i], s->lower[i]);
   }
-  if (moves && !(s->one_by_one && s->asked > 0)) {
+  if (moves && may_change(s)) {
     *kind = (*kind == SHARE_ACTIVE) ? SHARE_FIXED : SHARE_ACTIVE;
     s->by_limit[i] = (unsigned char)((s->pull == 0) ? *kind + 1 : 0);
   }
-  s->asked += moves;
   return moves;
 }
 
@@ -214,11 +225,16 @@ static bool settle_contact(lcp_share *s, const lcp_block *b) {
       close_contact(s, b); /* slip speeds follow the motion */
       return false;
     }
-    open_contact(s, b);
+    if (may_change(s)) {
+      open_contact(s, b);
+    }
     return true;
   }
   if (s->z[i] < -LCP_SHARE_ROW_TOL * lcp_share_scale(s, i)) {
-    close_contact(s, b);
+    if (may_change(s)) {
+      close_contact(s, b);
+    }
+    s->z[i] = fmax(s->z[i], 0.0);
     return true;
   }
   s->z[i] = fmax(s->z[i], 0.0);

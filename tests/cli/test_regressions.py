@@ -109,6 +109,18 @@ def many_contacts_move_right(d):
             assert o["n_contact_max"] >= 24 and not off, (name, formulation, off)
 
 
+def chains_that_move_have_one_choice(d):
+    """Two contacts a link whose joints allow fewer forces: where all rows changed kinds at once, stick
+    and slip went to and fro for ever, and 35 of 40 choices were missed."""
+    for solver in ("cone_newton", "nsgs"):
+        words = ("--formulation", "coulomb", "--solver", solver, "--start", "previous")
+        o = run_json("simulate", MOVING / "dragged_chain12.json", *words, "--step", 0.005)
+        assert o["status"] == "ok" and o["n_shared"] > 30 and o["n_share_missed"] < 5, (
+            solver,
+            o["n_share_missed"],
+        )
+
+
 def come_out_right(scenes, n):
     assert len(scenes) == n
     found = {}
@@ -460,6 +472,7 @@ tap(
         scenes_come_out_right,
         disputed_scenes_come_out_right,
         many_contacts_move_right,
+        chains_that_move_have_one_choice,
         cases_come_out_right,
         a_house_of_cards_stands,
         the_same_result_twice,
