@@ -110,8 +110,8 @@ def many_contacts_move_right(d):
 
 
 def chains_that_move_have_one_choice(d):
-    """Two contacts a link whose joints allow fewer forces: where all rows changed kinds at once, stick
-    and slip went to and fro for ever, and 35 of 40 choices were missed."""
+    """Two contacts a link whose joints allow fewer forces: where all rows changed kinds at once,
+    stick and slip went to and fro for ever, and 35 of 40 choices were missed."""
     for solver in ("cone_newton", "nsgs"):
         words = ("--formulation", "coulomb", "--solver", solver, "--start", "previous")
         o = run_json("simulate", MOVING / "dragged_chain12.json", *words, "--step", 0.005)
