@@ -4,6 +4,7 @@
  * rows of a contact at rest, the normal with its friction where one slides), every x + null(K) makes the same motion. Looked for is
  * one of them in cones narrower than those of friction, by projections on the cones and on null(K) in turn. */
 #include "formulations/event/event_run.h"
+#include "lcp/lcp_cone.h"
 
 #include <lapacke.h>
 #include <math.h>
@@ -87,16 +88,13 @@ static bool lies_inside(const event_run *s, const inside *w, double part) {
 /* to - x, to the point of cones of the share `part` that is nearest to x. */
 static void project(const event_run *s, const inside *w, double part) {
   for (int j = 0; j < w->m; j += rows_from(w, j)) {
-    const double mu = part * s->p.mu[w->of[j]], *x = w->x + j;
-    double *to = w->to + j, friction = 0.0;
-    for (int r = 1; r < rows_from(w, j); r++) {
-      friction = hypot(friction, x[r]);
-    }
-    const bool within = x[0] >= 0.0 && friction <= mu * x[0];
-    const double normal = within ? x[0] : fmax(0.0, (x[0] + mu * friction) / (1.0 + mu * mu));
-    to[0] = normal - x[0];
-    for (int r = 1; r < rows_from(w, j); r++) {
-      to[r] = (within || friction == 0.0) ? 0.0 : (mu * normal / friction - 1.0) * x[r];
+    const int n = rows_from(w, j);
+    lcp_block cone = {.set = LCP_CONE, .size = n, .n_part = (n > 1) ? 1 : 0};
+    cone.part_dim[0] = n - 1;
+    cone.part_mu[0] = part * s->p.mu[w->of[j]];
+    lcp_cone_project(&cone, w->x + j, w->to + j);
+    for (int r = j; r < j + n; r++) {
+      w->to[r] -= w->x[r];
     }
   }
 }
