@@ -174,8 +174,10 @@ def panel(problem: str, cells: pd.DataFrame, index: dict[str, int]) -> Panel:
 
 
 def short(problem: str) -> str:
-    """A problem as a title of a panel: its first parameter is enough to tell it."""
-    name, _, options = problem.partition(":")
+    """A problem as a title of a panel: its first parameter is enough to tell it, or the name of
+    its file."""
+    path, _, options = problem.partition(":")
+    name = path.rpartition("/")[2].removesuffix(".json")
     return f"{name}{':' if options else ''}{options.split(',')[0]}".replace("_", " ").replace(
         " deg=", "="
     )

@@ -122,7 +122,7 @@ def chart(found: list[Surface]) -> Chart:
             kinds.setdefault(title, [])
             if k.name not in kinds[title]:
                 kinds[title].append(k.name)
-    names = [accuracy.short(p.rpartition("/")[2].removesuffix(".json")) for p in scenes]
+    names = [accuracy.short(p) for p in scenes]
     panels = []
     for title, knobs in kinds.items():
         lines = []

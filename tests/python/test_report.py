@@ -551,6 +551,10 @@ class Judged(unittest.TestCase):
         self.assertIn("a tenth of the error takes 9 times as long", behind)
         self.assertEqual(accuracy.largest_words(cards["sliding"].get("large")), ("", ""))
 
+    def test_a_panel_of_a_scene_file_has_its_name_for_a_title(self):
+        self.assertEqual(accuracy.short("tests/cases/claims/plates6.json"), "plates6")
+        self.assertEqual(accuracy.short("slide:angle_deg=22.5,mu=1"), "slide:angle=22.5")
+
     def test_the_next_one_is_compared_on_the_scenes_that_both_reach(self):
         won = {p: {"cost": c, "noise": 1.05} for p, c in (("a", 1.0), ("b", 1.0), ("c", 100.0))}
         found = accuracy.rival(
