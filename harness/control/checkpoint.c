@@ -16,6 +16,7 @@ static size_t result_size(const sim_result *r) {
 
 base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, base_error *err) {
   BASE_TRY(formulation_keep(s->form, &c->past, err));
+  BASE_TRY(contact_memory_keep(&s->own.memory, &c->own, err));
   world_save(s->w, c->state);
   memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
@@ -25,6 +26,7 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
 
 base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_error *err) {
   BASE_TRY(formulation_recall(s->form, &c->past, err));
+  BASE_TRY(contact_memory_recall(&s->own.memory, &c->own, err));
   world_load(s->w, c->state);
   const sim_result spent = *s->out;
   memcpy(s->out, &c->out, result_size(&c->out));
@@ -44,5 +46,6 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
 void checkpoint_close(checkpoint *c) {
   free(c->state);
   contact_memory_drop(&c->past);
+  contact_memory_drop(&c->own);
   *c = (checkpoint){0};
 }

@@ -1,4 +1,4 @@
-/* harness/control/checkpoint.h - a place in a run to come back to: the world, what the formulation remembers of its
+/* harness/control/checkpoint.h - a place in a run to come back to: the world, what formulation and solver remember of its
  * contacts, the record and what was found of the steps so far. What was spent (times, work, solves) stays spent. */
 #pragma once
 
@@ -7,6 +7,7 @@
 typedef struct checkpoint {
   double *state; /* world_save; owned */
   contact_past past;
+  contact_past own; /* what the solver answered by itself */
   sim_result out;
   solved held;
   int n_row; /* of the record */

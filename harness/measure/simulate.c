@@ -36,6 +36,16 @@ static void lap(double *phase, double *from) {
   *from = now;
 }
 
+/* A direct method that starts from a basis has one in its own last answer, not in what was chosen among its like. */
+static base_status start_from_own(sim *s, base_error *err) {
+  formulation_rows rows;
+  if (sim_keeps_own(s)) {
+    BASE_TRY(formulation_rows_of(s->form, &rows, err));
+    own_answers_start(&s->own, &rows, s->z);
+  }
+  return BASE_OK;
+}
+
 /* assemble -> solve -> recover until the formulation has enough; *from: when assembly began, on return
  * when the part of it began that is still to be counted. */
 static base_status solve_step(sim *s, double *from, base_error *err) {
@@ -50,6 +60,7 @@ static base_status solve_step(sim *s, double *from, base_error *err) {
     }
     lap(&s->out->time.assemble, from);
     BASE_TRY(sim_start_point(s, &p, z0, err));
+    BASE_TRY(start_from_own(s, err));
     BASE_TRY(sim_solve(s, &p, &claimed, err));
     *from = base_seconds();
     BASE_TRY(formulation_recover(s->form, s->z, claimed, err));
@@ -225,6 +236,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
   from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */
   BASE_TRY(formulation_begin(s->form, posed, s->q->start, err));
+  own_answers_step(&s->own);
   BASE_TRY(solve_step(s, &from, err));
   formulation_answer_of(s->form, &a);
   lap(&t->assemble, &from);
@@ -421,6 +433,7 @@ void sim_close(sim *s) {
   lcp_share_close(s->share);
   formulation_close(s->form);
   contact_order_close(&s->order);
+  own_answers_close(&s->own);
   world_close(s->w);
   free(s->z);
   free(s->u);

@@ -237,6 +237,21 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   return BASE_OK;
 }
 
+bool sim_keeps_own(const sim *s) {
+  const lcp_solver *v = s->q->solver->solver;
+  return s->iterates && s->q->start == FORM_PREVIOUS && v->exact && v->warm;
+}
+
+/* For the next solve that starts from what was chosen, in s->z. */
+static base_status note_own(sim *s, const double *own, base_error *err) {
+  formulation_rows rows;
+  if (!sim_keeps_own(s)) {
+    return BASE_OK;
+  }
+  BASE_TRY(formulation_rows_of(s->form, &rows, err));
+  return own_answers_note(&s->own, &rows, own, s->z, err);
+}
+
 /* The solver's answer is judged first: a wrong one stays as it is, for nobody may mend it unseen. What is then chosen among
  * the right ones is judged as well, and is not taken where it does not pass. */
 static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim, solved *k,
@@ -246,7 +261,7 @@ static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim,
   memcpy(own, s->z, (size_t)p->M.n * sizeof *own);
   BASE_TRY(share(s, p, &moved, err));
   if (!moved) {
-    return BASE_OK;
+    return note_own(s, own, err);
   }
   solved chosen;
   BASE_TRY(judge(s, p, claim, &chosen, err));
@@ -258,7 +273,7 @@ static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim,
   s->out->n_shared++;
   s->out->hash = sim_hash(s->out->hash, own, p->M.n); /* of both answers */
   *k = chosen;
-  return BASE_OK;
+  return note_own(s, own, err);
 }
 
 base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_error *err) {

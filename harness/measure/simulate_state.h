@@ -2,6 +2,7 @@
 #pragma once
 
 #include "harness/measure/contact_order.h"
+#include "harness/measure/own_answers.h"
 #include "harness/measure/simulate.h"
 #include "lcp/lcp_islands.h"
 #include "lcp/share/lcp_share.h"
@@ -58,8 +59,9 @@ typedef struct sim {
   sim_carrying carrying;        /* in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
   int z_cap;
-  double called; /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
-  bool iterates; /* the formulation poses its problems one by one; else it steps by itself */
+  own_answers own; /* where the next solves of a method that pivots start */
+  double called;   /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
+  bool iterates;   /* the formulation poses its problems one by one; else it steps by itself */
   solved
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
@@ -98,6 +100,9 @@ void sim_refuse(sim *s, run_status word, const char *text);
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text);
+
+/* Does the solver start from a basis, so that its own answers are worth keeping beside the chosen ones? */
+bool sim_keeps_own(const sim *s);
 
 /* z0 (NULL: zeros) as the start point s->z of p. */
 base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base_error *err);
