@@ -1,7 +1,7 @@
 #include "harness/campaign/doctor.h"
 
 #include "harness/campaign/runner.h"
-#include "harness/measure/machine.h"
+#include "harness/cell/machine.h"
 #include "harness/util/folder.h"
 #include "harness/util/json_file.h"
 #include "harness/util/versions.h"

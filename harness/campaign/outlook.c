@@ -1,5 +1,6 @@
 #include "harness/campaign/outlook.h"
 
+#include "harness/campaign/ladder.h"
 #include "harness/campaign/runner.h"
 #include "harness/measure/verdict.h"
 
@@ -65,19 +66,21 @@ static bool calls(const char *text, const char *name) {
   return strlen(name) == n && strncmp(text, name, n) == 0;
 }
 
-enum { SAME_PART = 1, SAME_FORMULATION = 2, SAME_SOLVER = 4, SAME_PROBLEM = 8 };
+enum { SAME_PART = 1, SAME_FORMULATION = 2, SAME_FAMILY = 4, SAME_SOLVER = 8, SAME_PROBLEM = 16 };
 
 static int agreement(const cell *c, const record *r) {
   return (strcmp(c->problem, r->problem) == 0 ? SAME_PROBLEM : 0) +
          (calls(c->solver, r->solver) ? SAME_SOLVER : 0) +
+         (ladder_same_family(c->problem, r->problem) ? SAME_FAMILY : 0) +
          (calls(c->formulation, r->formulation) ? SAME_FORMULATION : 0) +
          (strcmp(c->part, r->part) == 0 ? SAME_PART : 0);
 }
 
-/* Steps of the cell over those of the row, where both tell. */
+/* Steps of the cell over those of the row, where both tell. A duration of the cell's own comes before that of its problem. */
 static double more_steps(const cell *c, const record *r) {
   const double h = strtod(c->step, NULL);
-  const double duration = strtod(c->duration, NULL);
+  const double own = strtod(c->duration, NULL);
+  const double duration = (own > 0.0) ? own : ladder_value(c->problem, "duration", 0.0);
   const double finer = (h > 0.0 && r->step_s > 0.0) ? r->step_s / h : 1.0;
   return finer * ((duration > 0.0 && r->duration_s > 0.0) ? duration / r->duration_s : 1.0);
 }
@@ -117,39 +120,91 @@ static int first_of(const outlook *o, const char *problem) {
   return from;
 }
 
-/* One more row that tells of the cell: sums over all of them. */
-static void add_row(outlook_cell *sum, const outlook_row *row, const campaign *m, const cell *c) {
+/* Sums over the rows that tell of a cell. */
+typedef struct telling {
+  outlook_cell sum;
+  int n;
+} telling;
+
+static void add_row(telling *t, const outlook_row *row, double growth, const campaign *m,
+                    const cell *c) {
   const bool refused = row->seconds == 0.0;
   const bool killed = row->seconds < 0.0;
-  const double evaluation = refused ? 0.0 : foretold(row, c, m->limits.time);
+  const double evaluation =
+      refused ? 0.0 : fmin(foretold(row, c, m->limits.time) * growth, m->limits.time);
   const double seconds = refused ? START : process_seconds(m, evaluation);
   const bool ends = evaluation >= m->limits.time || (!killed && runner_ends_cell(row->r));
-  sum->refused = sum->refused && refused;
-  sum->first += seconds;
-  sum->later += ends ? 0.0 : seconds;
+  t->sum.refused = t->sum.refused && refused;
+  t->sum.first += seconds;
+  t->sum.later += ends ? 0.0 : seconds;
+  t->n++;
+}
+
+/* Rows i of the range that agree with the cell in so much. */
+typedef struct agreeing {
+  const outlook *o;
+  const cell *c;
+  int from, to, best;
+} agreeing;
+
+static const outlook_row *row_of(const agreeing *a, int i) {
+  const outlook_row *row = &a->o->row[i];
+  return (agreement(a->c, row->r) == a->best) ? row : NULL;
+}
+
+/* Of other rungs of the family the nearest ones tell, and all of them how the time grows. */
+static telling ask_family(const agreeing *a, const campaign *m) {
+  telling t = {{0.0, 0.0, true}, 0};
+  double nearest = HUGE_VAL;
+  ladder l;
+  ladder_begin(&l, a->c->problem);
+  for (int i = a->from; i < a->to; i++) {
+    const outlook_row *row = row_of(a, i);
+    if (row != NULL && row->seconds != 0.0) {
+      ladder_add(&l, row->r->problem, fmax(foretold(row, a->c, m->limits.time), 1e-9));
+    }
+    nearest = (row != NULL) ? fmin(nearest, ladder_distance(&l, row->r->problem)) : nearest;
+  }
+  for (int i = a->from; i < a->to; i++) {
+    const outlook_row *row = row_of(a, i);
+    if (row != NULL && ladder_distance(&l, row->r->problem) <= nearest) {
+      add_row(&t, row, ladder_growth(&l, row->r->problem), m, a->c);
+    }
+  }
+  return t;
+}
+
+static telling ask_all(const agreeing *a, const campaign *m) {
+  telling t = {{0.0, 0.0, true}, 0};
+  for (int i = a->from; i < a->to; i++) {
+    const outlook_row *row = row_of(a, i);
+    if (row != NULL) {
+      add_row(&t, row, 1.0, m, a->c);
+    }
+  }
+  return t;
 }
 
 outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c) {
-  const int first = first_of(o, c->problem);
-  const bool known = first < o->n && strcmp(o->row[first].r->problem, c->problem) == 0;
-  outlook_cell sum = {0.0, 0.0, true};
-  int best = 0;
-  int n = 0;
-  for (int i = known ? first : 0; i < o->n; i++) {
+  agreeing a = {.o = o, .c = c, .from = first_of(o, c->problem), .best = 0};
+  const bool known = a.from < o->n && strcmp(o->row[a.from].r->problem, c->problem) == 0;
+  a.from = known ? a.from : 0;
+  const int first = a.from;
+  for (int i = first; i < o->n; i++) {
     const int agrees = agreement(c, o->row[i].r);
     if (known && agrees < SAME_PROBLEM) {
       break;
     }
-    if (agrees > best) {
-      best = agrees;
-      n = 0;
-      sum = (outlook_cell){0.0, 0.0, true};
+    if (agrees > a.best) {
+      a.best = agrees;
+      a.from = i;
     }
-    if (agrees == best && best > 0) {
-      add_row(&sum, &o->row[i], p->campaign, c);
-      n++;
-    }
+    a.to = (agrees == a.best) ? i + 1 : a.to;
   }
-  return (n > 0) ? (outlook_cell){sum.first / n, sum.later / n, sum.refused}
-                 : (outlook_cell){HUGE_VAL, HUGE_VAL, false};
+  if (a.best == 0) {
+    return (outlook_cell){HUGE_VAL, HUGE_VAL, false};
+  }
+  const bool family = !known && (a.best & SAME_FAMILY) != 0;
+  const telling t = family ? ask_family(&a, p->campaign) : ask_all(&a, p->campaign);
+  return (outlook_cell){t.sum.first / t.n, t.sum.later / t.n, t.sum.refused};
 }

@@ -1,6 +1,6 @@
 /* What of a plan has its rows already. */
 #include "harness/campaign/runner.h"
-#include "harness/measure/machine.h"
+#include "harness/cell/machine.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
 #include "harness/util/versions.h"

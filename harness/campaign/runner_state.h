@@ -4,7 +4,7 @@
 #include "harness/campaign/runner.h"
 #include "harness/cell/cell_run.h"
 #include "harness/cell/isolate.h"
-#include "harness/measure/machine.h"
+#include "harness/cell/machine.h"
 #include "harness/util/progress.h"
 
 /* The untimed twin of a cell. */

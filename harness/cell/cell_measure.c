@@ -1,6 +1,6 @@
 #include "harness/cell/cell_measure.h"
 
-#include "harness/measure/machine.h"
+#include "harness/cell/machine.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 #include "harness/cell/cell_run.h"
 
 #include "harness/cell/cell_measure.h"
+#include "harness/cell/machine.h"
 #include "harness/cell/outliers.h"
 #include "harness/cell/stats.h"
-#include "harness/measure/machine.h"
 #include "harness/sequence/sequence_source.h"
 #include "lcp/base/clock.h"
 

@@ -1,7 +1,7 @@
 /* lcpbench doctor: can this machine be trusted with timings, and to how many per cent? */
 #include "harness/campaign/doctor.h"
+#include "harness/cell/machine.h"
 #include "harness/cli/cli.h"
-#include "harness/measure/machine.h"
 #include "harness/util/args.h"
 #include "harness/util/folder.h"
 

@@ -543,6 +543,34 @@ def rows_of_another_run_foretell_the_time(d):
     assert f"about {36 * each:.0f} s" in run("run", c, *words).stdout
 
 
+def rungs_of_a_family_foretell_the_next(d):
+    """An evaluation of 1 ms at n = 2 and of 4 ms at n = 4 over 0.1 s: n = 8 over ten times as long
+    takes 160 ms, in a warm-up and two samples of it each. The mean over all rungs was 2.5 ms."""
+    head = (
+        "name: rungs\nlimits: {time: 5s}\n"
+        "sampling: {processes: 1, samples: 1, max_samples: 3, inner: 0.0001s}\nparts:\n"
+    )
+    part = (
+        '  - {name: a, problems: ["stack:n=%s,duration=%s"], formulations: [normal], '
+        "solvers: [lemke]}\n"
+    )
+    known = campaign(d, head + part % ("{2,4}", "0.1"), "known.yaml")
+    run("run", known, "--out", d / "o", "--quiet")
+    got = rows(d / "o")
+    for r in got:
+        r["t_total_s"] = "0.001" if "n=2" in r["problem"] else "0.004"
+    (d / "p").mkdir()
+    with open(d / "p/results.csv", "w", newline="") as to:
+        out = csv.DictWriter(to, list(got[0]), lineterminator="\n")
+        out.writeheader()
+        out.writerows(got)
+    asked = campaign(d, head + part % ("8", "{1,1.01,1.02,1.03,1.04,1.05}"), "asked.yaml")
+    words = ("--dry-run", "--out", d / "none", "--like", d / "p")
+    last = run("run", asked, *words).stdout.splitlines()[-1]
+    each = [0.005 + 1.3 * 3 * 0.016 * 10 * (1 + k / 100) for k in range(6)]
+    assert f"about {sum(each):.0f} s" in last, (sum(each), last)
+
+
 def merged_folders_keep_their_answers(d):
     """verify works on the merged folder, without a solver; canaries, histories and the noisiest
     doctor come along."""
@@ -584,6 +612,7 @@ tap(
         smoke_is_explained,
         paper_prints_its_plan,
         rows_of_another_run_foretell_the_time,
+        rungs_of_a_family_foretell_the_next,
         merged_folders_keep_their_answers,
         progress_is_plain_where_nobody_watches,
     ]

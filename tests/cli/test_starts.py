@@ -1,5 +1,5 @@
-"""Steps from the last one: a method that pivots begins from a basis of its own, not from the answer chosen among redundant
-ones, whose active rows are none."""
+"""Steps from the last one: a method that pivots begins from a basis of its own, not from the answer
+chosen among redundant ones, whose active rows are none."""
 
 from support import SANITIZED, run_json, tap
 
@@ -10,7 +10,7 @@ def of(scene, formulation, *words, duration):
 
 
 def redundant_contacts_need_no_cold_start(_):
-    """Of ten steps six to nine began from nothing; a pivot or two an early step is what is left. The choice is the same."""
+    """Of ten steps six to nine began from nothing. The choice is the same."""
     scenes = ("wall",) if SANITIZED else ("wall", "pyramid:base=6")
     for scene in scenes:
         for formulation in ("velocity:facets=8", "position", "regularized"):
@@ -27,7 +27,7 @@ def redundant_contacts_need_no_cold_start(_):
 
 
 def a_slide_keeps_its_basis(_):
-    """Twenty steps of a box that slides on four corners took 62 pivots by `regularized`; 5 are left."""
+    """Twenty steps of a box on four corners took 62 pivots by `regularized`; 5 are left."""
     warm = of("slide", "regularized", "--start", "previous", duration=0.2)
     assert warm["status"] == "ok" and warm["n_pivot"] <= 12, warm["n_pivot"]
 

@@ -1,4 +1,4 @@
-/* harness/measure/machine.h - the machine a row was measured on. */
+/* harness/cell/machine.h - the machine a row was measured on. */
 #pragma once
 
 #include "lcp/base/status.h"

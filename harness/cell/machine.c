@@ -1,4 +1,4 @@
-#include "harness/measure/machine.h"
+#include "harness/cell/machine.h"
 
 #include "harness/util/args.h"
 #include "lcp/base/clock.h"
