@@ -61,7 +61,6 @@ base_status sim_change_combination(sim *s, const formulation_choice *form,
   s->iterates = (form->form->model & FORM_NO_LCP) == 0;
   BASE_TRY(open_formulation(s, err));
   BASE_TRY(formulation_take_over(s->form, s->past_of, &s->past, err));
-  contact_memory_forget(&s->own.memory);
   sim_ask_admission(s);
   return BASE_OK;
 }
