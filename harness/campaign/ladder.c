@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double steepest = 4.0; /* no method here grows faster with a size */
+static const double steepest = 4.0; /* an exponent beyond that is taken for noise */
 
 static size_t name_length(const char *problem) {
   return strcspn(problem, ":@");
