@@ -14,8 +14,10 @@ static base_status read_shape(const scene_spec *s, const char *owner, json_t *v,
 
 static base_status read_vertices(const node *n, spec_shape *p) {
   json_t *list;
+  int count;
   BASE_TRY(node_need(n, "vertices"));
-  BASE_TRY(node_list(n, "vertices", SPEC_VERTICES, &list, &p->n_vertex));
+  BASE_TRY(node_list(n, "vertices", SPEC_VERTICES, &list, &count));
+  BASE_TRY(spec_shape_vertices(p, count, n->err));
   for (int i = 0; i < p->n_vertex; i++) {
     const json_t *pair = json_array_get(list, (size_t)i);
     if (!json_is_array(pair) || json_array_size(pair) != 2) {
@@ -79,8 +81,8 @@ static base_status read_parts(const scene_spec *s, const char *owner, const node
     if (strcmp(type, "compound") == 0) {
       return BAD(n, "%s: a compound inside a compound", part.where);
     }
+    p->n_part = i + 1; /* the scene owns what has been read of it, also where the rest fails */
     BASE_TRY(read_shape(s, owner, shape, &to->shape, n->err));
-    p->n_part = i + 1;
   }
   return BASE_OK;
 }

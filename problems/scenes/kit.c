@@ -73,7 +73,7 @@ base_status kit_polygon(scene_spec *s, const char *name, double density, int n,
   spec_body *b;
   BASE_TRY(spec_add_body(s, name, &b, err));
   b->shape.kind = SPEC_POLYGON;
-  b->shape.n_vertex = n;
+  BASE_TRY(spec_shape_vertices(&b->shape, n, err));
   const double pos[2] = {c[0] / area, c[1] / area};
   for (int i = 0; i < n; i++) {
     b->shape.vertex[i][0] = vertex[i][0] - pos[0];

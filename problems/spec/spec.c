@@ -14,9 +14,17 @@ void spec_init(scene_spec *s) {
   s->friction_kinetic.dflt = -1.0;
 }
 
+static void free_shape(spec_shape *p) {
+  for (int i = 0; i < p->n_part; i++) {
+    free(p->part[i].shape.vertex);
+  }
+  free(p->part);
+  free(p->vertex);
+}
+
 void spec_free(scene_spec *s) {
   for (int i = 0; i < s->n_body; i++) {
-    free(s->body[i].shape.part);
+    free_shape(&s->body[i].shape);
   }
   free(s->body);
   free(s->fixed);
@@ -61,19 +69,27 @@ static bool clone(void *to, const void *from, int n, size_t size) {
 
 #define CLONE(to, from, n) clone(&(to), (from), (n), sizeof *(from))
 
+/* Vertices and parts become the shape's own, or NULL; false without memory. */
+static bool own_shape(spec_shape *p) {
+  const spec_shape from = *p;
+  bool ok = CLONE(p->vertex, from.vertex, from.n_vertex);
+  ok = CLONE(p->part, from.part, from.n_part) & ok;
+  p->n_part = (p->part != NULL) ? p->n_part : 0;
+  for (int i = 0; i < p->n_part; i++) {
+    ok =
+        CLONE(p->part[i].shape.vertex, from.part[i].shape.vertex, from.part[i].shape.n_vertex) & ok;
+  }
+  return ok;
+}
+
 base_status spec_copy(const scene_spec *from, scene_spec *to, base_error *err) {
   *to = *from;
   bool ok = CLONE(to->body, from->body, from->n_body);
-  for (int i = 0; ok && i < to->n_body; i++) {
-    to->body[i].shape.part = NULL;
-  }
-  for (int i = 0; ok && i < to->n_body; i++) {
-    ok = CLONE(to->body[i].shape.part, from->body[i].shape.part, from->body[i].shape.n_part);
-  }
-  if (!ok) {
-    to->n_body = (to->body != NULL) ? to->n_body : 0;
-  }
+  to->n_body = ok ? to->n_body : 0;
   /* no short circuit: every pointer must become our own before spec_free may run */
+  for (int i = 0; i < to->n_body; i++) {
+    ok = own_shape(&to->body[i].shape) & ok;
+  }
   ok = CLONE(to->fixed, from->fixed, from->n_static) & ok;
   ok = CLONE(to->friction.pair, from->friction.pair, from->friction.n_pair) & ok;
   ok =
@@ -139,6 +155,15 @@ base_status spec_add_body(scene_spec *s, const char *name, spec_body **out, base
   b->compliance = 1.0;
   s->n_body++;
   *out = b;
+  return BASE_OK;
+}
+
+base_status spec_shape_vertices(spec_shape *p, int n, base_error *err) {
+  p->vertex = calloc(capacity(n), sizeof *p->vertex);
+  if (p->vertex == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d vertices", n);
+  }
+  p->n_vertex = n;
   return BASE_OK;
 }
 

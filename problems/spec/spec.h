@@ -33,11 +33,11 @@ typedef enum spec_shape_kind {
 
 typedef struct spec_shape {
   spec_shape_kind kind;
-  double r;       /* [m] */
-  double half[3]; /* [m] */
-  int n_vertex;   /* SPEC_POLYGON: convex, counter-clockwise, body frame */
-  double vertex[SPEC_VERTICES][2];
-  int n_part; /* SPEC_COMPOUND: owned, parts with their own pose */
+  double r;            /* [m] */
+  double half[3];      /* [m] */
+  int n_vertex;        /* SPEC_POLYGON: convex, counter-clockwise, body frame */
+  double (*vertex)[2]; /* n_vertex; owned [m] */
+  int n_part;          /* SPEC_COMPOUND: owned, parts with their own pose */
   struct spec_part *part;
 } spec_shape;
 
@@ -251,6 +251,9 @@ typedef struct scene_spec {
 void spec_init(scene_spec *s);
 void spec_free(scene_spec *s); /* accepts a partly built one */
 base_status spec_copy(const scene_spec *from, scene_spec *to, base_error *err);
+
+/* Room for n vertices of a polygon, all zero; BASE_ENOMEM without memory. */
+base_status spec_shape_vertices(spec_shape *p, int n, base_error *err);
 
 /* Growing arrays; the returned item is zeroed and valid until the next call. */
 base_status spec_add_body(scene_spec *s, const char *name, spec_body **out, base_error *err);

@@ -6,7 +6,7 @@
 static const spec_shape polygon5 = {
     .kind = SPEC_POLYGON,
     .n_vertex = 5,
-    .vertex = {{-0.4, -0.3}, {0.5, -0.35}, {0.6, 0.1}, {0.1, 0.5}, {-0.5, 0.2}}};
+    .vertex = (double[5][2]){{-0.4, -0.3}, {0.5, -0.35}, {0.6, 0.1}, {0.1, 0.5}, {-0.5, 0.2}}};
 static const spec_shape planar_shapes[] = {
     {.kind = SPEC_POINT},
     {.kind = SPEC_SPHERE, .r = 0.3},
