@@ -62,6 +62,7 @@ static void layout_groups(void *state, base_arena *m) {
   s->part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
   s->base_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
+  s->pairs = BASE_ARRAY(m, reg_pairs, REG_KINDS * (size_t)p);
   s->part_start = BASE_ARRAY(m, int, p + 1);
   s->sharers = BASE_ARRAY(m, int, p);
   s->bodies = BASE_ARRAY(m, form_bristle_key, p);

@@ -93,14 +93,18 @@ typedef struct reg_part {
   double next_r;              /* min(1, mu lambda_n / |h tau|) there */
   double log_r, log_step;     /* ln r and ln(next_r / r) of the last secant iteration */
   double log_go;              /* the move of ln r from there */
-  double moved[REG_PAIRS], answered[REG_PAIRS]; /* changes of log_r and log_step, newest first */
-  double load;                                  /* mu lambda_n there, an impulse [N s] */
-  int openings;           /* solves of this step that took its secant's load away */
-  unsigned char mode;     /* reg_mode */
-  unsigned char sliding;  /* mu is the kinetic one */
-  unsigned char followed; /* log_r and log_step are of the last iteration */
-  unsigned char flips;    /* changes of `sliding` in this step */
+  double load;                /* mu lambda_n there, an impulse [N s] */
+  int openings;               /* solves of this step that took its secant's load away */
+  unsigned char mode;         /* reg_mode */
+  unsigned char sliding;      /* mu is the kinetic one */
+  unsigned char followed;     /* log_r and log_step are of the last iteration */
+  unsigned char flips;        /* changes of `sliding` in this step */
 } reg_part;
+
+/* What the secants of a part remember: changes of log_r and log_step, newest first. */
+typedef struct reg_pairs {
+  double moved[REG_PAIRS], answered[REG_PAIRS];
+} reg_pairs;
 
 /* One compliant row: sum c_m e_(row+m), lambda = -(u + offset) / compliance. */
 typedef struct reg_row {
@@ -177,8 +181,9 @@ typedef struct regularized {
   bool by_factors; /* formulation_by_factors */
 
   reg_part *part, *best_part,
-      *base_part; /* n_part; base: where a trial of Newton's began; REG_PLAIN:
+      *base_part;   /* n_part; base: where a trial of Newton's began; REG_PLAIN:
                                              a state that the loop has been in */
+  reg_pairs *pairs; /* n_part; touched by secants alone */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
   int *sharers;    /* n_contact: active contacts that share its stiffness, itself included */

@@ -56,12 +56,13 @@ static void remember_pair(regularized *s) {
     if (p->followed) {
       const double log_r = log(p->r);
       const double step = log(p->next_r) - log_r;
+      reg_pairs *q = &s->pairs[k];
       for (int j = c->n_pair - 1; j > 0; j--) {
-        p->moved[j] = p->moved[j - 1];
-        p->answered[j] = p->answered[j - 1];
+        q->moved[j] = q->moved[j - 1];
+        q->answered[j] = q->answered[j - 1];
       }
-      p->moved[0] = log_r - p->log_r;
-      p->answered[0] = step - p->log_step;
+      q->moved[0] = log_r - p->log_r;
+      q->answered[0] = step - p->log_step;
       p->log_r = log_r;
       p->log_step = step;
       p->log_go = step;
@@ -72,8 +73,8 @@ static void remember_pair(regularized *s) {
 static double product(const regularized *s, int i, int j) {
   double sum = 0;
   for (int k = 0; k < s->n_part; k++) {
-    const reg_part *p = &s->part[k];
-    sum += p->followed ? p->answered[i] * p->answered[j] : 0;
+    const double *answered = s->pairs[k].answered;
+    sum += s->part[k].followed ? answered[i] * answered[j] : 0;
   }
   return sum;
 }
@@ -84,10 +85,10 @@ static bool orthogonalise(regularized *s, int j) {
   for (int i = 0; i < j; i++) {
     const double share = product(s, i, j) / product(s, i, i);
     for (int k = 0; k < s->n_part; k++) {
-      reg_part *p = &s->part[k];
-      if (p->followed) {
-        p->answered[j] -= share * p->answered[i];
-        p->moved[j] -= share * p->moved[i];
+      reg_pairs *q = &s->pairs[k];
+      if (s->part[k].followed) {
+        q->answered[j] -= share * q->answered[i];
+        q->moved[j] -= share * q->moved[i];
       }
     }
   }
@@ -108,12 +109,12 @@ static void accelerate(regularized *s) {
     }
     double along = 0;
     for (int k = 0; k < s->n_part; k++) {
-      along += s->part[k].followed ? s->part[k].answered[j] * s->part[k].log_step : 0;
+      along += s->part[k].followed ? s->pairs[k].answered[j] * s->part[k].log_step : 0;
     }
     along /= product(s, j, j);
     for (int k = 0; k < s->n_part; k++) {
       reg_part *p = &s->part[k];
-      p->log_go -= p->followed ? along * (p->moved[j] + p->answered[j]) : 0;
+      p->log_go -= p->followed ? along * (s->pairs[k].moved[j] + s->pairs[k].answered[j]) : 0;
     }
   }
   double longest = 0;
