@@ -268,7 +268,7 @@ static base_status choose(sim *s, const lcp_problem *p, const lcp_result *claim,
   if (chosen.word != RUN_OK) {
     memcpy(s->z, own, (size_t)p->M.n * sizeof *own);
     s->out->n_share_missed++;
-    return BASE_OK;
+    return note_own(s, own, err);
   }
   s->out->n_shared++;
   s->out->hash = sim_hash(s->out->hash, own, p->M.n); /* of both answers */
