@@ -168,15 +168,19 @@ static void choose_form(regularized *s, const contact_set *c) {
   s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
 }
 
-static void start_point(regularized *s) {
+double reg_start_impulse(const regularized *s, int i) {
+  const double *past = contact_memory_old(&s->memory, s->a.group[i]);
   const double ratio = (s->memory.h_old > 0) ? s->a.set->h / s->memory.h_old : 0;
+  return (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[PAST_IMPULSE] : 0;
+}
+
+static void start_point(regularized *s) {
   for (int i = 0; i < s->a.n_contact; i++) {
     s->block[i] = (lcp_block){.start = i,
                               .size = 1,
                               .set = LCP_ORTHANT,
                               .soft = form_soft(s->a.set, s->a.group[i], s->opt.distribution)};
-    const double *past = contact_memory_old(&s->memory, s->a.group[i]);
-    s->z0[i] = (s->start == FORM_PREVIOUS && past != NULL) ? ratio * past[PAST_IMPULSE] : 0;
+    s->z0[i] = reg_start_impulse(s, i);
   }
 }
 
@@ -186,7 +190,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
                           .newton = s->opt.restitution == 0,
                           .gives = s->opt.restitution == 0,
                           .repair = s->opt.repair};
-  BASE_TRY(contact_memory_begin(&s->memory, reg_stride(), c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, reg_stride(c), c, err));
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
     s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);
@@ -240,6 +244,15 @@ static base_status open(void *state, const void *opt, base_error *err) {
   return (o->pose == REG_CONE) ? reg_cone_admits(o, err) : BASE_OK;
 }
 
+static base_status begin_cone(regularized *s, base_error *err) {
+  s->answer.lcp_dim = s->a.n_row;
+  BASE_TRY(reg_cone_begin(s, err));
+  if (s->a.n_row == 0) {
+    finish(s, true);
+  }
+  return BASE_OK;
+}
+
 static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   regularized *s = state;
@@ -259,17 +272,14 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   if (s->by_mass) {
     BASE_TRY(reg_mass_begin(s, err));
   }
+  if (s->opt.pose == REG_CONE) {
+    return begin_cone(s, err);
+  }
   start_point(s);
   if (s->opt.modes == REG_ONCE) {
     reg_once_begin(s);
   }
-  if (s->opt.pose == REG_CONE) {
-    s->answer.lcp_dim = s->a.n_row;
-    BASE_TRY(reg_cone_begin(s, err));
-    if (s->a.n_row == 0) {
-      finish(s, true);
-    }
-  } else if (p == 0) {
+  if (p == 0) {
     joints_alone(s);
   } else {
     reduce(s);

@@ -41,7 +41,6 @@ enum { REG_PAST_MODE, REG_PAST_R, REG_PAST_D, REG_PAST_PART = REG_PAST_D + 3 };
 enum {
   REG_PAST_OWN = PAST_COMMON,
   REG_PAST_PARTS,
-  REG_STRIDE = REG_PAST_PARTS + REG_KINDS * REG_PAST_PART
 };
 
 /* Of the mode loop, unless they are given. */
@@ -254,7 +253,10 @@ void reg_lugre_trial(const reg_options *o, double h, reg_part *p, double lambda_
 void reg_lugre_next(const reg_options *o, double h, double way, reg_part *p);
 double reg_lugre_state(const reg_part *p, double h, int m);
 
-int reg_stride(void); /* doubles remembered per contact */
+/* Doubles remembered per contact: parts that no contact of the set has are not. */
+int reg_stride(const contact_set *c);
+/* Normal impulse that active contact i starts from [N s]: that of the last step, as a force of this one, or zero. */
+double reg_start_impulse(const regularized *s, int i);
 
 /* regularized_contact.c: compliant directions and slip columns of the current modes. */
 void reg_rows_collect(regularized *s);

@@ -61,7 +61,7 @@ static void fill(regularized *s) {
   memset(c->give, 0, (size_t)s->a.n_row * sizeof *c->give);
   for (int i = 0; i < s->a.n_contact; i++) {
     c->q[s->a.row[i]] += s->a.bias[s->a.group[i]];
-    c->z0[s->a.row[i]] = s->z0[i];
+    c->z0[s->a.row[i]] = reg_start_impulse(s, i);
   }
   for (int k = 0; k < s->n_part; k++) {
     const reg_part *p = &s->part[k];
@@ -116,7 +116,7 @@ static void fill_blocks(regularized *s) {
       }
     }
     b->set = (b->n_part > 0) ? LCP_CONE : LCP_ORTHANT;
-    b->soft = s->block[i].soft;
+    b->soft = form_soft(s->a.set, s->a.group[i], s->opt.distribution);
   }
   (void)reg_cone_bounds(s);
 }

@@ -448,6 +448,11 @@ void reg_commit(regularized *s, double *lambda) {
   }
 }
 
-int reg_stride(void) {
-  return REG_STRIDE;
+int reg_stride(const contact_set *c) {
+  int kinds = 1;
+  for (int i = 0; i < c->n_contact && kinds < REG_KINDS; i++) {
+    const int own = (c->rows[i].rolling > 0) ? 3 : (c->rows[i].torsion > 0) ? 2 : 1;
+    kinds = (own > kinds) ? own : kinds;
+  }
+  return REG_PAST_PARTS + kinds * REG_PAST_PART;
 }

@@ -112,7 +112,8 @@ static void cold_bristles_keep_deflections_alone(void **state) {
     }
     rig *young = malloc(sizeof *young);
     memcpy(young, old, sizeof *young);
-    check_ok(contact_memory_begin(&fresh->memory, reg_stride(), rig_set(young), &err), &err);
+    check_ok(contact_memory_begin(&fresh->memory, reg_stride(rig_set(young)), rig_set(young), &err),
+             &err);
     double deflection = 0.0;
     for (int i = 0; i < young->set.n_contact; i++) {
       const double *from = contact_memory_now(&past->memory, i);
