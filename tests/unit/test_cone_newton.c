@@ -251,6 +251,50 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
   known_lcp_free(&k);
 }
 
+/* Nothing acts on the last row, which starts from an impulse of before: its answer is zero, and any share of the start that is left,
+ * however small, is all of its own row's residual. The others press, and end at rounding. */
+static void what_nothing_acts_on_ends_at_zero(void **state) {
+  (void)state;
+  enum { LOADED = 10, N = LOADED + 1 };
+  for (int seed = 1; seed <= 20; seed++) {
+    base_rng r = base_rng_seeded((uint64_t)seed);
+    double M[N * N] = {0}, G[LOADED * LOADED], q[N] = {0}, z[N], low[N] = {0}, high[N];
+    lcp_block block[N];
+    draw(&r, LOADED * LOADED, G);
+    for (int i = 0; i < N; i++) {
+      for (int j = 0; j < LOADED && i < LOADED; j++) {
+        M[i + N * j] = (i == j) ? 0.5 : 0.0;
+        for (int l = 0; l < LOADED; l++) {
+          M[i + N * j] += G[i + LOADED * l] * G[j + LOADED * l];
+        }
+      }
+      q[i] = (i < LOADED) ? -fabs(base_rng_normal(&r)) : 0;
+      z[i] = 0.01 * (i + 1);
+      high[i] = HUGE_VAL;
+      block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
+    }
+    M[N * N - 1] = 2.33;
+    block[LOADED].set = LCP_BOX;
+    low[LOADED] = -0.2;
+    high[LOADED] = 0.2;
+    const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = N, .val = M},
+                           .q = q,
+                           .lo = low,
+                           .hi = high,
+                           .block = block,
+                           .n_block = N,
+                           .traits = LCP_SYMMETRIC | LCP_PSD};
+    lcp_result res;
+    lcp_verdict v;
+    base_error err = {0};
+    assert_true(run(&p, NULL, NULL, z, &res, &err));
+    check_ok(lcp_judge(&p, z, &v, &err), &err);
+    assert_string_equal(lcp_outcome_name(res.outcome), "ok");
+    assert_true(v.rho <= 1e-10 && res.work.iterations < 100);
+    assert_true(z[LOADED] == 0);
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(derivatives_are_those_of_the_map),
@@ -258,6 +302,7 @@ int main(void) {
       cmocka_unit_test(random_sets_are_solved_and_never_claimed_falsely),
       cmocka_unit_test(a_rested_instance_is_prepared_again),
       cmocka_unit_test(factored_form_refuses_what_it_cannot_split),
+      cmocka_unit_test(what_nothing_acts_on_ends_at_zero),
   };
   return cmocka_run_group_tests_name("cone_newton", tests, NULL, NULL);
 }
