@@ -331,7 +331,8 @@ static bool whole_step(state *s, const lcp_problem *p, double *z, lcp_result *re
 }
 
 /* The accepted x moved into K, where that passes the test as well; where it does not, after one or two more Newton steps:
- * rho hardly sees an impulse of a light body that is out of its cone. */
+ * rho hardly sees an impulse of a light body that is out of its cone. An x that is in K to the bit, as a start point is that
+ * was right, is z already and has passed. */
 static base_status finish(state *s, const options *o, const lcp_problem *p, const double *x,
                           double *z, lcp_result *res) {
   const lcp_stop now = {o->stop.tol, o->stop.max_iter, 1, o->stop.max_seconds};
@@ -342,6 +343,9 @@ static base_status finish(state *s, const options *o, const lcp_problem *p, cons
   for (int k = 0; k < 3; k++) {
     lcp_result again = *res;
     project(s, s->best, s->trial);
+    if (k == 0 && memcmp(s->trial, s->best, (size_t)in->M.n * sizeof *x) == 0) {
+      break;
+    }
     show(s, s->trial, s->wt, shown, &again);
     if (lcp_loop_ended(&s->loop, &now, p, shown, NULL, &again, NULL) &&
         again.outcome == LCP_SOLVED) {

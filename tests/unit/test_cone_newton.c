@@ -210,6 +210,27 @@ static void a_rested_instance_is_prepared_again(void **state) {
   known_lcp_free(&k);
 }
 
+/* Contacts without friction, started from their answer: one test, which is two products (w, sizes of its terms), and z stays. */
+static void an_answer_is_tested_once(void **state) {
+  (void)state;
+  enum { N = 3 };
+  const double M[N * N] = {2, 1, 0, 1, 3, 1, 0, 1, 2}, q[N] = {-1, -2, 0.5};
+  const lcp_problem p = {
+      .M = {.storage = LCP_DENSE, .n = N, .val = M}, .q = q, .traits = LCP_SYMMETRIC | LCP_PSD};
+  double z[N] = {0}, other[N];
+  base_error err = {0};
+  lcp_result res;
+  assert_true(run(&p, NULL, NULL, z, &res, &err));
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  assert_true(res.work.iterations > 0 && z[1] > 0);
+  memcpy(other, z, sizeof z);
+  assert_true(run(&p, NULL, NULL, other, &res, &err));
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  assert_int_equal(res.work.iterations, 0);
+  assert_int_equal(res.work.matvecs, 2);
+  assert_memory_equal(z, other, sizeof z);
+}
+
 /* What the factored form cannot do is refused by name: a cone over two groups, an S that couples blocks. */
 static void factored_form_refuses_what_it_cannot_split(void **state) {
   (void)state;
@@ -301,6 +322,7 @@ int main(void) {
       cmocka_unit_test(maps_vanish_at_contact_solutions_only),
       cmocka_unit_test(random_sets_are_solved_and_never_claimed_falsely),
       cmocka_unit_test(a_rested_instance_is_prepared_again),
+      cmocka_unit_test(an_answer_is_tested_once),
       cmocka_unit_test(factored_form_refuses_what_it_cannot_split),
       cmocka_unit_test(what_nothing_acts_on_ends_at_zero),
   };
