@@ -3,13 +3,14 @@
 #include "lcp/base/clones.h"
 #include "lcp/lcp_column.h"
 
-enum { LANES = 8 }; /* entries of a row that are made together */
+enum { LANES = 8 }; /* entries of a row, and rows, that are made together */
 
 void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_arena *a) {
   s->wj = BASE_ARRAY(a, double, cap->n_jac);
   s->first = BASE_ARRAY(a, int, cap->n_body);
   s->next = BASE_ARRAY(a, int, (cap->n_body > 0) ? 2 * (size_t)cap->n : 0);
   s->whole = BASE_ARRAY(a, unsigned char, (cap->n_body > 0) ? cap->n : 0);
+  s->again = BASE_ARRAY(a, unsigned char, (cap->n_body > 0) ? cap->n : 0);
 }
 
 static int dofs(const lcp_factored *f, int b) {
@@ -35,7 +36,26 @@ static void weigh(const double *J, const double *W, int rows, int n, double *out
   }
 }
 
-static void begin(lcp_rho_factored *s, const lcp_factored *f) {
+/* The same of six velocities, side by side. */
+BASE_INLINE void weigh_six(const double *J, const double *W, int rows, double *out) {
+  double across[6 * 6];
+  for (int e = 0; e < 6 * 6; e++) {
+    across[e] = W[e % 6 * 6 + e / 6];
+  }
+  for (int r = 0; r < rows; r++) {
+    double sum[6] = {0};
+    for (int k = 0; k < 6; k++) {
+      for (int c = 0; c < 6; c++) {
+        sum[c] += across[6 * k + c] * J[6 * r + k];
+      }
+    }
+    for (int c = 0; c < 6; c++) {
+      out[c * rows + r] = sum[c];
+    }
+  }
+}
+
+BASE_CLONES static void begin(lcp_rho_factored *s, const lcp_factored *f) {
   for (int b = 0; b < f->n_body; b++) {
     s->first[b] = -1;
   }
@@ -44,8 +64,13 @@ static void begin(lcp_rho_factored *s, const lcp_factored *f) {
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
       if (b >= 0) {
-        weigh(f->jac + side_at(f, g, side), f->weight + f->weight_start[b], rows, dofs(f, b),
-              s->wj + side_at(f, g, side));
+        const double *J = f->jac + side_at(f, g, side), *W = f->weight + f->weight_start[b];
+        double *out = s->wj + side_at(f, g, side);
+        if (dofs(f, b) == 6) {
+          weigh_six(J, W, rows, out);
+        } else {
+          weigh(J, W, rows, dofs(f, b), out);
+        }
         s->next[2 * g + side] = s->first[b];
         s->first[b] = 2 * g + side;
       }
@@ -77,8 +102,8 @@ static meeting meet(const lcp_rho_factored *s, const lcp_factored *f, int g, int
 }
 
 /* entry_j += sum over n velocities of x times column j of y, `wide` numbers a row. */
-static inline void add_dots(const double *x, const double *y, int n, int wide, int count,
-                            double *entry) {
+BASE_INLINE void add_dots(const double *x, const double *y, int n, int wide, int count,
+                          double *entry) {
   double sum[LANES] = {0};
   for (int k = 0; k < n; k++) {
     for (int j = 0; j < count; j++) {
@@ -91,7 +116,7 @@ static inline void add_dots(const double *x, const double *y, int n, int wide, i
 }
 
 /* (J W J')_ij of row i of one group and `count` rows of the other from `from` on, of `wide`. */
-static inline void entries(const meeting *m, int i, int from, int count, int wide, double *entry) {
+BASE_INLINE void entries(const meeting *m, int i, int from, int count, int wide, double *entry) {
   for (int k = 0; k < m->n; k++) {
     const int n = m->dof[k];
     const double *x = m->left[k] + (ptrdiff_t)i * n, *y = m->right[k] + from;
@@ -103,28 +128,12 @@ static inline void entries(const meeting *m, int i, int from, int count, int wid
   }
 }
 
-/* Some columns of S, read from their first row on. */
-typedef struct shift_reader {
-  lcp_column column[LANES];
-  int at[LANES];
-} shift_reader;
-
-static void read_from(shift_reader *r, const lcp_csc *S, int column, int count) {
-  for (int j = 0; j < count; j++) {
-    r->column[j] = lcp_csc_column(S, column + j);
-    r->at[j] = 0;
-  }
-}
-
-/* entry += row i of the columns; rows rise from call to call. */
-static void add_shift(shift_reader *r, int i, int count, double *entry) {
-  for (int j = 0; j < count; j++) {
-    const lcp_column *c = &r->column[j];
-    while (r->at[j] < c->count && c->row[r->at[j]] < i) {
-      r->at[j]++;
-    }
-    if (r->at[j] < c->count && c->row[r->at[j]] == i) {
-      entry[j] += c->val[r->at[j]];
+/* entry += rows i .. end-1 of column j of S, LANES apart. */
+static inline void add_shift(const lcp_csc *S, int i, int end, int j, double *entry) {
+  const lcp_column c = lcp_csc_column(S, j);
+  for (int k = 0; k < c.count && c.row[k] < end; k++) {
+    if (c.row[k] >= i) {
+      entry[LANES * (c.row[k] - i)] += c.val[k];
     }
   }
 }
@@ -135,26 +144,28 @@ typedef struct strip {
 } strip;
 
 /* size_i += |M_ij x_j| over some rows j of group h; M_ij has S inside a group. */
-static inline void add_columns(const lcp_factored *f, const meeting *m, int g, int h, strip some,
-                               const double *x, double *size) {
-  const int from = some.from, count = some.count;
-  const bool own = g == h && f->shift != NULL;
-  const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
-  const int other = f->row_start[h] + from;
-  shift_reader shift;
-  if (own) {
-    read_from(&shift, f->shift, other, count);
-  }
-  for (int i = 0; i < rows; i++) {
-    double entry[LANES] = {0}, sum = size[first + i];
-    entries(m, i, from, count, some.wide, entry);
-    if (own) {
-      add_shift(&shift, first + i, count, entry);
+BASE_INLINE void add_columns(const lcp_factored *f, const meeting *m, int g, int h, strip some,
+                             const double *x, double *size) {
+  const int other = f->row_start[h] + some.from, end = f->row_start[g + 1];
+  for (int first = f->row_start[g]; first < end; first += LANES) {
+    const int rows = (end - first < LANES) ? end - first : LANES;
+    double entry[LANES * LANES] = {0};
+    for (int i = 0; i < rows; i++) {
+      entries(m, first - f->row_start[g] + i, some.from, some.count, some.wide,
+              entry + (ptrdiff_t)LANES * i);
     }
-    for (int j = 0; j < count; j++) {
-      sum += (x[other + j] != 0.0) ? fabs(entry[j] * x[other + j]) : 0.0;
+    for (int j = 0; j < some.count; j++) {
+      const double by = x[other + j];
+      if (by == 0.0) {
+        continue;
+      }
+      if (g == h && f->shift != NULL) {
+        add_shift(f->shift, first, first + rows, other + j, entry + j);
+      }
+      for (int i = 0; i < rows; i++) {
+        size[first + i] += fabs(entry[LANES * i + j] * by);
+      }
     }
-    size[first + i] = sum;
   }
 }
 
@@ -194,22 +205,29 @@ static void add_neighbours(const lcp_rho_factored *s, const lcp_factored *f, int
   }
 }
 
-void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *whole,
-                              const double *x, double *size) {
+static bool any_of(const unsigned char *rows, const lcp_factored *f, int g) {
+  bool any = rows == NULL;
+  for (int i = f->row_start[g]; i < f->row_start[g + 1] && !any; i++) {
+    any = rows[i] != 0;
+  }
+  return any;
+}
+
+void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *some,
+                              const unsigned char *whole, const double *x, double *size) {
   const lcp_factored *f = p->M.factored;
   if (!s->ready) {
     begin(s, f);
   }
-  for (int i = 0; i < p->M.n; i++) {
-    size[i] = fabs(p->q[i]);
-  }
   for (int g = 0; g < f->n_group; g++) {
-    bool all = whole == NULL;
-    for (int i = f->row_start[g]; i < f->row_start[g + 1] && !all; i++) {
-      all = whole[i] != 0;
+    if (!any_of(some, f, g)) {
+      continue;
+    }
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      size[i] = fabs(p->q[i]);
     }
     add_pair(s, f, g, g, x, size);
-    if (all) {
+    if (any_of(whole, f, g)) {
       add_neighbours(s, f, g, x, size);
     }
   }

@@ -11,6 +11,7 @@ typedef struct lcp_rho_factored {
   double *wj;           /* n_jac: W J' of every side, where jac has J */
   int *first, *next;    /* groups at every body as lists: 2 group + side, or -1 */
   unsigned char *whole; /* n: rows whose sizes are to be summed over all groups */
+  unsigned char *again; /* n: rows whose sizes are to be summed anew */
   bool ready;           /* for the matrix of this solve */
 } lcp_rho_factored;
 
@@ -18,6 +19,7 @@ void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_
 
 /* size_i = |q_i| + sum_j |M_ij||x_j|, over the groups that share a body with that of i (all, unless S couples others:
  * then a lower bound); over its own group alone, which is a lower bound at the price of one product, where whole (n) is zero
- * in all rows of the group. whole = NULL: no such group. Clear s->ready when the matrix has changed. */
-void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *whole,
-                              const double *x, double *size);
+ * in all rows of the group. whole = NULL: no such group. The same of `some` (n): groups where it is zero in all rows keep
+ * the sizes that they have. Clear s->ready when the matrix has changed. */
+void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *some,
+                              const unsigned char *whole, const double *x, double *size);

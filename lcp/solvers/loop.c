@@ -47,14 +47,36 @@ static bool near(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const 
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau) <= 10.0 * stop->tol;
 }
 
+/* zref of the tau0 in s->seen; marks the rows where it is another than before. */
+static void refer_again(lcp_loop *s, const lcp_problem *p) {
+  const lcp_stop_state *t = &s->stop;
+  for (int i = 0; i < p->M.n; i++) {
+    const double ref = lcp_rho_reference(t->d[i], s->seen[i], lcp_column_of(&p->M, i), s->seen);
+    s->factored.again[i] = s->factored.again[i] || !(ref == t->zref[i]);
+    t->zref[i] = ref;
+  }
+}
+
 /* rho with the scales that entries of J W J' + S give, those between groups only of rows in `whole`, NULL for all:
  * a bound from above, or rho. tau0 is left in s->seen. */
 static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z,
                              const unsigned char *whole) {
   lcp_stop_state *t = &s->stop;
-  lcp_rho_factored_product(&s->factored, p, whole, z, s->seen);
+  lcp_rho_factored_product(&s->factored, p, NULL, whole, z, s->seen);
   lcp_rho_references(p, t->d, s->seen, t->zref);
-  lcp_rho_factored_product(&s->factored, p, whole, t->zref, t->tau);
+  lcp_rho_factored_product(&s->factored, p, NULL, whole, t->zref, t->tau);
+  return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
+}
+
+/* The same where that was just done with no row in `whole`: what has not changed stays. */
+static double rho_of_more_entries(lcp_loop *s, const lcp_problem *p, const double *z,
+                                  const unsigned char *whole) {
+  lcp_stop_state *t = &s->stop;
+  unsigned char *again = s->factored.again;
+  memcpy(again, whole, (size_t)p->M.n);
+  lcp_rho_factored_product(&s->factored, p, again, whole, z, s->seen);
+  refer_again(s, p);
+  lcp_rho_factored_product(&s->factored, p, again, whole, t->zref, t->tau);
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
 }
 
@@ -63,15 +85,17 @@ static double rho_by_need(lcp_loop *s, double tol, const lcp_problem *p, const d
                           lcp_result *res) {
   lcp_stop_state *t = &s->stop;
   unsigned char *whole = s->factored.whole;
-  double rho = 0.0;
   memset(whole, 0, (size_t)p->M.n);
-  for (int pass = 0; pass < 3; pass++) {
-    rho = rho_of_entries(s, p, z, (pass < 2) ? whole : NULL);
-    res->work.matvecs += 2;
-    if (rho <= tol) {
-      break;
-    }
+  double rho = rho_of_entries(s, p, z, whole);
+  res->work.matvecs += 2;
+  if (!(rho <= tol)) {
     lcp_rho_above_tol(p, tol, t->d, z, t->w, t->zref, t->tau, whole);
+    rho = rho_of_more_entries(s, p, z, whole);
+    res->work.matvecs += 2;
+  }
+  if (!(rho <= tol)) {
+    rho = rho_of_entries(s, p, z, NULL);
+    res->work.matvecs += 2;
   }
   return rho;
 }

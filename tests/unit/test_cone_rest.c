@@ -5,7 +5,6 @@
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
-#include "lcp/lcp_rho_factored.h"
 #include "tests/support/random_cones.h"
 
 #include <string.h>
@@ -277,81 +276,6 @@ static void no_scale_makes_zero_a_solution(void **state) {
   close_lattice(&l);
 }
 
-/* |q| + |M||x| against the dense matrix; S inside the groups. */
-static void sizes_are_those_of_the_entries(void **state) {
-  (void)state;
-  base_rng r = base_rng_seeded(23);
-  for (int trial = 0; trial < 40; trial++) {
-    known_lcp k;
-    base_error err = {0};
-    lcp_rho_factored s = {0};
-    check_ok(random_cones(&k, (uint64_t)trial + 1, &err), &err);
-    const int n = k.p.M.n;
-    lcp_factored f = *k.p.M.factored;
-    int *colptr = calloc((size_t)n + 1, sizeof *colptr),
-        *rowind = calloc((size_t)n, sizeof *rowind);
-    double *val = calloc((size_t)n, sizeof *val), *x = calloc((size_t)n, sizeof *x);
-    double *dense = calloc((size_t)n * (size_t)n, sizeof *dense),
-           *size = calloc((size_t)n, sizeof *size);
-    assert_true(colptr && rowind && val && x && dense && size);
-    for (int j = 0; j < n; j++) {
-      const int g =
-          j / 3; /* any row: of the same group, as every third set has groups of three only */
-      colptr[j + 1] = j + 1;
-      rowind[j] = (trial % 3 == 0) ? 3 * g + (j + 1) % 3 : j;
-      val[j] = base_rng_normal(&r);
-      x[j] = (base_rng_uniform(&r) < 0.2) ? 0.0 : base_rng_normal(&r);
-    }
-    const lcp_csc shift = {n, n, colptr, rowind, val};
-    f.shift = (trial % 2 == 0) ? &shift : NULL;
-    lcp_problem p = k.p;
-    p.M.factored = &f;
-    lcp_matrix_to_dense(&p.M, dense);
-    const lcp_capacity cap = lcp_problem_capacity(&p);
-    base_arena measure = base_arena_measuring();
-    lcp_rho_factored_layout(&s, &cap, &measure);
-    void *mem = base_alloc(measure.used);
-    assert_non_null(mem);
-    base_arena real = base_arena_over(mem, measure.used);
-    lcp_rho_factored_layout(&s, &cap, &real);
-    s.ready = false;
-    lcp_rho_factored_product(&s, &p, NULL, x, size);
-    for (int i = 0; i < n; i++) {
-      double want = fabs(p.q[i]);
-      for (int j = 0; j < n; j++) {
-        want += fabs(dense[i + (ptrdiff_t)j * n] * x[j]);
-      }
-      check_close(size[i], want, 1e-12 * want);
-    }
-    for (int i = 0; i < n; i++) {
-      s.whole[i] = base_rng_uniform(&r) < 0.2;
-    }
-    lcp_rho_factored_product(&s, &p, s.whole, x, size);
-    for (int g = 0; g < f.n_group; g++) {
-      const int first = f.row_start[g], end = f.row_start[g + 1];
-      bool whole = false;
-      for (int i = first; i < end; i++) {
-        whole = whole || s.whole[i];
-      }
-      for (int i = first; i < end; i++) {
-        double want = fabs(p.q[i]);
-        for (int j = whole ? 0 : first; j < (whole ? n : end); j++) {
-          want += fabs(dense[i + (ptrdiff_t)j * n] * x[j]);
-        }
-        check_close(size[i], want, 1e-12 * want);
-      }
-    }
-    free(mem);
-    free(colptr);
-    free(rowind);
-    free(val);
-    free(x);
-    free(dense);
-    free(size);
-    known_lcp_free(&k);
-  }
-}
-
 /* Walls close at `speed`: of an upright box two that face each other, of an oblique one all, and the floor. */
 static void squeeze(const lattice *l, bool upright, double speed, double *q) {
   const lcp_factored *f = l->k.p.M.factored;
@@ -397,7 +321,6 @@ int main(void) {
       cmocka_unit_test(an_oblique_lattice_rests),
       cmocka_unit_test(claims_are_those_of_the_judge),
       cmocka_unit_test(no_scale_makes_zero_a_solution),
-      cmocka_unit_test(sizes_are_those_of_the_entries),
       cmocka_unit_test(closing_walls_are_proved_infeasible),
   };
   return cmocka_run_group_tests_name("cone_rest", tests, NULL, NULL);
