@@ -28,13 +28,14 @@ void lcp_fold_layout(lcp_fold *s, const lcp_capacity *cap, base_arena *a) {
 /* d_k of f, the four axes exactly. */
 static void direction(int f, int k, double *d) {
   k %= f;
-  d[0] = cos(2 * pi * k / f);
-  d[1] = (f == 2) ? 0 : sin(2 * pi * k / f);
   if ((4 * k) % f == 0) {
     const int quarter = 4 * k / f;
     d[0] = (quarter == 0) - (quarter == 2);
     d[1] = (quarter == 1) - (quarter == 3);
+    return;
   }
+  d[0] = cos(2 * pi * k / f);
+  d[1] = sin(2 * pi * k / f);
 }
 
 /* The corner before v, counter-clockwise. */
