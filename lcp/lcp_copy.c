@@ -81,16 +81,36 @@ typedef struct diagonal {
   double *d;
 } diagonal;
 
+/* The diagonal of J W J' in the rows of the groups from .. end-1. */
+static void group_diagonals(const lcp_factored *f, int from, int end, double *d) {
+  for (int g = from; g < end; g++) {
+    const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
+    const int *body = f->body + 2 * (ptrdiff_t)g;
+    const double *A = f->jac + f->jac_start[g];
+    memset(d + first, 0, (size_t)rows * sizeof *d);
+    for (int side = 0; side < 2; side++) {
+      const int b = body[side];
+      if (b < 0 || (side == 1 && b == body[0])) {
+        continue;
+      }
+      const int n = body_dofs(f, b);
+      const double *W = f->weight + f->weight_start[b];
+      for (int r = 0; r < rows; r++, A += n) {
+        d[first + r] =
+            (n == 6) ? add_form(A, W, A, 6, d[first + r]) : add_form(A, W, A, n, d[first + r]);
+      }
+    }
+  }
+}
+
 static void share_diagonal(void *of, int part, int hand) {
   const lcp_factored *f = ((const diagonal *)of)->f;
   double *d = ((const diagonal *)of)->d;
   const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
   (void)hand;
-  for (int g = from; g < end; g++) {
-    const int first = f->row_start[g];
-    for (int r = 0; r < f->row_start[g + 1] - first; r++) {
-      d[first + r] = factored_entry(f, g, r, g, r) + csc_entry(f->shift, first + r, first + r);
-    }
+  group_diagonals(f, from, end, d);
+  for (int i = f->row_start[from]; i < f->row_start[end] && f->shift != NULL; i++) {
+    d[i] += csc_entry(f->shift, i, i);
   }
 }
 
