@@ -5,20 +5,52 @@
 
 #include <string.h>
 
+enum {
+  TOGETHER = 4
+}; /* dense columns that are added in one pass, one after the other in each row */
+
+/* w += M z over these columns, size += |M||z| unless NULL. */
+BASE_INLINE void add_dense(const lcp_matrix *M, const int *column, const double *z,
+                           double *restrict w, double *restrict size) {
+  const size_t n = (size_t)M->n;
+  const double *const a = M->val + n * (size_t)column[0], *const b = M->val + n * (size_t)column[1];
+  const double *const c = M->val + n * (size_t)column[2], *const d = M->val + n * (size_t)column[3];
+  const double x[TOGETHER] = {z[column[0]], z[column[1]], z[column[2]], z[column[3]]};
+  for (size_t i = 0; i < n; i++) {
+    w[i] = (((w[i] + a[i] * x[0]) + b[i] * x[1]) + c[i] * x[2]) + d[i] * x[3];
+  }
+  for (size_t i = 0; i < n && size != NULL; i++) {
+    size[i] = (((size[i] + fabs(a[i] * x[0])) + fabs(b[i] * x[1])) + fabs(c[i] * x[2])) +
+              fabs(d[i] * x[3]);
+  }
+}
+
+BASE_INLINE void add_column(lcp_column c, double x, double *w, double *size) {
+  if (size != NULL) {
+    lcp_column_add_sized(c, x, w, size);
+  } else {
+    lcp_column_add(c, x, w);
+  }
+}
+
 BASE_CLONES static void stored_product(lcp_share *s, double *size) {
-  const int n = s->p->M.n;
+  const int n = s->p->M.n, most = (s->M.storage == LCP_DENSE) ? TOGETHER : 1;
   memcpy(s->w, s->p->q, (size_t)n * sizeof *s->w);
   for (int i = 0; i < n && size != NULL; i++) {
     size[i] = fabs(s->p->q[i]);
   }
-  for (int j = 0; j < n; j++) {
-    if (s->z[j] != 0) {
-      const lcp_column c = lcp_column_of(&s->M, j);
-      if (size != NULL) {
-        lcp_column_add_sized(c, s->z[j], s->w, size);
-      } else {
-        lcp_column_add(c, s->z[j], s->w);
-      }
+  for (int j = 0; j < n;) {
+    int column[TOGETHER] = {0}, count = 0;
+    for (; j < n && count < most; j++) {
+      column[count] = j;
+      count += s->z[j] != 0;
+    }
+    if (count == TOGETHER) {
+      add_dense(&s->M, column, s->z, s->w, size);
+      continue;
+    }
+    for (int k = 0; k < count; k++) {
+      add_column(lcp_column_of(&s->M, column[k]), s->z[column[k]], s->w, size);
     }
   }
 }
