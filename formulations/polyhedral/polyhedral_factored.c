@@ -30,7 +30,7 @@ static double *put_group(const polyhedral *s, int i, double *out) {
     double f[POLY_ROWS_MAX];
     poly_direction(s, i, b, f);
     for (int r = 0; r < form_rows_of(&s->a, i); r++) {
-      for (int side = 0; side < 2; side++) {
+      for (int side = 0; side < 2 && f[r] != 0; side++) {
         form_add_scaled(f[r], jac[side] + (ptrdiff_t)r * n[side], to[side] + (ptrdiff_t)b * n[side],
                         n[side]);
       }
