@@ -18,6 +18,10 @@ enum { LIN_GROUP_MAX = 96 }; /* rows of a group */
  * (n_jac, as jac is laid out). BASE_EINVAL where a block is not positive semidefinite. */
 base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err);
 
+/* The two apart: L, with the same error, and G of it. */
+base_status lin_weigh_bodies(const lcp_factored *f, double *L, base_error *err);
+void lin_weigh_rows(const lcp_factored *f, const double *L, double *G);
+
 /* One side of a group: its rows of J, or of G, rows x dof, row-major. */
 typedef struct lin_side {
   const double *jac;

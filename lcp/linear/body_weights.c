@@ -81,13 +81,22 @@ BASE_CLONES static void weigh_groups(const lcp_factored *f, const double *L, dou
   }
 }
 
-base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err) {
+base_status lin_weigh_bodies(const lcp_factored *f, double *L, base_error *err) {
   for (int b = 0; b < f->n_body; b++) {
     const int n = f->dof_start[b + 1] - f->dof_start[b];
     if (!cholesky(n, f->weight + f->weight_start[b], L + f->weight_start[b])) {
       return BASE_FAIL(err, BASE_EINVAL, "weight of body %d: not positive semidefinite", b);
     }
   }
+  return BASE_OK;
+}
+
+void lin_weigh_rows(const lcp_factored *f, const double *L, double *G) {
   weigh_groups(f, L, G);
+}
+
+base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err) {
+  BASE_TRY(lin_weigh_bodies(f, L, err));
+  lin_weigh_rows(f, L, G);
   return BASE_OK;
 }

@@ -26,6 +26,7 @@ void lcp_cone_step_release(lcp_cone_step *s) {
 base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,
                                   base_error *err) {
   s->mem = NULL;
+  s->weighed = false;
   s->body = (lin_body_space){0};
   for (int k = 0; k < c->n_piece; k++) {
     for (int i = c->piece[k].start; i < c->piece[k].start + c->piece[k].size; i++) {
@@ -33,7 +34,7 @@ base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const 
     }
   }
   if (p->M.storage == LCP_FACTORED) {
-    BASE_TRY(lcp_sweep_weigh(&s->sweep, p->M.factored, err));
+    BASE_TRY(lcp_sweep_weigh_bodies(&s->sweep, p->M.factored, err));
     return lcp_cone_body_check(s, p, c, err);
   }
   return BASE_OK;

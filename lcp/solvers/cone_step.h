@@ -16,7 +16,8 @@
 #include "lcp/solvers/sweep.h"
 
 typedef struct lcp_cone_step {
-  lcp_sweep sweep;       /* factored: G and groups */
+  lcp_sweep sweep;       /* factored: L and groups, */
+  bool weighed;          /* and G, made by the first factorisation: an answer needs none */
   unsigned char *active; /* n: row of a piece with Y != 0 */
   int *piece_of;         /* n */
   double *dz, *t;        /* n */

@@ -14,8 +14,8 @@ void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a) {
   s->group = BASE_ARRAY(a, int, (cap->n_body > 0) ? cap->n : 0);
 }
 
-base_status lcp_sweep_weigh(lcp_sweep *s, const lcp_factored *f, base_error *err) {
-  BASE_TRY(lin_weigh(f, s->L, s->G, err));
+base_status lcp_sweep_weigh_bodies(lcp_sweep *s, const lcp_factored *f, base_error *err) {
+  BASE_TRY(lin_weigh_bodies(f, s->L, err));
   for (int g = 0; g < f->n_group; g++) {
     for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
       s->group[i] = g;
@@ -26,7 +26,8 @@ base_status lcp_sweep_weigh(lcp_sweep *s, const lcp_factored *f, base_error *err
 
 base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err) {
   if (p->M.storage == LCP_FACTORED) {
-    BASE_TRY(lcp_sweep_weigh(s, p->M.factored, err));
+    BASE_TRY(lcp_sweep_weigh_bodies(s, p->M.factored, err));
+    lin_weigh_rows(p->M.factored, s->L, s->G);
   }
   lcp_matrix_diagonal(&p->M, s->d);
   return BASE_OK;

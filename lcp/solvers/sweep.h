@@ -19,8 +19,8 @@ typedef struct lcp_sweep {
 
 void lcp_sweep_layout(lcp_sweep *s, const lcp_capacity *cap, base_arena *a);
 
-/* G and the groups of the factored form alone. BASE_EINVAL where a W block is not positive semidefinite. */
-base_status lcp_sweep_weigh(lcp_sweep *s, const lcp_factored *f, base_error *err);
+/* L and the groups of the factored form alone. BASE_EINVAL where a W block is not positive semidefinite. */
+base_status lcp_sweep_weigh_bodies(lcp_sweep *s, const lcp_factored *f, base_error *err);
 
 /* Diagonal, and for the factored form G. BASE_EINVAL where a W block is not positive semidefinite. */
 base_status lcp_sweep_prepare(lcp_sweep *s, const lcp_problem *p, base_error *err);
