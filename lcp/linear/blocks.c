@@ -79,18 +79,31 @@ void lin_blocks_add(lin_blocks *s, int a, int b, const double *B) {
 /* ---- numbers --------------------------------------------------------------------------------- */
 
 /* X <- X T^-1 for X of m rows, column after column: T upper triangular is T(d, c) = t[d * across + c * down]. */
-static void divide(int m, int n, const double *t, int across, int down, bool unit, double *X) {
+BASE_INLINE void divide_of(int m, int n, const double *t, int across, int down, bool unit,
+                           double *X) {
   for (int c = 0; c < n; c++) {
-    double *x = X + c * m;
+    double *restrict x = X + c * m;
     for (int d = 0; d < c; d++) {
       const double f = t[d * across + c * down];
-      for (int r = 0; r < m && f != 0; r++) {
-        x[r] -= X[r + d * m] * f;
+      const double *other = X + d * m;
+      if (f != 0) {
+        for (int r = 0; r < m; r++) {
+          x[r] -= other[r] * f;
+        }
       }
     }
     for (int r = 0; r < m && !unit; r++) {
       x[r] /= t[c * across + c * down];
     }
+  }
+}
+
+BASE_CLONES static void divide(int m, int n, const double *t, int across, int down, bool unit,
+                               double *X) {
+  if (m == 6 && n == 6) {
+    divide_of(6, 6, t, across, down, unit, X);
+  } else {
+    divide_of(m, n, t, across, down, unit, X);
   }
 }
 
@@ -211,19 +224,37 @@ static void backward(const lin_blocks *s, int n, const double *D, double *x) {
   }
 }
 
+/* to -= L x and x -= U' from, of blocks of m rows and n columns. */
+BASE_INLINE void take_down(int m, int n, const double *L, const double *x, double *restrict to) {
+  for (int c = 0; c < n; c++) {
+    for (int r = 0; r < m; r++) {
+      to[r] -= L[r + c * m] * x[c];
+    }
+  }
+}
+
+BASE_INLINE void take_up(int m, int n, const double *U, const double *from, double *restrict x) {
+  for (int c = 0; c < n; c++) {
+    double sum = 0;
+    for (int r = 0; r < m; r++) {
+      sum += U[r + c * m] * from[r];
+    }
+    x[c] -= sum;
+  }
+}
+
 /* Rows stay where the caller has them: block p works on its own part of x. */
-void lin_blocks_solve(const lin_blocks *s, double *x) {
+BASE_CLONES void lin_blocks_solve(const lin_blocks *s, double *x) {
   for (int p = 0; p < s->n; p++) {
     const int at = s->first[s->order[p]], n = lin_blocks_rows(s, p);
     forward(s, n, s->diag + s->at_diag[p], s->swap + at, x + at);
     for (int k = s->column[p]; k < s->column[p + 1]; k++) {
       const int m = lin_blocks_rows(s, s->row[k]);
       double *to = x + s->first[s->order[s->row[k]]];
-      const double *L = s->low + s->at[k];
-      for (int c = 0; c < n; c++) {
-        for (int r = 0; r < m; r++) {
-          to[r] -= L[r + c * m] * x[at + c];
-        }
+      if (m == 6 && n == 6) {
+        take_down(6, 6, s->low + s->at[k], x + at, to);
+      } else {
+        take_down(m, n, s->low + s->at[k], x + at, to);
       }
     }
   }
@@ -233,12 +264,10 @@ void lin_blocks_solve(const lin_blocks *s, double *x) {
       const int m = lin_blocks_rows(s, s->row[k]);
       const double *from = x + s->first[s->order[s->row[k]]];
       const double *U = (s->symmetric ? s->low : s->up) + s->at[k];
-      for (int c = 0; c < n; c++) {
-        double sum = 0;
-        for (int r = 0; r < m; r++) {
-          sum += U[r + c * m] * from[r];
-        }
-        x[at + c] -= sum;
+      if (m == 6 && n == 6) {
+        take_up(6, 6, U, from, x + at);
+      } else {
+        take_up(m, n, U, from, x + at);
       }
     }
     backward(s, n, s->diag + s->at_diag[p], x + at);

@@ -1,3 +1,4 @@
+#include "lcp/base/clones.h"
 #include "lcp/linear/blocks_inside.h"
 
 #include <assert.h>
@@ -9,18 +10,29 @@ static void layout_inverse(lin_blocks *s, base_arena *a) {
 }
 
 /* X <- X L^-1 for X of m rows, L lower triangular. */
-static void divide_lower(int m, int n, const double *L, double *X) {
+BASE_INLINE void divide_lower_of(int m, int n, const double *L, double *X) {
   for (int c = n - 1; c >= 0; c--) {
-    double *x = X + c * m;
+    double *restrict x = X + c * m;
     for (int d = c + 1; d < n; d++) {
       const double f = L[d + c * n];
-      for (int r = 0; r < m && f != 0; r++) {
-        x[r] -= X[r + d * m] * f;
+      const double *other = X + d * m;
+      if (f != 0) {
+        for (int r = 0; r < m; r++) {
+          x[r] -= other[r] * f;
+        }
       }
     }
     for (int r = 0; r < m; r++) {
       x[r] /= L[c + c * n];
     }
+  }
+}
+
+BASE_CLONES static void divide_lower(int m, int n, const double *L, double *X) {
+  if (m == 6 && n == 6) {
+    divide_lower_of(6, 6, L, X);
+  } else {
+    divide_lower_of(m, n, L, X);
   }
 }
 
