@@ -7,8 +7,8 @@
  * what the worst located impact is off by, which two runs may have in common.
  *
  * First with extrapolated steps (extrapolation.h). A quarter of the tolerance, and of the error, takes twice the steps then;
- * that is counted on only where three runs show it (the last difference is that much less than the one before), or where the steps do: no contact
- * begins or ceases to carry, nothing is asked for between states, and the sum of what the steps are off by is that much less than in the run
+ * that is counted on only where no contact begins or ceases to carry and three runs show it (the last difference is that much less than the one
+ * before), or the steps do: nothing is asked for between states, and the sum of what the steps are off by is that much less than in the run
  * before and at most E. Otherwise half of the step counts as half of the error: the root of r in the place of r. One run is enough where all of its steps
  * together are off by ERROR_EXACT E at most, and where only states are looked at that steps end at, or what lengths and speeds do between
  * these, where a constant acceleration stays within E / ERROR_SAFETY of the chord: it is as if exact.
