@@ -35,14 +35,17 @@ static double largest_change(const error_result *r, const error_made *now,
   return most;
 }
 
-/* Estimates from two runs of which the later one is `finer` times as good. */
-static void estimate(error_result *r, error_made *now, const error_made *before, double finer) {
+/* Estimates from two runs of which the later one is `finer` times as good, and off by `least` over E at least. */
+static void estimate(error_result *r, error_made *now, const error_made *before, double finer,
+                     double least) {
   r->estimate = 0.0;
   for (int i = 0; i < now->n_quantity; i++) {
     error_quantity *e = &now->quantity[i];
     const double change =
         (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
-    e->estimate = ERROR_SAFETY * change / (finer - 1.0);
+    const double told = ERROR_SAFETY * change / (finer - 1.0);
+    const double known = least * r->asked.E * unit_of(r, e);
+    e->estimate = (told < known) ? known : told;
     const double over = e->estimate / unit_of(r, e);
     r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
   }
@@ -87,6 +90,7 @@ typedef struct climber {
   error_result *result;
   error_ladder ladder;
   error_made now, before;
+  double off_before;   /* what the run before the last is off by, over E, as far as is known [1] */
   double ratio_before; /* of tolerances, of the two runs before the last */
   double *stop;        /* of the last run; owned */
   sim_times spent;     /* by all runs */
@@ -168,13 +172,20 @@ static double finer_by(const climber *l) {
   return error_ladder_gain(&l->ladder, changes || steps);
 }
 
-/* What the last run is off by at least, by what the one before was estimated to be: over impacts it is better than that by the ratio of
- * tolerances at most, which is second order for extrapolated steps, however near the two are to each other. The ratio is chosen so that this
- * is E: rounding must not decide. In the unit of E; 0: nothing is known. */
-static double fallen(const climber *l, double before) {
-  const bool known = l->result->n_level > l->result->first_level + 2 && before < HUGE_VAL;
-  return (known && !unchanged(l)) ? before / (error_ladder_gain(&l->ladder, true) * (1.0 + 1e-12))
-                                  : 0.0;
+/* What the last run is off by, over E, as far as is known. */
+static double known_off(const climber *l) {
+  const error_result *r = l->result;
+  return (r->n_level > r->first_level + 1) ? r->estimate / r->asked.E
+                                           : r->level[r->n_level - 1].account.off / length_now(l);
+}
+
+/* What the last run is off by at least, by what the one before is off by: over impacts it is better than that by the ratio of tolerances
+ * at most, which is second order for extrapolated steps, however near the two are to each other. The ratio is chosen so that this is E:
+ * rounding must not decide. Over E; 0: nothing is known. */
+static double fallen(const climber *l) {
+  return (l->off_before < HUGE_VAL && !unchanged(l))
+             ? l->off_before / (error_ladder_gain(&l->ladder, true) * (1.0 + 1e-12))
+             : 0.0;
 }
 
 /* Judges the run just made; false: it is the last. */
@@ -188,10 +199,8 @@ static bool go_on(climber *l) {
     r->promised = as_if_exact(l);
     return !r->promised;
   }
-  const double before = r->estimate;
   level->change = largest_change(r, &l->now, &l->before);
-  estimate(r, &l->now, &l->before, finer_by(l));
-  r->estimate = fmax(r->estimate, fmax(r->asked.E * located(l), fallen(l, before)));
+  estimate(r, &l->now, &l->before, finer_by(l), fmax(located(l), fallen(l)));
   r->promised = r->estimate <= r->asked.E;
   if (r->promised) {
     return false;
@@ -204,13 +213,6 @@ static bool go_on(climber *l) {
   return r->reason[0] == '\0';
 }
 
-/* What the last run is off by, over E, as far as is known. */
-static double known_off(const climber *l) {
-  const error_result *r = l->result;
-  return (r->n_level > r->first_level + 1) ? r->estimate / r->asked.E
-                                           : r->level[r->n_level - 1].account.off / length_now(l);
-}
-
 static base_status climb(climber *l, error_steps steps, double length, double bears,
                          base_error *err) {
   error_ladder_begin(&l->ladder, l->q, steps, length, bears);
@@ -218,7 +220,8 @@ static base_status climb(climber *l, error_steps steps, double length, double be
   BASE_TRY(one_run(l, err));
   while (go_on(l)) {
     l->ratio_before = l->ladder.ratio;
-    error_ladder_finer(&l->ladder, known_off(l), length_now(l), (double)l->result->asked.limit);
+    l->off_before = known_off(l);
+    error_ladder_finer(&l->ladder, l->off_before, length_now(l), (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }
   return BASE_OK;
