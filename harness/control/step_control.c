@@ -41,6 +41,13 @@ static double reach(const controlled *c) {
   return (c->fastest * left > way) ? way / c->fastest : left;
 }
 
+/* Do both ways over a step in which contacts change begin to carry, or neither, and the fine one not for its first half only? A contact that
+ * has just let go, and whose gap turning opens, carries again in each step so long that it would close along its normal at the start:
+ * twice the fine way less the coarse one, which holds, loses the speed at which it opens, in every step and however short that is. */
+static bool both_alike(const step_end *coarse, const step_end *fine, sim_carrying before) {
+  return coarse->more == fine->more && (!fine->more || fine->carrying.ids != before.ids);
+}
+
 /* Error over the share that a step of h may take [1]. */
 static double error_of(controlled *c, double h) {
   double position;
@@ -66,7 +73,7 @@ static double error_of(controlled *c, double h) {
     position = fmax(position, bend); /* what came and went in either half */
     c->off = fmax(c->off, bend);
     e = fmax(e, bend / fmax(part, event_share));
-    c->smooth = !event || (coarse->more == fine->more && both / part <= e);
+    c->smooth = !event || (both_alike(coarse, fine, c->carrying) && both / part <= e);
     if (c->smooth) {
       c->off = position = both;
       e = both / fmax(part, least_share);

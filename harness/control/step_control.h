@@ -18,7 +18,7 @@
  * length is what it was before. A step in which an open gap closes is tried again up to just behind that, where the accelerations of its start
  * tell when; it ends no deeper than a step with a change may sink. A step in whose second half a slip stops is tried again up to there, which the
  * first half tells; where friction pushes a slip on that has turned round inside the step, on both of its ways alike, this counts as what changes. A step that one of its ways begins to carry in and the other does not is never
- * extrapolated: they differ by an impact. A length that met something where a shorter one did not is tried again after 2, 4, 8, 16 steps.
+ * extrapolated: they differ by an impact; nor is one in which the fine way begins to carry and carries at its end what it did before. A length that met something where a shorter one did not is tried again after 2, 4, 8, 16 steps.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once
