@@ -10,16 +10,18 @@
  * Coulomb's law is no monotone problem.
  *
  * Steps, each one factorisation:
- *   - |F| with the weight a tenth of |F| without it: the outer step ends, weight *= shrink. The first weight
+ *   - |F| with the weight a tenth of |F| without it, or rounding: the outer step ends, weight *= shrink. The first weight
  *     is `weight` times the residual of the start point, so a warm start begins where the last one ended; but no less than ten
  *     times the unit of rounding over that residual: where M does not see a step, it is rounding over the weight, which
  *     from a nearly right start would be more than what is missing.
+ *   - |F| that is rounding says nothing of rows that are small beside it, whose residual is of their own size: one that nothing
+ *     acts on and that starts from another value keeps a share of that, weight over mobility, in each outer step. So steps are
+ *     whole then, the map is the first one, which loses no small number beside a large one, and third-order rounding is zero.
  *   - t = 1, 1/2, 1/4 by Armijo's rule on |F|; where all are refused the whole step is taken: a Newton step that a
  *     kink of F stops (a contact about to stick or slip) is not mended by a short one. On 1000 random sets
  *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, 1 set left open for 18.
  *   - six steps without a new lowest |F| of four fifths of the last: stalled. The weight is raised tenfold, shrinks more slowly from
- *     then on (shrink^0.8), the other map takes over, and impulses that are rounding beside the largest are zero; counted in
- *     `fallbacks`. So is a singular system.
+ *     then on (shrink^0.8), and the other map takes over; counted in `fallbacks`. So is a singular system.
  *
  * Of an infeasible problem the proximal points run away along a y with y'w < 0 (Rockafellar 1976, theorem 1): the normal
  * parts of an outer step's way are tried as a Farkas vector where it made z four times as large. */
@@ -34,7 +36,7 @@
 #include <string.h>
 
 enum { ALART_CURNIER, FISCHER }; /* option */
-enum { PATIENCE = 6 };
+enum { PATIENCE = 6, ROUNDED = 60 /* most outer steps of a solve that end at rounding */ };
 static const double least_weight = 1e-12, most_weight = 10.0, slowest = 0.7;
 
 typedef struct options {
@@ -73,7 +75,9 @@ typedef struct state {
   double bare;   /* |F|^2 without the weight at the centre */
   double lowest; /* |F|^2 */
   int waited;    /* steps since */
+  int rounded;   /* outer steps of this solve that ended at rounding */
   bool started;
+  bool blind; /* |F| is rounding */
 } state;
 
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
@@ -199,17 +203,13 @@ static void turn_back(state *s, const lcp_problem *p, double *z, double *w, lcp_
   velocities(s, p, z, w, res);
 }
 
-/* What is rounding beside the largest impulse is zero: of a row that nothing acts on and that started from another value each
- * step leaves a share, whose residual, of its own size, stays 1 (down to 1e-91 in 2000 steps). */
-static void drop_noise(state *s, const lcp_problem *p, double *z, double *w, lcp_result *res) {
-  double most = 0.0;
-  for (int i = 0; i < p->M.n; i++) {
-    most = fmax(most, fabs(z[i] / s->eq.s[i]));
+/* |F|^2 of the outer step is the rounding of its sums. */
+static bool is_rounding(const state *s, int n, double now) {
+  double size = 0.0;
+  for (int i = 0; i < n; i++) {
+    size += s->x[i] * s->x[i];
   }
-  for (int i = 0; i < p->M.n; i++) {
-    z[i] = (fabs(z[i] / s->eq.s[i]) <= DBL_EPSILON * most) ? 0.0 : z[i];
-  }
-  velocities(s, p, z, w, res);
+  return now <= 64.0 * DBL_EPSILON * DBL_EPSILON * size;
 }
 
 /* Where the outer step stands, before the next Newton step from z: on, or on to the next. Returns |F|^2.
@@ -220,9 +220,12 @@ static double advance(state *s, const options *o, const lcp_problem *p, double *
   const int n = inner_of(s, p)->M.n;
   const double bare = merit(s, n, 0.0, z, w, false);
   double now = merit(s, n, s->weight, z, w, true);
-  const bool reached = s->started && now <= 0.01 * bare;
+  s->blind = s->started && s->rounded < ROUNDED && is_rounding(s, n, now);
+  const bool reached = s->started && (s->blind || now <= 0.01 * bare);
   bool lost = false;
   s->bare = (s->bare < HUGE_VAL) ? s->bare : bare; /* the start point is the first centre */
+  s->rounded += s->blind;
+  s->map = s->blind ? LCP_MAP_MIN : s->map; /* the other loses what is small beside its neighbour */
   if (reached && proved_infeasible(s, p, z)) {
     res->outcome = LCP_INFEASIBLE;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->proof};
@@ -238,9 +241,6 @@ static double advance(state *s, const options *o, const lcp_problem *p, double *
   } else if (reached || s->waited >= PATIENCE) {
     s->bare = bare;
   }
-  if (!reached && !lost && s->waited >= PATIENCE) {
-    drop_noise(s, inner_of(s, p), z, w, res);
-  }
   if (reached || s->waited >= PATIENCE) {
     recentre(s, n, z);
     now = merit(s, n, s->weight, z, w, true);
@@ -252,12 +252,24 @@ static double advance(state *s, const options *o, const lcp_problem *p, double *
   return now;
 }
 
-/* z <- z + t s dx. */
+/* Third-order rounding is zero: what rounding in M couples to a large impulse is of first order, and what that couples of second. */
+static void drop_noise(const state *s, int n, double *z) {
+  double most = 0.0;
+  for (int i = 0; i < n; i++) {
+    most = fmax(most, fabs(z[i] / s->eq.s[i]));
+  }
+  const double noise = DBL_EPSILON * DBL_EPSILON * DBL_EPSILON * most;
+  for (int i = 0; i < n; i++) {
+    z[i] = (fabs(z[i] / s->eq.s[i]) <= noise) ? 0.0 : z[i];
+  }
+}
+
+/* z <- z + t s dx; whole where |F| is rounding, which tells nothing of lengths. */
 static void search(state *s, const lcp_problem *p, double now, double *z, lcp_result *res) {
   static const double lengths[] = {1.0, 0.5, 0.25};
   const int n = p->M.n;
   double t = 1.0;
-  for (int k = 0; k < BASE_COUNT(lengths); k++) {
+  for (int k = 0; k < BASE_COUNT(lengths) && !s->blind; k++) {
     for (int i = 0; i < n; i++) {
       s->trial[i] = z[i] + lengths[k] * s->eq.s[i] * s->dx[i];
     }
@@ -271,6 +283,9 @@ static void search(state *s, const lcp_problem *p, double now, double *z, lcp_re
   }
   for (int i = 0; i < n; i++) {
     z[i] += t * s->eq.s[i] * s->dx[i];
+  }
+  if (s->blind) {
+    drop_noise(s, n, z);
   }
 }
 
@@ -388,6 +403,7 @@ static void begin(state *s, const options *o, const lcp_problem *p, double *z, d
   s->map = (o->map == FISCHER) ? LCP_MAP_FISCHER : LCP_MAP_MIN;
   s->shrink = o->shrink;
   s->waited = 0;
+  s->rounded = 0;
   s->bare = HUGE_VAL;
   if (s->fold.done) {
     lcp_fold_in(&s->fold, z, x);

@@ -273,7 +273,8 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
 }
 
 /* Nothing acts on the last row, which starts from an impulse of before: its answer is zero, and any share of the start that is left,
- * however small, is all of its own row's residual. The others press, and end at rounding. */
+ * however small, is all of its own row's residual. The others press, and end at rounding. In every second problem rounding in M couples
+ * the row to one of them. */
 static void what_nothing_acts_on_ends_at_zero(void **state) {
   (void)state;
   enum { LOADED = 10, N = LOADED + 1 };
@@ -295,6 +296,7 @@ static void what_nothing_acts_on_ends_at_zero(void **state) {
       block[i] = (lcp_block){.start = i, .size = 1, .set = LCP_ORTHANT};
     }
     M[N * N - 1] = 2.33;
+    M[N - 1] = M[N * (N - 1)] = (seed % 2 == 0) ? 7.8e-18 : 0.0;
     block[LOADED].set = LCP_BOX;
     low[LOADED] = -0.2;
     high[LOADED] = 0.2;
@@ -312,7 +314,7 @@ static void what_nothing_acts_on_ends_at_zero(void **state) {
     check_ok(lcp_judge(&p, z, &v, &err), &err);
     assert_string_equal(lcp_outcome_name(res.outcome), "ok");
     assert_true(v.rho <= 1e-10 && res.work.iterations < 100);
-    assert_true(z[LOADED] == 0);
+    assert_true(z[LOADED] == 0 || M[N - 1] != 0);
   }
 }
 
