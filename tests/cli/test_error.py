@@ -266,10 +266,7 @@ def off_a_dome(w, at, R=0.6, g=9.81):
     weights = [1 if i in (0, n) else 4 if i % 2 else 2 for i in range(n + 1)]
     left = 1 - h / 3 * sum(k / rate(at + i * h) for i, k in enumerate(weights))
     speed, sine, cosine = rate(leaves) * R, math.sin(leaves), math.cos(leaves)
-    return (
-        R * sine + speed * cosine * left,
-        R * cosine - speed * sine * left - g * left**2 / 2,
-    )
+    return (R * sine + speed * cosine * left, R * cosine - speed * sine * left - g * left**2 / 2)
 
 
 def what_turning_lets_go_is_let_go(d):
