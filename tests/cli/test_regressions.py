@@ -96,6 +96,7 @@ def many_contacts_move_right(d):
     ways = (
         ("regularized", "lemke"),
         ("coulomb", "cone_newton"),
+        ("boxed", "cone_newton"),  # bowls24: rows at rounding beside others once had no end
         ("position:facets=8", "cone_newton"),
     )
     for name in ("bowls24", "pushed_row6", "pulled_plate8", "rollers12"):
