@@ -33,6 +33,7 @@ from bench.section import Cell, Table, si  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- begin: scripts/reference -->\n", "<!-- end: scripts/reference -->\n"
 EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
+ROWS = ("*/results.csv", "*/results.csv.xz", "cut/*/results.csv", "cut/*/results.csv.xz")
 
 
 def pack(source: pathlib.Path, target: pathlib.Path) -> None:
@@ -40,10 +41,14 @@ def pack(source: pathlib.Path, target: pathlib.Path) -> None:
     rows have the same bytes for the same rows. What other scripts measured beside them stays."""
     for old in [*target.glob("*/results.csv.xz"), *target.glob("cut/*/results.csv.xz")]:
         shutil.rmtree(old.parent)
-    for found in sorted([*source.glob("*/results.csv"), *source.glob("cut/*/results.csv")]):
+    for found in sorted(found for one in ROWS for found in source.glob(one)):
+        if found.suffix == ".xz" and found.with_suffix("").exists():
+            continue
+        whole = found.read_bytes()
         out = target / found.parent.relative_to(source)
         out.mkdir(parents=True, exist_ok=True)
-        (out / "results.csv.xz").write_bytes(lzma.compress(found.read_bytes(), preset=9))
+        packed = whole if found.suffix == ".xz" else lzma.compress(whole, preset=9)
+        (out / "results.csv.xz").write_bytes(packed)
         for name in ("manifest.json", *EXTRA):
             if (found.parent / name).exists():
                 shutil.copyfile(found.parent / name, out / name)

@@ -182,13 +182,16 @@ class Judged(unittest.TestCase):
             "target/cut/gone/results.csv.xz",
             "new/x/results.csv",
             "new/cut/begun/results.csv",
+            "new/kept/results.csv.xz",
         ):
             made = pathlib.Path(self.tmp.name) / path
             made.parent.mkdir(parents=True)
             made.write_text("row\n")
         reference.pack(source, target)
         left = sorted(str(f.relative_to(target)) for f in target.rglob("*") if f.is_file())
-        self.assertEqual(left, ["cut/begun/results.csv.xz", "error/table.tsv", "x/results.csv.xz"])
+        rows = [f"{name}/results.csv.xz" for name in ("cut/begun", "kept", "x")]
+        self.assertEqual(left, sorted([*rows, "error/table.tsv"]))
+        self.assertEqual((target / "kept" / "results.csv.xz").read_text(), "row\n")
 
     def test_an_error_that_was_asked_for_is_held_against_the_one_got(self):
         names = "problem error chosen sure promised err_estimate err_got t_chosen_s t_best_s"
