@@ -16,7 +16,7 @@
  *     from a nearly right start would be more than what is missing.
  *   - |F| that is rounding says nothing of rows that are small beside it, whose residual is of their own size: one that nothing
  *     acts on and that starts from another value keeps a share of that, weight over mobility, in each outer step. So steps are
- *     whole then, the map is the first one, which loses no small number beside a large one, and third-order rounding is zero.
+ *     whole then, the map is alart_curnier whatever `map` says, since fischer loses a small number beside a large one, and third-order rounding is zero.
  *   - t = 1, 1/2, 1/4 by Armijo's rule on |F|; where all are refused the whole step is taken: a Newton step that a
  *     kink of F stops (a contact about to stick or slip) is not mended by a short one. On 1000 random sets
  *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, 1 set left open for 18.
@@ -120,12 +120,18 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   return prepare_inner(s, p, NULL, err);
 }
 
+/* w = M z + q. */
+static void velocities(const state *s, const lcp_problem *p, const double *z, double *w,
+                       lcp_result *res) {
+  lcp_matrix_apply(&p->M, z, p->q, w, s->loop.stop.scratch);
+  res->work.matvecs++;
+}
+
 /* What the iterate x of the inner problem is in p: z itself, or unfolded with w. */
 static void show(state *s, const double *x, double *w, double *z, lcp_result *res) {
   if (s->fold.done) {
-    lcp_matrix_apply(&s->fold.p.M, x, s->fold.p.q, w, s->loop.stop.scratch);
+    velocities(s, &s->fold.p, x, w, res);
     lcp_fold_out(&s->fold, x, w, s->eq.s, z);
-    res->work.matvecs++;
   }
 }
 
@@ -187,12 +193,6 @@ static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
     unfold_kinds(s, p);
   }
   return lcp_farkas_prove(&p->M, p->q, s->kind, s->force, s->proof);
-}
-
-static void velocities(const state *s, const lcp_problem *p, const double *z, double *w,
-                       lcp_result *res) {
-  lcp_matrix_apply(&p->M, z, p->q, w, s->loop.stop.scratch);
-  res->work.matvecs++;
 }
 
 /* z back to the centre, with its w. */
