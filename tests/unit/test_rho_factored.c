@@ -7,6 +7,18 @@
 
 #include <string.h>
 
+/* Memory for p, which the caller frees. */
+static void *laid_out(lcp_rho_factored *s, const lcp_problem *p) {
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  base_arena measure = base_arena_measuring();
+  lcp_rho_factored_layout(s, &cap, &measure);
+  void *mem = base_alloc(measure.used);
+  assert_non_null(mem);
+  base_arena real = base_arena_over(mem, measure.used);
+  lcp_rho_factored_layout(s, &cap, &real);
+  return mem;
+}
+
 /* `size` has been summed with s->whole; over some groups the same bits again, the others are left alone. */
 static void some_are_summed_again(base_rng *r, lcp_rho_factored *s, const lcp_problem *p,
                                   const double *x, const double *size) {
@@ -61,14 +73,7 @@ static void sizes_are_those_of_the_entries(void **state) {
     lcp_problem p = k.p;
     p.M.factored = &f;
     lcp_matrix_to_dense(&p.M, dense);
-    const lcp_capacity cap = lcp_problem_capacity(&p);
-    base_arena measure = base_arena_measuring();
-    lcp_rho_factored_layout(&s, &cap, &measure);
-    void *mem = base_alloc(measure.used);
-    assert_non_null(mem);
-    base_arena real = base_arena_over(mem, measure.used);
-    lcp_rho_factored_layout(&s, &cap, &real);
-    s.ready = false;
+    void *mem = laid_out(&s, &p);
     lcp_rho_factored_product(&s, &p, NULL, NULL, x, size);
     for (int i = 0; i < n; i++) {
       double want = fabs(p.q[i]);
@@ -139,14 +144,8 @@ static void a_wide_group_is_summed_in_strips(void **state) {
   const lcp_problem p = {.M = {.storage = LCP_FACTORED, .n = ROWS, .factored = &f}, .q = q};
   check_ok(lcp_problem_check(&p, &err), &err);
   lcp_matrix_to_dense(&p.M, dense);
-  const lcp_capacity cap = lcp_problem_capacity(&p);
   lcp_rho_factored s = {0};
-  base_arena measure = base_arena_measuring();
-  lcp_rho_factored_layout(&s, &cap, &measure);
-  void *mem = base_alloc(measure.used);
-  assert_non_null(mem);
-  base_arena real = base_arena_over(mem, measure.used);
-  lcp_rho_factored_layout(&s, &cap, &real);
+  void *mem = laid_out(&s, &p);
   lcp_rho_factored_product(&s, &p, NULL, NULL, x, size);
   for (int i = 0; i < ROWS; i++) {
     double want = fabs(q[i]);
