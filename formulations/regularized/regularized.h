@@ -38,10 +38,7 @@ enum { REG_TURNED_STICKS, REG_TURNED_SLIPS }; /* of REG_PLAIN */
 /* A memory entry: what all formulations remember, whether there is more of an active contact, then for each kind of part the
  * numbers below, which count only where a step starts from the previous one. */
 enum { REG_PAST_MODE, REG_PAST_R, REG_PAST_D, REG_PAST_PART = REG_PAST_D + 3 };
-enum {
-  REG_PAST_OWN = PAST_COMMON,
-  REG_PAST_PARTS,
-};
+enum { REG_PAST_OWN = PAST_COMMON, REG_PAST_PARTS };
 
 /* Of the mode loop, unless they are given. */
 #define REG_PROX        1e-4
@@ -255,7 +252,7 @@ double reg_lugre_state(const reg_part *p, double h, int m);
 
 /* Doubles remembered per contact: parts that no contact of the set has are not. */
 int reg_stride(const contact_set *c);
-/* Normal impulse that active contact i starts from [N s]: that of the last step, as a force of this one, or zero. */
+/* form_regularized.c: the normal impulse that active contact i starts from [N s]: that of the last step, as a force of this one, or zero. */
 double reg_start_impulse(const regularized *s, int i);
 
 /* regularized_contact.c: compliant directions and slip columns of the current modes. */

@@ -4,8 +4,9 @@
  * (error_quantity.h) differ by little enough between the last two. Where the error of a run is proportional to its
  * tolerance, that of the last one is |Q_k - Q_k-1| / (r - 1) with r the ratio of the two tolerances (Richardson 1911);
  * ERROR_SAFETY times that is `estimate`. It covers what local errors grow to, which their sum does not. It is no less than
- * what the worst located impact is off by, which two runs may have in common, and, where contacts begin or cease to carry, than what the run before is off by, over
- * r: its estimate, or what all steps of the first run together are off by. Two runs may be near each other by chance.
+ * what the worst located impact is off by, which two runs may have in common, and, where contacts begin or cease to carry, than
+ * what the run before is off by, over r: its estimate, or what all steps of the first run together are off by. Two runs may be
+ * near each other by chance.
  *
  * First with extrapolated steps (extrapolation.h). A quarter of the tolerance, and of the error, takes twice the steps then;
  * that is counted on only where no contact begins or ceases to carry and three runs show it (the last difference is that much less than the one
