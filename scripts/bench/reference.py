@@ -33,7 +33,6 @@ from bench.section import Cell, Table, si  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BEGIN, END = "<!-- begin: scripts/reference -->\n", "<!-- end: scripts/reference -->\n"
 EXTRA = ("limits.csv", "calibration.jsonl", "doctor.json")
-ROWS = ("*/results.csv", "*/results.csv.xz", "cut/*/results.csv", "cut/*/results.csv.xz")
 
 
 def pack(source: pathlib.Path, target: pathlib.Path) -> None:
@@ -41,17 +40,17 @@ def pack(source: pathlib.Path, target: pathlib.Path) -> None:
     rows have the same bytes for the same rows. What other scripts measured beside them stays."""
     for old in [*target.glob("*/results.csv.xz"), *target.glob("cut/*/results.csv.xz")]:
         shutil.rmtree(old.parent)
-    for found in sorted(found for one in ROWS for found in source.glob(one)):
-        if found.suffix == ".xz" and found.with_suffix("").exists():
-            continue
-        whole = found.read_bytes()
-        out = target / found.parent.relative_to(source)
+    found = [*source.glob("*/results.csv*"), *source.glob("cut/*/results.csv*")]
+    for folder in sorted({one.parent for one in found}):
+        kept = rows.file_of(folder)
+        whole = kept.read_bytes()
+        out = target / folder.relative_to(source)
         out.mkdir(parents=True, exist_ok=True)
-        packed = whole if found.suffix == ".xz" else lzma.compress(whole, preset=9)
+        packed = whole if kept.suffix == ".xz" else lzma.compress(whole, preset=9)
         (out / "results.csv.xz").write_bytes(packed)
         for name in ("manifest.json", *EXTRA):
-            if (found.parent / name).exists():
-                shutil.copyfile(found.parent / name, out / name)
+            if (folder / name).exists():
+                shutil.copyfile(folder / name, out / name)
 
 
 def figures(cells: pd.DataFrame, ladders: stability.Ladders, target: pathlib.Path) -> set[str]:

@@ -112,14 +112,18 @@ class BadRows(Exception):
     pass
 
 
+def file_of(folder: pathlib.Path | str) -> pathlib.Path:
+    """Where the rows of a campaign folder are: as measured, or packed, as results/reference keeps
+    them."""
+    path = pathlib.Path(folder) / "results.csv"
+    packed = path.with_name("results.csv.xz")
+    return packed if packed.exists() and not path.exists() else path
+
+
 def load(folder: pathlib.Path | str) -> pd.DataFrame:
     """All rows of one campaign folder as a DataFrame; a missing or empty file is an error, not an
     empty figure."""
-    path = pathlib.Path(folder) / "results.csv"
-    if (
-        not path.exists() and path.with_name("results.csv.xz").exists()
-    ):  # as results/reference keeps them
-        path = path.with_name("results.csv.xz")
+    path = file_of(folder)
     if not path.exists():
         raise BadRows(f"{path}: no such file; run the campaign first")
     rows = pd.read_csv(path, dtype={c: "string" for c in TEXT}, low_memory=False)
