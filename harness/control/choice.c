@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 
 /* problem, error, formulation, solver, kept, t_total_s, then the features; others may follow */
-enum { HEAD = 6, COLUMNS_MOST = 40 };
+enum { HEAD = 6, COLUMNS_MOST = 40, LEVELS_MOST = 64 };
 
 typedef struct row {
   char problem[CHOICE_TEXT];
@@ -151,23 +151,44 @@ static int scenes_of(const table *t, const features *f, scene_near *near) {
   return n;
 }
 
-/* The level of error in a scene's rows that counts for E. */
-static double level_of(const table *t, const char *problem, double E) {
-  double best = 0.0;
-  double least = HUGE_VAL;
-  for (int i = 0; i < t->n; i++) {
-    if (strcmp(t->row[i].problem, problem) == 0) {
-      const double e = t->row[i].error;
-      least = fmin(least, e);
-      best = (e <= E * (1.0 + 1e-9)) ? fmax(best, e) : best;
+/* The levels of error in a scene's rows and their shares of its weight, which add up to 1. */
+static int levels_of(const table *t, const char *problem, double E, double level[LEVELS_MOST],
+                     double share[LEVELS_MOST]) {
+  int n = 0;
+  double sum = 0.0;
+  for (int i = 0; i < t->n && n < LEVELS_MOST; i++) {
+    bool seen = strcmp(t->row[i].problem, problem) != 0;
+    for (int k = 0; k < n && !seen; k++) {
+      seen = level[k] == t->row[i].error;
+    }
+    if (!seen) {
+      level[n] = t->row[i].error;
+      share[n] = pow(CHOICE_DECADE, fabs(log10(level[n] / E)));
+      sum += share[n++];
     }
   }
-  return (best > 0.0) ? best : least;
+  for (int k = 0; k < n; k++) {
+    share[k] /= sum;
+  }
+  return n;
 }
 
-/* Time of every combination in one scene, HUGE_VAL where it did not keep the error; the least of them. */
-static double times_of(const table *t, const char *problem, double E, double seconds[CHOICE_MOST]) {
-  const double level = level_of(t, problem, E);
+/* The level that stands for E: the largest not above it, otherwise the least; its index. */
+static int level_for(const double level[LEVELS_MOST], int n, double E) {
+  int best = 0;
+  for (int k = 1; k < n; k++) {
+    const bool fits = level[k] <= E * (1.0 + 1e-9);
+    const bool fitted = level[best] <= E * (1.0 + 1e-9);
+    if ((fits == fitted) ? (level[k] > level[best]) == fits : fits) {
+      best = k;
+    }
+  }
+  return best;
+}
+
+/* Time of every combination to one level in one scene, HUGE_VAL where it did not keep the error; the least of them. */
+static double times_of(const table *t, const char *problem, double level,
+                       double seconds[CHOICE_MOST]) {
   double best = HUGE_VAL;
   for (int c = 0; c < t->out->n; c++) {
     seconds[c] = HUGE_VAL;
@@ -192,33 +213,55 @@ static int cheaper(const void *a, const void *b) {
   return (form != 0) ? form : strcmp(x->solver, y->solver);
 }
 
+/* Sums over the scenes that count, by weight. */
+typedef struct tally {
+  double log_cost[CHOICE_MOST], weight[CHOICE_MOST]; /* over all levels of error */
+  double kept[CHOICE_MOST], far, at_E;               /* over the levels that stand for E */
+} tally;
+
+/* What a scene of weight w says; false: nobody keeps any of its levels, so that it says nothing of who does. */
+static bool count_scene(const table *t, const char *problem, double E, double distance, tally *of) {
+  double level[LEVELS_MOST];
+  double share[LEVELS_MOST];
+  const int n = levels_of(t, problem, E, level, share);
+  const int asked = level_for(level, n, E);
+  const double w = pow(CHOICE_SOFT + distance, -2.0);
+  bool says = false;
+  for (int k = 0; k < n; k++) {
+    double seconds[CHOICE_MOST];
+    const double best = times_of(t, problem, level[k], seconds);
+    if (!(best < HUGE_VAL)) {
+      continue;
+    }
+    says = true;
+    of->at_E += (k == asked) ? w : 0.0;
+    of->far += (k == asked) ? w * distance : 0.0;
+    for (int i = 0; i < t->out->n; i++) {
+      const bool good = seconds[i] < HUGE_VAL;
+      of->kept[i] += (good && k == asked) ? w : 0.0;
+      if (good || level[k] >= level[asked]) { /* nobody asks it for a smaller error than E */
+        of->log_cost[i] += w * share[k] * log(good ? seconds[i] / best : CHOICE_FAILED);
+        of->weight[i] += w * share[k];
+      }
+    }
+  }
+  return says;
+}
+
 static void rank(const table *t, const scene_near *near, int n, double E) {
   choice *c = t->out;
-  double log_cost[CHOICE_MOST] = {0};
-  double kept[CHOICE_MOST] = {0};
-  double weight = 0.0;
-  double far = 0.0;
+  tally of = {0};
   for (int k = 0; k < n && c->n_near < CHOICE_NEAR; k++) {
     const char *problem = t->row[near[k].row].problem;
-    double seconds[CHOICE_MOST];
-    const double best = times_of(t, problem, E, seconds);
-    if (!(best < HUGE_VAL)) {
-      continue; /* nobody keeps this error there: says nothing of who does */
+    if (count_scene(t, problem, E, near[k].distance, &of)) {
+      (void)snprintf(c->near[c->n_near], sizeof c->near[0], "%s", problem);
+      c->distance[c->n_near++] = near[k].distance;
     }
-    const double w = pow(CHOICE_SOFT + near[k].distance, -2.0);
-    for (int i = 0; i < c->n; i++) {
-      const bool good = seconds[i] < HUGE_VAL;
-      log_cost[i] += w * log(good ? seconds[i] / best : CHOICE_FAILED);
-      kept[i] += good ? w : 0.0;
-    }
-    weight += w;
-    far += w * near[k].distance;
-    (void)snprintf(c->near[c->n_near], sizeof c->near[0], "%s", problem);
-    c->distance[c->n_near++] = near[k].distance;
   }
-  for (int i = 0; i < c->n && weight > 0.0; i++) {
-    c->candidate[i].cost = exp(log_cost[i] / weight);
-    c->candidate[i].sure = kept[i] / weight / (1.0 + far / weight);
+  for (int i = 0; i < c->n; i++) {
+    c->candidate[i].cost =
+        (of.weight[i] > 0.0) ? exp(of.log_cost[i] / of.weight[i]) : CHOICE_FAILED;
+    c->candidate[i].sure = (of.at_E > 0.0) ? of.kept[i] / (of.at_E + of.far) : 0.0;
   }
   qsort(c->candidate, (size_t)c->n, sizeof c->candidate[0], cheaper);
 }

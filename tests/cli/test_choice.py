@@ -71,6 +71,18 @@ def who_did_not_keep_the_error_is_not_taken(d):
     assert taken == [QUICK[0], QUICK[0], SLOW[0], SLOW[0]], taken
 
 
+def one_row_does_not_turn_several(d):
+    """Who is slower by a fifth at one error, and quicker by half at the others, is taken at all."""
+    x = features("slide")
+    rows = [
+        row("slide", E, c, 1, 0.012 if (c, E) == (QUICK, 0.01) else (0.005, 0.01)[c == SLOW], x)
+        for c in (QUICK, SLOW)
+        for E in (0.1, 0.01, 0.001, 1e-4)
+    ]
+    taken = chosen("slide", write(d / "r.tsv", rows), error=0.01)[1][0]["formulation"]
+    assert taken == QUICK[0], taken
+
+
 def flat_cones_come_last_in_space(d):
     """Facets turn friction by an angle that no step shows: quicker, and never within the error."""
     for scene, first in (("spin", QUICK), ("slide:dim=2", FLAT)):
@@ -181,6 +193,7 @@ tap(
     [
         the_nearest_scene_decides,
         who_did_not_keep_the_error_is_not_taken,
+        one_row_does_not_turn_several,
         flat_cones_come_last_in_space,
         what_cannot_run_gives_way,
         the_command_told_repeats_the_run,
