@@ -594,8 +594,20 @@ def largest_words(large: dict | None) -> tuple[str, str]:
     )
 
 
+def below_many(here: Scenes) -> Scenes:
+    """The scenes that are not large, all where there are no others: a mean over both is an answer
+    for neither."""
+    return [(p, g) for p, g in here if not g["n_contacts"].max() >= MANY] or here
+
+
+def kind(a: dict) -> str:
+    """'stack, below 100 contacts': the scenes that an answer of the first screen is for."""
+    return f"{a['situation']}, below {MANY} contacts" if a.get("large") else a["situation"]
+
+
 def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
-    """What the first screen says: one answer a situation, from rows only."""
+    """What the first screen says: one answer a situation, and one for its largest scene where that
+    has many contacts, from rows only."""
     cells = own(cells)
     out = []
     for situation in registry.situations():
@@ -604,6 +616,8 @@ def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
             for p, g in scenes(cells)
             if registry.situation(g["problem_family"].iloc[0]) == situation
         ]
+        large = largest(here, level)
+        here = below_many(here) if large else here
         ranked = choose(here, level)
         if not ranked:
             out.append({"situation": situation, "use": "", "scenes": len(here)})
@@ -639,7 +653,7 @@ def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
                 "error": cell["err_ref"],
                 "physical": cell["res_ncp_rel"],
                 "other": other,
-                "large": largest(here, level),
+                "large": large,
                 "command": str(cell.get("command", "")),
                 "solver": name.split(" + ")[1],
                 "formulation": name.split(" + ")[0],
@@ -675,7 +689,7 @@ def advice(advised: list[dict], level: float = LEVEL) -> Table:
             continue
         rows.append(
             [
-                a["situation"],
+                kind(a),
                 Cell(a["use"], "good"),
                 (
                     f"{si(a['per_step'], 's')} a step of {a['step']:g} s with {a['contacts']:g}"

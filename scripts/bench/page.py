@@ -338,7 +338,7 @@ def card(a: dict) -> dict:
     large, behind = accuracy.largest_words(a["large"])
     other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
     return {
-        "situation": a["situation"],
+        "situation": accuracy.kind(a),
         "stands_for": stands_for,
         "use": Markup(
             " + ".join(

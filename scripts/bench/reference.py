@@ -89,7 +89,7 @@ def advice_words(cells: pd.DataFrame) -> str:
             large.append(": ".join(accuracy.largest_words(a["large"])))
         body.append(
             [
-                a["situation"],
+                accuracy.kind(a),
                 Cell(f"`{a['use']}`"),
                 (
                     f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step"

@@ -548,11 +548,14 @@ class Judged(unittest.TestCase):
         folder = pathlib.Path(self.tmp.name) / "large"
         write(folder, rows_)
         cards = {a["situation"]: a for a in accuracy.advise(rows.cells(rows.load(folder)))}
+        self.assertEqual(cards["stack"]["use"], "regularized + lemke")  # of the small one alone
+        self.assertEqual(accuracy.kind(cards["stack"]), "stack, below 100 contacts")
         answer, behind = accuracy.largest_words(cards["stack"]["large"])
         self.assertEqual(answer, "200 contacts (stack:n=50): velocity + lemke, 1 ms a step")
         self.assertIn("Times as long: boxed + ppm 3.", behind)
         self.assertIn("a tenth of the error takes 9 times as long", behind)
         self.assertEqual(accuracy.largest_words(cards["sliding"].get("large")), ("", ""))
+        self.assertEqual(accuracy.kind(cards["sliding"]), "sliding")
 
     def test_a_panel_of_a_scene_file_has_its_name_for_a_title(self):
         self.assertEqual(accuracy.short("tests/cases/claims/plates6.json"), "plates6")
