@@ -11,6 +11,7 @@ import datetime
 import importlib
 import os
 import pathlib
+import shlex
 import statistics
 import subprocess
 import sys
@@ -213,6 +214,12 @@ def called(entry: dict) -> str:
     return pathlib.Path(entry["scene"].partition(":")[0]).stem
 
 
+def own(text: str) -> str:
+    """A scene of the user's: a file by its whole name, otherwise as lcpbench takes it."""
+    path = pathlib.Path(text)
+    return str(path.resolve()) if path.exists() else text
+
+
 def label(way: dict) -> str:
     return f"{way['formulation']} + {way['solver']}"
 
@@ -226,9 +233,10 @@ class Campaign:
         self.quick = args.quick
         known = [*dict.fromkeys(s["engine"] for s in self.plan["settings"]), OWN]
         self.engines = wanted(args.engines, known, "engine")
-        names = [called(s) for s in self.plan["entries"]]
-        self.names = wanted(args.scenes, names, "scene")
-        self.entries = [s for s in self.plan["entries"] if called(s) in self.names]
+        self.given = bool(args.own)
+        entries = [{"scene": own(t)} for t in args.own] or self.plan["entries"]
+        self.names = wanted(args.scenes, [called(s) for s in entries], "scene")
+        self.entries = [s for s in entries if called(s) in self.names]
         settings = [s["name"] for s in self.plan["settings"]]
         self.settings = wanted(args.settings, list(dict.fromkeys(settings)), "setting")
         self.all_settings = not args.settings
@@ -259,9 +267,10 @@ class Campaign:
         options = setting["options"] if engine != OWN else setting
         told = ",".join(f"{k}={v}" for k, v in options.items()) if engine != OWN else ""
         name = setting["name"] if engine != OWN else label(setting)
+        chosen = shlex.quote(text) if self.given else f"--scenes {called(entry)}"
         again = (
-            f"scripts/engines --engines {engine} --scenes {called(entry)}"
-            f" --settings {name} --steps {step:g}"
+            f"scripts/engines --engines {engine} --settings {shlex.quote(name)} --steps {step:g}"
+            f" {chosen}"
         )
         row = dataclasses.replace(
             self.start,
@@ -320,6 +329,12 @@ def arguments() -> argparse.Namespace:
         ("steps", "time steps [s]"),
     ):
         ask.add_argument(f"--{name}", metavar="LIST", help=f"{what}, with commas between them")
+    ask.add_argument(
+        "own",
+        metavar="SCENE",
+        nargs="*",
+        help="scenes of one's own, as lcpbench takes them, in the place of those of experiments.toml",
+    )
     ask.add_argument("--binary", default=str(ROOT / "build" / "lcpbench"), help="lcpbench")
     ask.add_argument(
         "--out",

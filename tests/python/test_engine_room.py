@@ -9,6 +9,7 @@ import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -237,6 +238,20 @@ class Scenes(unittest.TestCase):
         for text, word in (("chain", "joints"), ("conveyor", "moving"), ("stack:n=-1", "n=-1")):
             with self.assertRaisesRegex(scene.Unsupported, word):
                 self.load(text)
+
+    def test_a_scene_of_ones_own_takes_the_place_of_those_listed(self):
+        """As lcpbench takes it, or a file, which is told by its whole name."""
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "mine.json"
+            path.write_text("{}", encoding="utf-8")
+            self.assertEqual(run.own(str(path)), str(path.resolve()))
+        self.assertEqual(run.own("stack:n=2,dim=2"), "stack:n=2,dim=2")
+        arguments = ["--engines", "lcpbench", "--steps", "0.01", "stack:n=2,duration=0.1"]
+        with unittest.mock.patch.object(sys, "argv", ["run.py", "--binary", BINARY, *arguments]):
+            asked = run.Campaign(run.arguments())
+        found = asked.jobs("lcpbench")
+        self.assertEqual({j.row.problem for j in found}, {"stack:n=2,duration=0.1"})
+        self.assertIn("--steps 0.01 stack:n=2,duration=0.1", found[0].row.command)
 
     def test_our_own_run_is_exact_where_theory_is(self):
         entry = next(e for e in run.experiments.of("engines.entries") if run.called(e) == "incline")
