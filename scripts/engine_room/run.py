@@ -333,7 +333,7 @@ def arguments() -> argparse.Namespace:
         "own",
         metavar="SCENE",
         nargs="*",
-        help="scenes of one's own, as lcpbench takes them, in the place of those of experiments.toml",
+        help="scenes of one's own, as lcpbench takes them, for those of experiments.toml",
     )
     ask.add_argument("--binary", default=str(ROOT / "build" / "lcpbench"), help="lcpbench")
     ask.add_argument(
