@@ -19,6 +19,10 @@
 
 typedef row_options options;
 
+/* Missing friction counts by the velocities that it leaves from this share of the sought ones on, times outer_tol: rounding
+ * of impulses 1e10 times as large leaves 1e-6. */
+static const double seen = 100;
+
 static const base_field fields[] = {
     BASE_FIELD(options, outer, BASE_INT, "1", 300, 1, 1e6, "most solves in a step; 1: lagged"),
     BASE_FIELD(options, bristle, BASE_REAL, "N/m", 0, 0, 1e18,
@@ -227,20 +231,29 @@ static base_status assemble(void *state, lcp_problem *out, const double **z0, bo
 
 /* How far the friction impulses of z are from those that the bounds now in place ask for, by the
  * natural map of each row, which takes a row that cannot move to the bound that its velocity asks for; over the largest
- * impulse. Friction counts: where nothing presses, bounds of the last answer may have let it push all the same. */
+ * impulse. Friction counts: where nothing presses, bounds of the last answer may have let it push all the same.
+ * Impulses of a jam grow from solve to solve and would hide any friction that is missing, so what it
+ * moves its row by is also measured against the velocities that are to be stopped, over `seen`. */
 static double residual(row_form *s, const double *z, double largest) {
-  double most = 0;
+  double most = 0, moved = 0, size = 0;
   lcp_matrix_apply(&s->matrix.M, z, s->q, s->w, s->scratch);
   for (int i = 0; i < s->a.n_contact; i++) {
-    for (int row = s->a.row[i] + 1; row < s->a.row[i + 1]; row++) {
+    for (int row = s->a.row[i]; row < s->a.row[i + 1]; row++) {
+      const double unit = (s->diagonal[row] > 0) ? sqrt(s->diagonal[row]) : 0;
+      size = (unit > 0) ? fmax(size, fabs(s->q[row]) / unit) : size;
+      if (row == s->a.row[i]) {
+        continue;
+      }
       const double end = (s->w[row] > 0) ? HUGE_VAL : ((s->w[row] < 0) ? -HUGE_VAL : 0);
       const double step = (s->diagonal[row] > 0) ? s->w[row] / s->diagonal[row] : end;
       const double wanted = fmin(fmax(z[row] - step, s->lo[row]), s->hi[row]);
       most = fmax(most, fabs(z[row] - wanted));
+      moved = fmax(moved, unit * fabs(z[row] - wanted));
       largest = fmax(largest, fabs(z[row]));
     }
   }
-  return (largest > 0) ? most / largest : 0;
+  const double of_data = (size > 0) ? moved / size / seen : 0;
+  return (largest > 0) ? fmax(most / largest, of_data) : 0;
 }
 
 /* Bounds for the next solve: where friction feeds back on the normal impulses, bounds that only follow them turn in circles

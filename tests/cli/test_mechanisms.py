@@ -214,6 +214,20 @@ def joints_that_part_are_told(d):
         assert "step 43: the joints are not kept" in said["note"], said["note"]
 
 
+def bounds_that_run_away_are_told(d):
+    """No impulse stops what meets the wall (58) or the floor (125) there. The bounds of `boxed` grow
+    from solve to solve, each of which has an answer; friction that is missing is nothing beside
+    impulses of 1e6 N s, and a box of 66 g was stopped by 4e8 N while it slid, status ok."""
+    for seed, step in ((58, 72), (125, 66)):
+        scene = random_mechanism(seed) | {"T": DURATION, "hs": [STEP]}
+        (d / "scene.json").write_text(json.dumps(scene))
+        for formulation in ("boxed", "boxed:storage=factored"):
+            words = ("--formulation", formulation, "--solver", "ppm")
+            said = json.loads(run("simulate", d / "scene.json", *words, code=None).stdout)
+            assert said["status"] in HONEST, (seed, formulation, said["status"])
+            assert said["note"].startswith(f"step {step}: "), said["note"]
+
+
 def a_coarse_tolerance_parts_joints(d):
     """Joints that stay rows are kept to the tolerance that is asked for, and that is no trouble."""
     words = ("--formulation", "coulomb:joints=mixed", "--solver", "nsgs", "--tol", "1e-5")
@@ -373,6 +387,7 @@ tap(
         a_plunger_bounces_or_jams,
         a_dead_point_gives_no_joint_apart,
         joints_that_part_are_told,
+        bounds_that_run_away_are_told,
         a_coarse_tolerance_parts_joints,
         joints_that_stay_rows_move_alike,
         a_light_body_is_not_thrown_by_the_tolerance,
