@@ -126,6 +126,15 @@ static bool settle(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, cons
   return res->residual <= stop->tol && believable(s, stop, p, z, s->seen);
 }
 
+bool lcp_loop_met(lcp_loop *s, double tol, const lcp_problem *p, const double *z, lcp_result *res) {
+  if (!lcp_stop_met(&s->stop, tol, p, z, res) && p->M.storage == LCP_FACTORED) {
+    res->residual = fmin(res->residual, rho_by_need(s, tol, p, z, res));
+    s->tests = 0;
+    s->next = 1;
+  }
+  return res->residual <= tol;
+}
+
 /* True when this z was seen before, bit for bit. */
 static bool repeats(lcp_loop *s, int n, const double *z) {
   const size_t bytes = (size_t)n * sizeof *z;

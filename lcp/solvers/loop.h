@@ -52,6 +52,10 @@ bool lcp_loop_put_off(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, c
 void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
                          lcp_trace *trace, lcp_result *res);
 
+/* Does z meet tol? Sets res->residual: of factors by the entries of M where the bound of lcp_stop_test does not tell. For a
+ * method that has made its own test against the data. */
+bool lcp_loop_met(lcp_loop *s, double tol, const lcp_problem *p, const double *z, lcp_result *res);
+
 /* w = M z + q: where the test at z was made just now (`fresh`) as it found it, otherwise by a product, which is counted. */
 void lcp_loop_product(lcp_loop *s, const lcp_problem *p, const double *z, bool fresh, double *w,
                       lcp_result *res);

@@ -23,8 +23,7 @@ typedef struct options {
   lcp_stop stop;
 } options;
 
-/* Relative sizes, all in the metric of unit; a violation below `sure` is driven at most twice. */
-static const lcp_ppm_share share = {.rank = 2e-13, .faint = 1e-12};
+/* Relative sizes; a violation below `sure` is driven at most twice. */
 static const double sure_share = 1e-11;
 static const double round_share = 16 * DBL_EPSILON;
 
@@ -62,6 +61,7 @@ static void layout(void *state, const lcp_capacity *cap, const void *opt, base_a
   s->x = BASE_ARRAY(a, double, cap->n);
   s->y = BASE_ARRAY(a, double, cap->n + 3); /* as padded as a column of the table */
   s->ray = BASE_ARRAY(a, double, cap->n);
+  s->e = BASE_ARRAY(a, double, cap->n);
   s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
   s->sum = BASE_ARRAY(a, long double, cap->n);
 }
@@ -98,37 +98,6 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   return BASE_OK;
 }
 
-/* x = M_Fr by place in F. */
-static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
-  if (M->storage == LCP_FACTORED) {
-    lcp_ppm_gather_factored(s, M->factored, r, x);
-    return;
-  }
-  const lcp_column c = lcp_column_of(M, r);
-  if (c.row == NULL) {
-    for (int k = 0; k < s->m; k++) {
-      x[k] = c.val[s->order[k]];
-    }
-    return;
-  }
-  for (int k = 0; k < s->m; k++) {
-    x[k] = 0;
-  }
-  for (int k = 0; k < c.count; k++) {
-    const int at = s->pos[c.row[k]];
-    if (at >= 0) {
-      x[at] = c.val[k];
-    }
-  }
-}
-
-static double violation(const ppm *s, int i) {
-  if (s->is_free[i]) {
-    return fabs(s->w[i]);
-  }
-  return (s->where[i] == AT_HI) ? s->w[i] : -s->w[i];
-}
-
 /* The nonbasic row to drive, -1: none left. Free rows first, then the largest violation in the
  * energy metric. */
 static int choose(ppm *s, int n) {
@@ -138,7 +107,7 @@ static int choose(ppm *s, int n) {
     if (s->where[i] == BASIC || s->lo[i] == s->hi[i]) {
       continue;
     }
-    const double v = violation(s, i);
+    const double v = lcp_ppm_violation(s, i);
     const bool sure = v > sure_share * s->bound[i];
     if (!(v > round_share * s->bound[i]) || (!sure && s->tries[i] >= 2)) {
       continue;
@@ -149,114 +118,10 @@ static int choose(ppm *s, int n) {
       top = score;
     }
   }
-  if (best >= 0 && !(violation(s, best) > sure_share * s->bound[best])) {
+  if (best >= 0 && !(lcp_ppm_violation(s, best) > sure_share * s->bound[best])) {
     s->tries[best]++;
   }
   return best;
-}
-
-/* Basic variable k of F stops at the bound `where`. */
-static void leave(ppm *s, double *z, int k, place where) {
-  const int out = s->order[k];
-  z[out] = (where == AT_LO) ? s->lo[out] : s->hi[out];
-  s->where[out] = (unsigned char)where;
-  lin_chol_remove(s->L, s->m, k, s->cs);
-  s->m--;
-  for (int j = k; j < s->m; j++) {
-    s->order[j] = s->order[j + 1];
-    s->pos[s->order[j]] = j;
-  }
-  s->pos[out] = -1;
-}
-
-/* Smallest step along sign * (y, 1) at which a basic z meets a bound; ties: the largest pivot. top: size
- * of the driving entry, 0 where none drives. */
-static int first_block(const ppm *s, const double *z, double top, double sign, double *step) {
-  for (int k = 0; k < s->m; k++) {
-    top = fmax(top, fabs(s->y[k]) * s->unit[s->order[k]]);
-  }
-  int best = -1;
-  double size = 0;
-  for (int k = 0; k < s->m; k++) {
-    const int i = s->order[k];
-    const double rate = sign * s->y[k];
-    const double scaled = fabs(rate) * s->unit[i];
-    const double room = (rate < 0) ? z[i] - s->lo[i] : s->hi[i] - z[i];
-    if (s->is_free[i] || !(scaled > share.faint * top) || room == HUGE_VAL) {
-      continue;
-    }
-    const double t = fmax(room, 0.0) / fabs(rate);
-    if (best < 0 || t < *step || (t == *step && scaled > size)) {
-      best = k;
-      *step = t;
-      size = scaled;
-    }
-  }
-  return best;
-}
-
-typedef enum end { JOINED, BOUNDED, UNBLOCKED, SPENT } end;
-
-static void advance(const ppm *s, double *z, int r, double move) {
-  for (int k = 0; k < s->m; k++) {
-    z[s->order[k]] += move * s->y[k];
-  }
-  z[r] += move;
-}
-
-/* x = L^-1 M_Fr, y = -M_FF^-1 M_Fr; returns the Schur complement, dw_r/dz_r. */
-static double direction(ppm *s, const lcp_matrix *M, int r, lcp_work *work) {
-  gather(s, M, r, s->x);
-  lin_chol_forward(s->L, s->m, s->x);
-  double schur = s->d[r];
-  for (int k = 0; k < s->m; k++) {
-    schur -= s->x[k] * s->x[k];
-    s->y[k] = -s->x[k];
-  }
-  lin_chol_backward(s->L, s->m, s->y);
-  work->backsolves += 2;
-  work->pivots++;
-  return schur;
-}
-
-static void enter(ppm *s, int r, double root) {
-  lin_chol_append(s->L, s->m, s->x, root);
-  s->order[s->m] = r;
-  s->pos[r] = s->m++;
-  s->where[r] = BASIC;
-}
-
-/* Drives row r until w_r = 0, a bound of z_r, or nothing blocks. */
-static end drive(ppm *s, const lcp_problem *p, double *z, int r, long limit, lcp_work *work) {
-  const double sign = (s->w[r] < 0) ? 1 : -1;
-  for (;;) {
-    if (work->pivots >= limit) {
-      return SPENT;
-    }
-    const double schur = direction(s, &p->M, r, work);
-    const bool positive = schur > share.rank * fabs(s->d[r]) && s->m < s->m_max;
-    const double own = (sign > 0) ? s->hi[r] - z[r] : z[r] - s->lo[r];
-    double t = HUGE_VAL;
-    const int k = first_block(s, z, s->unit[r], sign, &t);
-    const double join = positive ? fabs(s->w[r]) / schur : HUGE_VAL;
-    if (join <= t && join <= own && join < HUGE_VAL) {
-      advance(s, z, r, sign * join);
-      enter(s, r, sqrt(schur));
-      return JOINED;
-    }
-    if (own <= t && own < HUGE_VAL) {
-      advance(s, z, r, sign * own);
-      z[r] = (sign > 0) ? s->hi[r] : s->lo[r];
-      s->where[r] = (sign > 0) ? AT_HI : AT_LO;
-      return BOUNDED;
-    }
-    if (k < 0) {
-      return UNBLOCKED;
-    }
-    advance(s, z, r, sign * t);
-    s->w[r] += sign * t * schur;
-    leave(s, z, k, sign * s->y[k] < 0 ? AT_LO : AT_HI);
-  }
 }
 
 /* The direction of the last drive as a proof, when it is one. */
@@ -289,6 +154,7 @@ static bool start_at_bounds(ppm *s, int n, const double *z) {
     s->where[i] = high ? AT_HI : AT_LO;
     s->pos[i] = -1;
     s->tries[i] = 0;
+    s->e[i] = 0;
     warm = warm || z[i] != 0;
   }
   return warm;
@@ -300,9 +166,9 @@ static bool start(ppm *s, const lcp_matrix *M, double *z, lcp_work *work) {
   const bool warm = start_at_bounds(s, M->n, z);
   for (int i = 0; i < M->n; i++) {
     const bool inside = s->is_free[i] ? z[i] != 0 : z[i] > s->lo[i] && z[i] < s->hi[i];
-    const double schur = (warm && inside) ? direction(s, M, i, work) : 0;
-    if (schur > share.rank * fabs(s->d[i]) && s->m < s->m_max) {
-      enter(s, i, sqrt(schur));
+    const double schur = (warm && inside) ? lcp_ppm_direction(s, M, i, work) : 0;
+    if (schur > lcp_ppm_relative.rank * fabs(s->d[i]) && s->m < s->m_max) {
+      lcp_ppm_enter(s, i, sqrt(schur));
     } else {
       z[i] = resting_place(s, i);
     }
@@ -326,7 +192,7 @@ static void settle(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
     work->backsolves += 2;
     step = 1;
     double t = HUGE_VAL;
-    const int k = first_block(s, z, 0, 1, &t);
+    const int k = lcp_ppm_first_block(s, z, 0, 1, &t);
     if (k >= 0 && t < 1) {
       step = t;
     }
@@ -334,7 +200,7 @@ static void settle(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
       z[s->order[j]] += step * s->y[j];
     }
     if (step < 1) {
-      leave(s, z, k, s->y[k] < 0 ? AT_LO : AT_HI);
+      lcp_ppm_leave(s, z, k, s->y[k] < 0 ? AT_LO : AT_HI);
       work->pivots++;
     }
   }
@@ -347,7 +213,7 @@ static void note(const ppm *s, int n, long pivots, lcp_trace *trace) {
   }
   double worst = 0;
   for (int i = 0; i < n; i++) {
-    const double v = (s->where[i] == BASIC) ? fabs(s->w[i]) : violation(s, i);
+    const double v = (s->where[i] == BASIC) ? fabs(s->w[i]) : lcp_ppm_violation(s, i);
     worst = (v > worst * s->bound[i]) ? v / s->bound[i] : worst;
   }
   trace->iteration[trace->len] = pivots;
@@ -366,15 +232,15 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
     if (r < 0) {
       return LCP_SOLVED;
     }
-    const bool sure = violation(s, r) > sure_share * s->bound[r];
-    const end e = drive(s, p, z, r, stop->max_iter, &res->work);
+    const bool sure = lcp_ppm_violation(s, r) > sure_share * s->bound[r];
+    const lcp_ppm_end e = lcp_ppm_drive(s, p, z, z, r, stop->max_iter, &res->work);
     res->work.iterations++;
-    if (e == SPENT) {
+    if (e == LCP_PPM_SPENT) {
       return LCP_MAX_ITER;
     }
-    if (e == UNBLOCKED && !sure) {
+    if (e == LCP_PPM_UNBLOCKED && !sure) {
       s->tries[r] = 2; /* round-off in a dependent row: nothing to gain, nothing proved */
-    } else if (e == UNBLOCKED) {
+    } else if (e == LCP_PPM_UNBLOCKED) {
       return proves_infeasible(s, p, r) ? LCP_INFEASIBLE : LCP_RAY;
     }
     if (res->work.iterations % 32 == 0 &&
@@ -414,7 +280,7 @@ static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_
   if (!small) {
     return false;
   }
-  if (!lcp_ppm_table_solve(s, p, stop, &share, z, res)) {
+  if (!lcp_ppm_table_solve(s, p, stop, &lcp_ppm_relative, z, res)) {
     memset(z, 0, (size_t)p->M.n * sizeof *z);
     res->work.pivots = 0;
     res->work.fallbacks++;
@@ -453,6 +319,7 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
     }
     met = passes(s, p, stop, z, res);
   }
+  met = met || (ended == LCP_SOLVED && lcp_ppm_rounded(s, p, stop, z, res));
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
     res->outcome = ended;
     res->certificate = (lcp_certificate){

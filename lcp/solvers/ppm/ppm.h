@@ -28,6 +28,7 @@ typedef struct ppm {
   double *w, *bound;     /* M z + q; |q| + |M||z| */
   double *x, *y;         /* L^-1 M_Fr; direction of z_F, by place */
   double *ray;           /* by row */
+  double *e;             /* n: z is rounded from z + e; 0 until lcp_ppm_rounded */
   lcp_farkas_sum *force; /* n_dof: scratch of lcp_farkas_prove */
   long double *sum;      /* n */
   bool small;            /* rows of an orthant with positive diagonals, few enough for `table` */
@@ -43,6 +44,33 @@ enum { PPM_TABLE_MAX = 64 }; /* rows of a table */
 typedef struct lcp_ppm_share {
   double rank, faint;
 } lcp_ppm_share;
+
+extern const lcp_ppm_share lcp_ppm_relative;
+
+typedef enum lcp_ppm_end {
+  LCP_PPM_JOINED,
+  LCP_PPM_BOUNDED,
+  LCP_PPM_UNBLOCKED,
+  LCP_PPM_SPENT
+} lcp_ppm_end;
+
+/* How far w of row i, which is not basic, has the wrong sign [m/s]; negative: it has not. ppm_basis.c */
+double lcp_ppm_violation(const ppm *s, int i);
+
+/* x = L^-1 M_Fr, y = -M_FF^-1 M_Fr; returns the Schur complement, dw_r/dz_r. Row r then joins F by its root. */
+double lcp_ppm_direction(ppm *s, const lcp_matrix *M, int r, lcp_work *work);
+void lcp_ppm_enter(ppm *s, int r, double root);
+
+/* Basic variable k of F stops at the bound `where`. */
+void lcp_ppm_leave(ppm *s, double *z, int k, place where);
+
+/* Smallest step along sign * (y, 1) at which a basic z + e meets a bound; ties: the largest pivot. top: size
+ * of the driving entry, 0 where none drives. -1: none does. */
+int lcp_ppm_first_block(const ppm *s, const double *z, double top, double sign, double *step);
+
+/* Drives row r until w_r = 0, a bound of z_r, or nothing blocks. What moves is x, which is z or e. */
+lcp_ppm_end lcp_ppm_drive(ppm *s, const lcp_problem *p, double *z, double *x, int r, long limit,
+                          lcp_work *work);
 
 /* Doubles that the tableau of n <= PPM_TABLE_MAX rows takes. */
 size_t lcp_ppm_table_size(int n);
@@ -61,7 +89,16 @@ void lcp_ppm_correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work);
 /* Two steps of iterative refinement of z_F, residuals in long double; z stays on K. */
 void lcp_ppm_refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work);
 
-/* The same for a factored M; x = M_Fr by place in F; sum = M z + q. ppm_factored.c */
+/* sum = M (z + e) + q in long double; e may be NULL. */
+void lcp_ppm_extended(const ppm *s, const lcp_problem *p, const double *z, const double *e);
+
+/* For a z of the last basis that does not pass data_test.h: pivots on from there with w in long double. True where that
+ * ends at a z + e that passes and whose rounding, z on return, meets tol. ppm_rounded.c */
+bool lcp_ppm_rounded(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
+                     lcp_result *res);
+
+/* The same for a factored M; x = M_Fr by place in F; sum = M (z + e) + q. ppm_factored.c */
 void lcp_ppm_evaluate_factored(const ppm *s, const lcp_problem *p, const double *z);
 void lcp_ppm_gather_factored(const ppm *s, const lcp_factored *f, int r, double *x);
-void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z);
+void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z,
+                               const double *e);

@@ -76,7 +76,8 @@ void lcp_ppm_gather_factored(const ppm *s, const lcp_factored *f, int r, double 
   }
 }
 
-void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z) {
+void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double *z,
+                               const double *e) {
   const lcp_factored *f = p->M.factored;
   long double *u = s->wide;
   memset(u, 0, sizeof *u * (size_t)f->dof_start[f->n_body]);
@@ -84,15 +85,16 @@ void lcp_ppm_extended_factored(const ppm *s, const lcp_problem *p, const double 
     s->sum[i] = p->q[i];
   }
   for (int j = 0; j < p->M.n; j++) {
-    for (int k = 0; k < 2 && z[j] != 0; k++) {
+    const long double zj = (long double)z[j] + ((e != NULL) ? (long double)e[j] : 0);
+    for (int k = 0; k < 2 && zj != 0; k++) {
       const lcp_sweep_side a = lcp_sweep_side_of(&s->sweep, f, j, k);
       for (int c = 0; c < a.dof; c++) {
-        u[a.u - s->sweep.u + c] += (long double)a.g[c] * z[j];
+        u[a.u - s->sweep.u + c] += (long double)a.g[c] * zj;
       }
     }
     const lcp_column shift = lcp_csc_column(f->shift, j);
     for (int k = 0; k < shift.count; k++) {
-      s->sum[shift.row[k]] += (long double)shift.val[k] * z[j];
+      s->sum[shift.row[k]] += (long double)shift.val[k] * zj;
     }
   }
   for (int i = 0; i < p->M.n; i++) {

@@ -40,18 +40,17 @@ void lcp_ppm_correct(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
   work->matvecs++;
 }
 
-/* sum = M z + q in long double. */
-static void extended_w(const ppm *s, const lcp_problem *p, const double *z) {
+void lcp_ppm_extended(const ppm *s, const lcp_problem *p, const double *z, const double *e) {
   const int n = p->M.n;
   if (p->M.storage == LCP_FACTORED) {
-    lcp_ppm_extended_factored(s, p, z);
+    lcp_ppm_extended_factored(s, p, z, e);
     return;
   }
   for (int i = 0; i < n; i++) {
     s->sum[i] = p->q[i];
   }
   for (int j = 0; j < n; j++) {
-    const long double zj = z[j];
+    const long double zj = (long double)z[j] + ((e != NULL) ? (long double)e[j] : 0);
     const lcp_column c = lcp_column_of(&p->M, j);
     for (int k = 0; zj != 0 && k < c.count; k++) {
       s->sum[lcp_column_row(&c, k)] += zj * c.val[k];
@@ -68,7 +67,7 @@ static double added(double z, double y) {
 
 void lcp_ppm_refine(ppm *s, const lcp_problem *p, double *z, lcp_work *work) {
   for (int round = 0; round < 2; round++) {
-    extended_w(s, p, z);
+    lcp_ppm_extended(s, p, z, NULL);
     for (int k = 0; k < s->m; k++) {
       s->y[k] = (double)-s->sum[s->order[k]];
     }
