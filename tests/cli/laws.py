@@ -1,7 +1,7 @@
 """What a motion must keep, computed from the printed states and forces alone, with nothing of the
 code under test: joints and locks hold, no body goes behind a plane or into another, contacts push
-and rub within the cone, the momentum of what is not held changes by weight and contact forces, and
-no energy is gained."""
+and rub within the cone, the momentum of what is not held changes by weight and contact forces, no
+energy is gained, and contacts take from the motion what friction and restitution say."""
 
 import csv
 import math
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from overlaps import behind, between
 from random_scenes import Scene
-from vectors import Vector, back, dot, less, space, turn
+from vectors import Vector, back, cross, dot, less, more, space, turn
 
 State = dict[str, tuple[Vector, Vector, Vector, Vector]]  # x, quaternion, v, omega
 Push = tuple[str, str, Vector]  # body, other, force on the first
@@ -30,13 +30,22 @@ class Slack:
     cone: float = 1.0  # friction over mu times the normal force
     energy: float = 0.02  # of the energy at the start: semi-implicit steps of joints and tumbling
     gives_back: bool = False  # springs of contacts do what they took
+    rubs: float = 0.0  # of mu N times the speed of sliding, that friction takes at the least
+    bounces: bool = False  # contacts that part at more than e times how they met do not push
+    power: float = 1e-6  # of the energy there, that contacts may fall short of it by in a step
 
 
 # integrated: joints and planes to the error that is controlled, momentum to the turn of contact
 # frames in a step, in which the impulses are given; springs sink under their load
+# steps: friction gives way (springs), or is decided by accelerations. Facets: the least friction of
+# four along the diagonal
 SLACKS = {
     "steps": Slack(),
-    "boxes": Slack(cone=math.sqrt(2)),
+    "cones": Slack(rubs=1.0, bounces=True),
+    "facets": Slack(rubs=math.sqrt(0.5), bounces=True),
+    "gaps": Slack(rubs=math.sqrt(0.5)),
+    "boxes": Slack(cone=math.sqrt(2), rubs=1.0, bounces=True),
+    "bristles": Slack(cone=math.sqrt(2)),
     "decided": Slack(cone=math.inf, energy=math.inf),  # stick and slip once a step, kept or not
     "arcs": Slack(drift=0.0, momentum=1e-4, turning=1.0, steps=0.0),
     "springs": Slack(drift=0.0, momentum=1e-4, turning=1.0, depth=1e-3, gives_back=True),
@@ -50,11 +59,13 @@ class Motion:
     times: list[float]
     states: list[State]
     pushes: list[list[Push]]  # of the step that ends there
+    points: list[list[Vector]]  # where they push, as the bodies were before the step
 
     @staticmethod
     def read(path: pathlib.Path) -> "Motion":
         states: dict[str, State] = {}
         pushes: dict[str, list[Push]] = defaultdict(list)
+        points: dict[str, list[Vector]] = defaultdict(list)
         with path.open() as file:
             for r in csv.DictReader(file):
                 t = r["t_s"]
@@ -68,9 +79,13 @@ class Motion:
                 elif r["kind"] == "contact":
                     first, other = r["name"].split("|")
                     pushes[t].append((first, other, [float(r[f"s{k}"]) for k in "xyz"]))
+                    points[t].append([float(r[f"{k}_m"]) for k in "xyz"])
         words = sorted(states, key=float)
         return Motion(
-            [float(t) for t in words], [states[t] for t in words], [pushes[t] for t in words]
+            [float(t) for t in words],
+            [states[t] for t in words],
+            [pushes[t] for t in words],
+            [points[t] for t in words],
         )
 
 
@@ -248,6 +263,48 @@ def gained(scene: Scene, motion: Motion, gives_back: bool) -> float:
     return worst
 
 
+def speed_at(point: Vector, before: Vector, v: Vector, omega: Vector) -> Vector:
+    return more(v, 1.0, cross(omega, less(point, before)))
+
+
+def unspent(scene: Scene, motion: Motion, slack: Slack) -> float:
+    """Most energy that contacts with planes did not take in a step although their forces were
+    there, over the energy of the start and of a metre of height.
+
+    Of an impulse N n + F and the velocity u of its point after the step, as a step with these
+    impulses has it: friction does the most that it can against the sliding (maximal dissipation),
+    -F . u = max {-G . u: |G| <= mu N} = mu N |u_t|, with facets no less than the cosine of half
+    their angle times it; and a contact that parts at more than e times the speed at which it met,
+    u_n > e met with met = max(0, -u_n before), has N = 0 (Newton, and complementarity where it
+    did not meet). Each contact falls short of that by max(0, mu N |u_t| + F . u_t) and
+    N max(0, u_n - e met). An impulse in its cone that balances momentum and gains no energy may
+    still be any multiple of what the motion can ask for: where it jams, even a small error of the
+    speeds is more energy than there is."""
+    planes = {p["name"]: space(p["normal"]) for p in scene["static"]}
+    mu, e = scene["friction"]["default"], scene["restitution"]["default"]
+    there = abs(energy(scene, motion.states[0])) + sum(9.81 * b["mass"] for b in scene["bodies"])
+    worst = 0.0
+    for n in range(1, len(motion.states)):
+        h, total = motion.times[n] - motion.times[n - 1], 0.0
+        for (body, other, f), point in zip(motion.pushes[n], motion.points[n], strict=True):
+            if other not in planes:
+                continue
+            normal, (x, _, *had), has = (
+                planes[other],
+                motion.states[n - 1][body],
+                motion.states[n][body][2:],
+            )
+            pressed = max(0.0, h * dot(f, normal))
+            u, met = speed_at(point, x, *has), -dot(speed_at(point, x, *had), normal)
+            parts = dot(u, normal)
+            slides = more(u, -parts, normal)
+            short = slack.rubs * mu * pressed * math.hypot(*slides) + h * dot(f, slides)
+            total += max(0.0, short) if slack.rubs > 0 else 0.0
+            total += pressed * max(0.0, parts - e * max(0.0, met)) if slack.bounces else 0.0
+        worst = max(worst, total / there)
+    return worst
+
+
 def groups(scene: Scene) -> list[set[str]]:
     """Bodies that joints tie to each other and not to the world: no joint pushes such a group."""
     found = [{b["name"]} for b in scene["bodies"]]
@@ -319,6 +376,9 @@ def broken(scene: Scene, motion: Motion, slack: Slack) -> str:
         out = max(out_of_cone(scene, pushes, slack.cone) for pushes in motion.pushes)
     if not out < 1e-6 + slack.turning * h * (spin + speed / 0.05):
         return f"contact force out of its cone by {out:.3g}"
+    short = unspent(scene, motion, slack)
+    if not short < slack.power:
+        return f"contacts take {short:.3g} of the energy less than their forces say"
     if scene["friction"]["default"] == 0 or scene["restitution"]["default"] == 0:
         gain = gained(scene, motion, slack.gives_back)
         if not gain < slack.energy:
