@@ -129,6 +129,13 @@ static double row_map(lcp_set set, double x, double y, double lo, double hi) {
   }
 }
 
+static void note_natural(lcp_verdict *v, double map, int row) {
+  if (map > v->natural) {
+    v->natural = map;
+    v->natural_row = row;
+  }
+}
+
 static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
   const double z = j->z[i], w = (double)j->w[i];
   const long double zref = j->zref[i], tau = j->tau[i];
@@ -137,7 +144,7 @@ static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
   const double hi = (set == LCP_BOX) ? j->p->hi[i] : HUGE_VAL;
   v->rho =
       fmax(v->rho, row_map(set, ratio(z, zref), ratio(w, tau), ratio(lo, zref), ratio(hi, zref)));
-  v->natural = fmax(v->natural, row_map(set, d * z, w, d * lo, d * hi));
+  note_natural(v, row_map(set, d * z, w, d * lo, d * hi), i);
   v->min_map = fmax(v->min_map, row_map(set, z, w, lo, hi));
   if (set == LCP_FREE) {
     v->infeasible_w = fmax(v->infeasible_w, fabs(w));
@@ -171,7 +178,7 @@ static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
   lcp_cone_project(b, moved, moved);
   lcp_cone_project(b, plain, plain);
   for (int i = 0; i < b->size; i++) {
-    v->natural = fmax(v->natural, fabs(d * z[i] - moved[i]));
+    note_natural(v, fabs(d * z[i] - moved[i]), b->start + i);
     v->rho = fmax(v->rho, ratio(fabs(d * z[i] - moved[i]), tau));
     v->min_map = fmax(v->min_map, fabs(z[i] - plain[i]));
   }

@@ -25,6 +25,7 @@
 typedef struct lcp_verdict {
   double rho;          /* [1] */
   double natural;      /* [m/s] */
+  int natural_row;     /* of the row that has it; of a cone, of the entry */
   double natural_rel;  /* natural / (1 + max|q|) [1] */
   double min_map;      /* max_i |min(z_i, w_i)|, unscaled, the literature's number */
   double infeasible_z; /* largest violation of z in K [N s] */

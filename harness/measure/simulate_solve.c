@@ -140,14 +140,28 @@ static base_status tell(sim *s, const lcp_problem *p, const solved *k, base_erro
   return l->solved(l->ctx, &one, err);
 }
 
+/* Why a claim is no success. A rho that is met is relative to impulses; what a solver then gave up at is its test against
+ * the data (RESIDUALS 4), and the row that is farthest off names the place: as in the file of a dumped problem, from 1. */
+static void explain(const sim *s, const lcp_problem *p, const lcp_result *claim, solved *k) {
+  const double tol = verdict_asked(s->q->solver->solver, s->q->solver->opt);
+  const lcp_outcome o = claim->outcome;
+  const int n =
+      snprintf(k->text, sizeof k->text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g",
+               s->out->n_solves, p->M.n, run_status_name(k->word), lcp_outcome_name(o), k->v.rho);
+  if ((o == LCP_MAX_ITER || o == LCP_STALLED || o == LCP_NUMERICAL) && k->v.rho <= tol) {
+    (void)snprintf(
+        k->text + n, sizeof k->text - (size_t)n,
+        "; not against q: row %d is off by %.3g m/s, or rounding may hide more (RESIDUALS 4)",
+        k->v.natural_row + 1, k->v.natural);
+  }
+}
+
 static base_status record(sim *s, const lcp_problem *p, const lcp_result *claim, solved *judged,
                           base_error *err) {
   solved k = *judged;
   add_costs(s, p, claim);
   if (k.word != RUN_OK) {
-    (void)snprintf(k.text, sizeof k.text, "solve %ld (n=%d) is %s: claimed %s, rho=%.3g",
-                   s->out->n_solves, p->M.n, run_status_name(k.word),
-                   lcp_outcome_name(claim->outcome), k.v.rho);
+    explain(s, p, claim, &k);
   }
   if (claim->outcome != LCP_SOLVED && may_go_on(k.word)) {
     s->held = k;

@@ -430,6 +430,26 @@ def a_mass_ratio_is_a_rate(d):
     assert o["n_iter"] < 200 * o["steps"] and not off, (o["n_iter"], off)
 
 
+def what_doubles_cannot_hold_is_told(d):
+    """1e8 kg on 1 kg: with rho met to the last digit, runs ended with no word of what was wrong."""
+    heavy = FOLDER / "scenes" / "heavy_on_light_1e8.json"
+    for formulation, solver in (("boxed", "pgs_sm"), ("coulomb", "cone_newton")):
+        words = ("--formulation", formulation, "--solver", solver, "--duration", "0.02")
+        o = run_json("simulate", heavy, *words, code=3)
+        told = re.search(r"row ([1-8]) is off by (\S+) m/s, or .*\(RESIDUALS 4\)$", o["note"])
+        assert o["status"] == "max_iter" and told, (formulation, solver, o["status"], o["note"])
+        assert 5e-11 < float(told[2]) < 1e-7, o["note"]
+    for mass, words in ((1e8, ()), (1e8, ("--step", 0.1)), (1e5, ())):
+        scene = json.loads(heavy.read_text())
+        scene["bodies"][1]["mass"] = mass
+        scene["checks"] = [c for c in scene["checks"] if c["type"] == "max_drift"]
+        (d / "heavy.json").write_text(json.dumps(scene))
+        for formulation in ("boxed", "boxed:storage=factored"):
+            how = ("--formulation", formulation, "--solver", "ppm", *words)
+            o = run_json("simulate", d / "heavy.json", *how)
+            assert o["status"] == "ok" and all(c["ok"] for c in o["predictions"]), (mass, o["note"])
+
+
 def rounding_does_not_choose_what_carries(d):
     """Feet that slide, at position level: gaps of 1e-14 m, what a solver's tolerance leaves, chose
     the feet that carry, and the spin was 10 to 30 % off. Positions of the compliant limit."""
@@ -487,6 +507,7 @@ tap(
         work_is_limited,
         loads_that_cancel_do_not_cut_steps,
         a_mass_ratio_is_a_rate,
+        what_doubles_cannot_hold_is_told,
         rounding_does_not_choose_what_carries,
         the_list_names_what_exists,
         large_choices_are_made,
