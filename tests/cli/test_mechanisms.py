@@ -4,6 +4,7 @@ solved, and one that is called ok keeps the laws of laws.py, which are computed 
 states with nothing of the code under test. `event` and `penalty` integrate the same scenes.
 `scripts/mechanisms` runs a thousand of the mechanisms in more ways."""
 
+import csv
 import json
 import math
 import pathlib
@@ -213,6 +214,27 @@ def joints_that_part_are_told(d):
     assert said["status"] in HONEST, said["status"]
     if said["status"] == "numerical":
         assert "step 43: the joints are not kept" in said["note"], said["note"]
+
+
+def jams_have_no_answer_by_newton(d):
+    """Where velocity and its solvers end: no basis holds an answer, so that none is missed. Joints
+    leave the contacts fewer ways to move (one to three) than they have directions, and friction
+    holds against any impulse that would give the bounce. By Poisson's law all are solved."""
+    for seed, step in ((58, 72), (95, 57), (121, 64), (125, 66), (252, 49), (371, 72)):
+        scene = random_mechanism(seed) | {"T": DURATION, "hs": [STEP]}
+        (d / "scene.json").write_text(json.dumps(scene))
+        words = ("simulate", d / "scene.json", "--solver", "lemke", "--formulation")
+        dump = d / f"dump{seed}"
+        run(*words, "velocity", "--dump-step", step, "--out", dump, code=3)
+        with (dump / "index.csv").open(newline="", encoding="utf-8") as index:
+            last = list(csv.DictReader(index))[-1]
+        assert last["status"] == "ray", (seed, last)
+        tried = run("solve", dump / last["problem"], "--solver", "enumerate", code=3).stdout
+        assert json.loads(tried)["variant"] == "no_solution", (seed, tried)
+        way = d / "way.csv"
+        said = run_json(*words, "velocity:restitution=poisson", "--trajectory", way)
+        trouble = broken(scene, Motion.read(way), SLACKS["gaps"])
+        assert said["status"] == "ok" and not trouble, (seed, said["note"], trouble)
 
 
 def one_step(v: Vector, after: Vector, force: Vector, railed: bool) -> tuple[Scene, Motion]:
@@ -429,6 +451,7 @@ tap(
         a_plunger_bounces_or_jams,
         a_dead_point_gives_no_joint_apart,
         joints_that_part_are_told,
+        jams_have_no_answer_by_newton,
         impulses_beyond_what_there_is_to_stop_are_refused,
         bounds_that_run_away_are_told,
         a_coarse_tolerance_parts_joints,
