@@ -19,6 +19,7 @@ void lcp_cone_polish_layout(lcp_cone_polish *s, const lcp_capacity *cap, base_ar
 
 base_status lcp_cone_polish_prepare(lcp_cone_polish *s, const lcp_problem *p, base_error *err) {
   lcp_matrix_diagonal(&p->M, s->d);
+  memset(s->failed, UCHAR_MAX, (size_t)p->M.n); /* no mode: compared before any has failed */
   BASE_TRY(lcp_cone_scaled_begin(&s->eq, p, s->d, NULL, err));
   return lcp_cone_step_prepare(&s->step, p, &s->eq, err);
 }
