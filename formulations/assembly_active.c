@@ -244,10 +244,13 @@ bool form_has_impact(const form_assembly *a, double rest) {
 }
 
 /* Springs stay as they are under a law that has none. */
-static void note_active(double *now, const double *past) {
+static void note_active(contact_memory *memory, int i, const double *past) {
+  double *now = contact_memory_now(memory, i);
   now[PAST_CLOSED] = 1;
   if (past != NULL && past[PAST_SPRUNG] > 0) {
-    memcpy(now + PAST_SPRUNG, past + PAST_SPRUNG, (PAST_COMMON - PAST_SPRUNG) * sizeof *now);
+    const int pulls = contact_memory_pulls(memory);
+    now[PAST_SPRUNG] = past[PAST_SPRUNG];
+    memcpy(now + pulls, past + pulls, (size_t)memory->layout.pull * sizeof *now);
   }
 }
 
@@ -270,7 +273,7 @@ void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows
       a->bias[i] = fmin(a->bias[i], c->restitution[i] * past[PAST_APPROACH]);
     }
     if (a->bias[i] < HUGE_VAL) {
-      note_active(contact_memory_now(memory, i), past);
+      note_active(memory, i, past);
       activate(a, c, i, rows, &r, u, size);
     }
   }

@@ -44,18 +44,19 @@ int form_bristle_rows(contact_rows rows, int kind, int *first) {
   return (kind == 0) ? rows.tangent : ((kind == 1) ? rows.torsion : rows.rolling);
 }
 
-void form_bristle_pull(const contact_set *c, int g, int kind, const double *past, double h_old,
+void form_bristle_pull(const contact_set *c, int g, int kind, const contact_memory *memory,
                        double out[2]) {
+  const double *past = contact_memory_old(memory, g);
   int first;
   const int dim = form_bristle_rows(c->rows[g], kind, &first);
-  const double *kept = past + PAST_PULL + (ptrdiff_t)BRISTLE_NUMBERS * kind;
+  const double *kept = past + contact_memory_pulls(memory) + (ptrdiff_t)PAST_PULL_NUMBERS * kind;
   out[0] = out[1] = 0;
   if (past[PAST_SPRUNG] > 0 && dim == 2) {
     form_bristle_to_frame(c, g, form_bristle_turn_of(c, g), kept, out);
     return;
   }
   for (int m = 0; m < dim; m++) {
-    out[m] = (past[PAST_SPRUNG] > 0) ? kept[m] : -past[PAST_IMPULSE + first + m] / h_old;
+    out[m] = (past[PAST_SPRUNG] > 0) ? kept[m] : -past[PAST_IMPULSE + first + m] / memory->h_old;
   }
 }
 

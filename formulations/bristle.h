@@ -6,8 +6,6 @@
 
 #include "formulations/contact_memory.h"
 
-enum { BRISTLE_NUMBERS = 3 }; /* of one bristle as it is remembered */
-
 /* By which a contact's frame has turned over the step. */
 typedef struct form_bristle_turn {
   double cosine, sine;
@@ -20,10 +18,10 @@ form_bristle_turn form_bristle_turn_of(const contact_set *c, int g);
 void form_bristle_to_frame(const contact_set *c, int g, form_bristle_turn by, const double *vector,
                            double *out);
 
-/* What the springs of a kind of part pull with at contact g, over its rows in the set [N], [N m], as `past` (contact_memory.h) of a step of
- * h_old has it: of the last law that had springs, if the contact was active ever since. Otherwise friction pulled with its impulses, and
- * springs take over from there. */
-void form_bristle_pull(const contact_set *c, int g, int kind, const double *past, double h_old,
+/* What the springs of a kind of part pull with at contact g, over its rows in the set [N], [N m], as its past in the memory has it: of the
+ * last law that had springs, if the contact was active ever since. Otherwise friction pulled with its impulses, and springs take over
+ * from there. The contact has a past, and the memory is laid out for springs of that kind. */
+void form_bristle_pull(const contact_set *c, int g, int kind, const contact_memory *memory,
                        double out[2]);
 
 /* in[dim], rows t1 and t2 or only one, as it is remembered. */

@@ -5,6 +5,47 @@
 #include <stdlib.h>
 #include <string.h>
 
+int contact_kinds(const contact_set *c) {
+  int kinds = 1;
+  for (int i = 0; i < c->n_contact && kinds < CONTACT_KINDS; i++) {
+    const int own = (c->rows[i].rolling > 0) ? 3 : (c->rows[i].torsion > 0) ? 2 : 1;
+    kinds = (own > kinds) ? own : kinds;
+  }
+  return kinds;
+}
+
+contact_layout contact_layout_of(int kinds, bool springs, int own) {
+  static const int rows[CONTACT_KINDS + 1] = {1, 1 + 2, 1 + 2 + 1, 1 + 2 + 1 + 2};
+  return (contact_layout){.head = PAST_IMPULSE,
+                          .impulse = rows[kinds],
+                          .pull = springs ? PAST_PULL_NUMBERS * kinds : 0,
+                          .own = own};
+}
+
+static int size_of(contact_layout l) {
+  return l.head + l.impulse + l.pull + l.own;
+}
+
+static int longer(int a, int b) {
+  return (a > b) ? a : b;
+}
+
+static contact_layout both(contact_layout a, contact_layout b) {
+  return (contact_layout){.head = longer(a.head, b.head),
+                          .impulse = longer(a.impulse, b.impulse),
+                          .pull = longer(a.pull, b.pull),
+                          .own = longer(a.own, b.own)};
+}
+
+static bool same(contact_layout a, contact_layout b) {
+  return a.head == b.head && a.impulse == b.impulse && a.pull == b.pull && a.own == b.own;
+}
+
+static void lay_out(contact_memory *m, contact_layout l) {
+  m->layout = l;
+  m->stride = size_of(l);
+}
+
 static void layout(contact_memory *m, base_arena *a) {
   const size_t data = (size_t)m->cap * (size_t)m->stride;
   m->id = BASE_ARRAY(a, uint64_t, m->cap);
@@ -36,15 +77,25 @@ static base_status grow(contact_memory *m, int n, base_error *err) {
   return BASE_OK;
 }
 
-/* Entries of another length: the present is copied as far as both go. */
-static base_status restride(contact_memory *m, int stride, base_error *err) {
-  contact_memory next = {.stride = stride, .n = m->n, .h_now = m->h_now, .h_old = m->h_old};
-  const int shared = (stride < m->stride) ? stride : m->stride;
+/* An entry as `from` has it, in the longer parts of `to`. */
+static void move_entry(contact_layout from, const double *in, contact_layout to, double *out) {
+  const int had[] = {from.head, from.impulse, from.pull, from.own};
+  const int has[] = {to.head, to.impulse, to.pull, to.own};
+  memset(out, 0, (size_t)size_of(to) * sizeof *out);
+  for (int k = 0; k < BASE_COUNT(has); k++) {
+    memcpy(out, in, (size_t)had[k] * sizeof *out);
+    in += had[k];
+    out += has[k];
+  }
+}
+
+/* The present moves to entries with longer parts. */
+static base_status widen(contact_memory *m, contact_layout l, base_error *err) {
+  contact_memory next = {.n = m->n, .h_now = m->h_now, .h_old = m->h_old};
+  lay_out(&next, l);
   BASE_TRY(grow(&next, m->n + 1, err));
   for (int i = 0; i < m->n; i++) {
-    double *to = next.now + (ptrdiff_t)i * stride;
-    memset(to, 0, (size_t)stride * sizeof *to);
-    memcpy(to, m->now + (ptrdiff_t)i * m->stride, (size_t)shared * sizeof *to);
+    move_entry(m->layout, contact_memory_now(m, i), l, contact_memory_now(&next, i));
     next.id[i] = m->id[i];
   }
   free(m->mem);
@@ -52,10 +103,11 @@ static base_status restride(contact_memory *m, int stride, base_error *err) {
   return BASE_OK;
 }
 
-base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
+base_status contact_memory_begin(contact_memory *m, contact_layout need, const contact_set *c,
                                  base_error *err) {
-  if (stride != m->stride) {
-    BASE_TRY(restride(m, stride, err));
+  need = both(m->layout, need);
+  if (!same(need, m->layout)) {
+    BASE_TRY(widen(m, need, err));
   }
   uint64_t *id = m->id;
   double *now = m->now;
@@ -82,7 +134,7 @@ base_status contact_memory_begin(contact_memory *m, int stride, const contact_se
     k += found; /* ids may repeat (contacts listed twice): match them one to one, in order */
   }
   if (m->n > 0) {
-    memset(m->now, 0, (size_t)m->n * (size_t)stride * sizeof *m->now);
+    memset(m->now, 0, (size_t)m->n * (size_t)m->stride * sizeof *m->now);
   }
   return BASE_OK;
 }
@@ -138,7 +190,7 @@ base_status contact_memory_keep(const contact_memory *m, contact_past *past, bas
     }
     past->cap = need;
   }
-  past->stride = m->stride;
+  past->layout = m->layout;
   past->n = m->n;
   past->h = m->h_now;
   if (m->n > 0) {
@@ -149,8 +201,8 @@ base_status contact_memory_keep(const contact_memory *m, contact_past *past, bas
 }
 
 base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err) {
-  if (past->n > m->cap || past->stride != m->stride) {
-    m->stride = past->stride;
+  if (past->n > m->cap || !same(past->layout, m->layout)) {
+    lay_out(m, past->layout);
     m->n_old = 0;
     BASE_TRY(grow(m, past->n, err));
   }
@@ -158,24 +210,26 @@ base_status contact_memory_recall(contact_memory *m, const contact_past *past, b
   m->h_now = past->h;
   if (past->n > 0) {
     memcpy(m->id, past->number, (size_t)past->n * sizeof *m->id);
-    memcpy(m->now, past->number + past->n, (size_t)past->n * (size_t)past->stride * sizeof *m->now);
+    memcpy(m->now, past->number + past->n, (size_t)past->n * (size_t)m->stride * sizeof *m->now);
   }
   return BASE_OK;
 }
 
 void contact_memory_strip(contact_past *past) {
   double *entry = past->number + past->n;
-  for (int i = 0; i < past->n && past->stride > PAST_COMMON; i++) {
-    memmove(entry + (ptrdiff_t)i * PAST_COMMON, entry + (ptrdiff_t)i * past->stride,
-            PAST_COMMON * sizeof *entry);
+  const int stride = size_of(past->layout), common = stride - past->layout.own;
+  for (int i = 0; i < past->n && common < stride; i++) {
+    memmove(entry + (ptrdiff_t)i * common, entry + (ptrdiff_t)i * stride,
+            (size_t)common * sizeof *entry);
   }
-  past->stride = (past->stride > PAST_COMMON) ? PAST_COMMON : past->stride;
+  past->layout.own = 0;
 }
 
 void contact_memory_settle(contact_past *past) {
   double *entry = past->number + past->n;
+  const int stride = size_of(past->layout);
   for (int i = 0; i < past->n; i++) {
-    entry[(ptrdiff_t)i * past->stride + PAST_APPROACH] = 0;
+    entry[(ptrdiff_t)i * stride + PAST_APPROACH] = 0;
   }
 }
 

@@ -1,8 +1,8 @@
 /* formulations/contact_memory.h - what a formulation remembers of each contact from one step to
- * the next, found again by contact id. An entry is `stride` doubles; a contact that was not listed
- * in the last step has no past. Both lists are sorted by id, so that matching is one merge.
+ * the next, found again by contact id. An entry is laid out for what the contacts need (contact_layout); a contact that was
+ * not listed in the last step has no past. Both lists are sorted by id, so that matching is one merge.
  *
- * The first PAST_COMMON numbers of an entry mean the same to all formulations, so that one can go on where another was
+ * Head, impulses and pulls of an entry mean the same to all formulations, so that one can go on where another was
  * (formulation_take_over); what only one of them understands lies behind them and is zero after such a change. */
 #pragma once
 
@@ -14,18 +14,35 @@ enum {
   PAST_CLOSED,   /* it was active */
   PAST_SLIDES,   /* its friction slid: the kinetic coefficient holds */
   PAST_APPROACH, /* at which it was met, to be given back in the next step, <= 0 [m/s] */
-  PAST_IMPULSE,  /* [N s], [N m s] */
-  PAST_SPRUNG = PAST_IMPULSE + 6, /* the last law with springs left them pulling with: */
-  PAST_PULL,                      /* [N], [N m] */
-  PAST_COMMON = PAST_PULL + 9
+  PAST_SPRUNG,   /* the last law with springs left them pulling with what is behind the impulses */
+  PAST_IMPULSE   /* [N s], [N m s]; behind them the pulls [N], [N m] */
 };
 
+enum {
+  CONTACT_KINDS = 3,
+  PAST_PULL_NUMBERS = 3
+}; /* of a kind of friction: a vector in the world */
+
+/* Numbers of an entry, behind each other. */
+typedef struct contact_layout {
+  int head; /* PAST_IMPULSE; less where only the first of them are read and there is no more than them and `own` */
+  int impulse; /* over the first rows of a contact */
+  int pull;    /* PAST_PULL_NUMBERS of each kind of friction, or 0 */
+  int own;     /* what only one of the formulations understands */
+} contact_layout;
+
+/* Kinds of friction that some contact of the set has room for: 1 friction alone, 2 torsion, 3 rolling. */
+int contact_kinds(const contact_set *c);
+/* Entries for contacts with so many kinds of friction, 0: without any; with springs or not. */
+contact_layout contact_layout_of(int kinds, bool springs, int own);
+
 typedef struct contact_memory {
-  int stride;
+  contact_layout layout;
+  int stride; /* numbers of an entry */
   int n, n_old, cap;
   void *mem; /* owned; the arrays below */
   uint64_t *id, *id_old;
-  double *now, *old; /* stride per contact */
+  double *now, *old; /* an entry per contact */
   int *match;        /* n: index in old, -1: new */
   double h_old;      /* step length of the remembered step [s], 0: none */
   double h_now;
@@ -33,9 +50,10 @@ typedef struct contact_memory {
 
 /* A copy of what is remembered, to come back to. */
 typedef struct contact_past {
-  int stride, n, cap;
+  contact_layout layout;
+  int n, cap;
   double h;       /* [s], as h_now */
-  double *number; /* n ids, then stride numbers a contact; owned */
+  double *number; /* n ids, then an entry a contact; owned */
 } contact_past;
 
 /* The next contact_memory_begin after a recall finds what it would have found after the keep. */
@@ -48,9 +66,9 @@ void contact_memory_strip(contact_past *past);
 /* Steps were taken that nothing is remembered of: what was owed is past. */
 void contact_memory_settle(contact_past *past);
 
-/* Moves the present to the past and matches the contacts of c with it; new entries are zero. Of entries of another length the
- * first numbers of both stay. */
-base_status contact_memory_begin(contact_memory *m, int stride, const contact_set *c,
+/* Moves the present to the past and matches the contacts of c with it; new entries are zero. They have room for what is asked
+ * for and for what there was: contacts with torsion or rolling come and go, entries only grow, each part by zeros at its end. BASE_ENOMEM. */
+base_status contact_memory_begin(contact_memory *m, contact_layout need, const contact_set *c,
                                  base_error *err);
 void contact_memory_forget(contact_memory *m);
 void contact_memory_close(contact_memory *m);
@@ -66,6 +84,13 @@ bool contact_memory_closed(const contact_memory *m, int i);
 static inline double contact_memory_mu(const contact_memory *m, const contact_set *c, int i) {
   const double *past = contact_memory_old(m, i);
   return (past != NULL && past[PAST_SLIDES] > 0) ? c->mu_kinetic[i] : c->mu_static[i];
+}
+/* Where pulls, and what only one formulation understands, begin in an entry. */
+static inline int contact_memory_pulls(const contact_memory *m) {
+  return m->layout.head + m->layout.impulse;
+}
+static inline int contact_memory_own(const contact_memory *m) {
+  return m->stride - m->layout.own;
 }
 /* Where the present of contact i is written. */
 static inline double *contact_memory_now(contact_memory *m, int i) {

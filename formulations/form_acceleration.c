@@ -120,7 +120,7 @@ static void finish(state *s) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
     s->a.mode[s->a.group[i]] = (s->lambda[s->a.row[i]] > 0.0) ? (slips ? 2 : 1) : 0;
     now[PAST_SLIDES] = slips;
-    memset(now + PAST_IMPULSE, 0, 6 * sizeof *now);
+    memset(now + PAST_IMPULSE, 0, (size_t)s->memory.layout.impulse * sizeof *now);
     form_to_set(&s->a, i, s->lambda + s->a.row[i], now + PAST_IMPULSE);
   }
 }
@@ -155,7 +155,7 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   if (c->n_contact > 0 && c->u_curve == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "acceleration: needs u_curve of the contacts");
   }
-  BASE_TRY(contact_memory_begin(&s->memory, PAST_COMMON, c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, contact_layout_of(contact_kinds(c), false, 0), c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   BASE_TRY(form_assembly_eliminate(&s->a, err));
   BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));

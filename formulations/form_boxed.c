@@ -71,7 +71,7 @@ static double stiffness_of(const row_form *s, int i, int kind) {
 static void soften_contact(row_form *s, int i) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i];
-  const double *past = contact_memory_old(&s->memory, g);
+  const bool known = contact_memory_old(&s->memory, g) != NULL;
   const double h = c->h;
   double deflection[6] = {0}, soft[6] = {0}, pull[6] = {0};
   for (int kind = 0; kind < LCP_PARTS_MAX; kind++) {
@@ -80,8 +80,8 @@ static void soften_contact(row_form *s, int i) {
     const double stiffness = (dim > 0) ? stiffness_of(s, i, kind) : 0;
     const double k = s->opt.bristle * stiffness, G = h * (h * k + s->opt.damper * stiffness);
     double force[2] = {0};
-    if (past != NULL && k > 0) {
-      form_bristle_pull(c, g, kind, past, s->memory.h_old, force);
+    if (known && k > 0) {
+      form_bristle_pull(c, g, kind, &s->memory, force);
     }
     for (int m = 0; m < dim; m++) {
       soft[first + m] = 1 / G;
@@ -156,7 +156,8 @@ static void deflect(row_form *s, int i, const double *lambda) {
     const int rows = form_bristle_rows(c->rows[g], kind, &first);
     if (rows > 0) {
       form_bristle_remember(c, g, rows, whole + first,
-                            now + PAST_PULL + (ptrdiff_t)BRISTLE_NUMBERS * kind);
+                            now + contact_memory_pulls(&s->memory) +
+                                (ptrdiff_t)PAST_PULL_NUMBERS * kind);
     }
   }
 }
@@ -165,7 +166,7 @@ static void finish(row_form *s, const double *z, bool solved) {
   for (int i = 0; i < s->a.n_contact && has_bristles(s); i++) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
     now[PAST_SPRUNG] = s->opt.bristle > 0;
-    memset(now + PAST_PULL, 0, (PAST_COMMON - PAST_PULL) * sizeof *now);
+    memset(now + contact_memory_pulls(&s->memory), 0, (size_t)s->memory.layout.pull * sizeof *now);
     if (z[s->a.row[i]] > 0 || s->a.set->gap[s->a.group[i]] <= 10 * s->a.set->tol) {
       deflect(s, i, z); /* else separated: forgotten */
     }

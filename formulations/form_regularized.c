@@ -190,7 +190,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
                           .newton = s->opt.restitution == 0,
                           .gives = s->opt.restitution == 0,
                           .repair = s->opt.repair};
-  BASE_TRY(contact_memory_begin(&s->memory, reg_stride(c), c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, reg_layout(c), c, err));
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
     s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);

@@ -205,6 +205,16 @@ static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows
   return form_assembly_begin_own(&s->a, c, rows, rule, &s->memory, err);
 }
 
+/* Room for the unknowns of any contact of the set. */
+static contact_layout past_layout(const contact_set *c, const poly_options *opt, form_rows rows) {
+  const int kinds = (rows == FORM_ROWS_NORMAL) ? 0 : contact_kinds(c);
+  const int facets = (opt->facets > 2) ? opt->facets : 2;
+  static const int sigma = 1;
+  const int widest = 1 + ((kinds > 0) ? facets + sigma : 0) + ((kinds > 1) ? 2 + sigma : 0) +
+                     ((kinds > 2) ? facets + sigma : 0);
+  return contact_layout_of(kinds, false, POLY_PAST_Z + widest);
+}
+
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
                        formulation_start start, base_error *err) {
   const form_rule rule = {.level = opt->level,
@@ -221,8 +231,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
     s->opt.storage = form_storage_without_joints(s->opt.storage, POLY_FACTORED, c);
   }
   s->start = start;
-  const int widest = 1 + 2 * ((opt->facets > 2) ? opt->facets : 2) + 2 + POLY_PARTS;
-  BASE_TRY(contact_memory_begin(&s->memory, POLY_PAST_Z + widest, c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, past_layout(c, opt, rows), c, err));
   BASE_TRY(begin_assembly(s, c, rows, &rule, err));
   if (s->joint.n_column == 0) {
     poly_shape_identity(&s->joint, 6);
@@ -341,13 +350,14 @@ static void note_modes(polyhedral *s, const double *z) {
                         form_slides(&s->a, i, s->bound[POLY_PARTS * i] * normal, still);
     s->a.mode[g] = (unsigned char)((normal > 0) ? (slides || !friction) + 1 : 0);
     now[PAST_SLIDES] = slides;
-    memset(now + PAST_IMPULSE, 0, 6 * sizeof *now);
+    memset(now + PAST_IMPULSE, 0, (size_t)s->memory.layout.impulse * sizeof *now);
     form_to_set(&s->a, i, s->base + s->a.row[i], now + PAST_IMPULSE);
     if (s->opt.restitution == POLY_TWO_STEPS) {
       now[PAST_APPROACH] = approach_met(s, i);
     }
-    now[POLY_PAST_WIDTH] = poly_width(s, i);
-    memcpy(now + POLY_PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
+    double *own = now + contact_memory_own(&s->memory);
+    own[POLY_PAST_WIDTH] = poly_width(s, i);
+    memcpy(own + POLY_PAST_Z, zi, (size_t)poly_width(s, i) * sizeof *zi);
   }
 }
 

@@ -20,8 +20,8 @@
 enum { POLY_FACETS_MAX = 64, POLY_PARTS = 3 };
 enum { POLY_COLUMNS = 1 + 2 * POLY_FACETS_MAX + 2 };
 
-/* A memory entry: what all formulations remember, then how many unknowns the block had, and these. */
-enum { POLY_PAST_WIDTH = PAST_COMMON, POLY_PAST_Z };
+/* What a memory entry has of its own: how many unknowns the block had, and these. */
+enum { POLY_PAST_WIDTH, POLY_PAST_Z };
 
 typedef enum poly_restitution {
   POLY_NEWTON,

@@ -344,11 +344,12 @@ void poly_start_point(polyhedral *s) {
     if (past == NULL || !(past[PAST_CLOSED] > 0)) {
       continue;
     }
-    if (past[POLY_PAST_WIDTH] == 0) {
+    const double *own = past + contact_memory_own(&s->memory);
+    if (own[POLY_PAST_WIDTH] == 0) {
       from_impulses(s, i, past, ratio, z);
     }
-    for (int k = 0; past[POLY_PAST_WIDTH] == poly_width(s, i) && k < poly_width(s, i); k++) {
-      z[k] = ratio * past[POLY_PAST_Z + k];
+    for (int k = 0; own[POLY_PAST_WIDTH] == poly_width(s, i) && k < poly_width(s, i); k++) {
+      z[k] = ratio * own[POLY_PAST_Z + k];
     }
   }
 }

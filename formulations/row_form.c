@@ -92,7 +92,9 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
     s->opt.storage = form_storage_without_joints(s->opt.storage, ROW_FACTORED, c);
   }
   s->start = start;
-  BASE_TRY(contact_memory_begin(&s->memory, PAST_COMMON, c, err));
+  BASE_TRY(contact_memory_begin(
+      &s->memory, contact_layout_of(contact_kinds(c), opt->bristle > 0 || opt->damper > 0, 0), c,
+      err));
   BASE_TRY(row_assembly_begin(&s->a, c, (row_storage)s->opt.storage, opt->joints == 0, &rule,
                               &s->memory, err));
   BASE_TRY(row_matrix_build(&s->matrix, &s->a, (row_storage)s->opt.storage, err));

@@ -41,7 +41,8 @@ static base_status pose(event_space *s, const contact_set *c, const double *v_fr
   s->view.gap = s->gap;
   s->view.v_free = v_free;
   s->view.u_drift = s->drift;
-  BASE_TRY(contact_memory_begin(&s->memory, 1, &s->view, err));
+  BASE_TRY(
+      contact_memory_begin(&s->memory, (contact_layout){.head = PAST_CLOSED + 1}, &s->view, err));
   BASE_TRY(form_assembly_begin(&s->a, &s->view, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   contact_memory_forget(&s->memory);
   return form_assembly_eliminate(&s->a, err);

@@ -35,10 +35,10 @@ enum { REG_IMPLICIT, REG_EXPLICIT };
 enum { REG_SATURATED, REG_RESET };
 enum { REG_TURNED_STICKS, REG_TURNED_SLIPS }; /* of REG_PLAIN */
 
-/* A memory entry: what all formulations remember, whether there is more of an active contact, then for each kind of part the
- * numbers below, which count only where a step starts from the previous one. */
+/* What a memory entry has of its own: whether there is more of an active contact, then for each kind of part the numbers below, which
+ * count only where a step starts from the previous one. */
 enum { REG_PAST_MODE, REG_PAST_R, REG_PAST_D, REG_PAST_PART = REG_PAST_D + 3 };
-enum { REG_PAST_OWN = PAST_COMMON, REG_PAST_PARTS };
+enum { REG_PAST_OWN, REG_PAST_PARTS };
 
 /* Of the mode loop, unless they are given. */
 #define REG_PROX        1e-4
@@ -251,7 +251,7 @@ void reg_lugre_next(const reg_options *o, double h, double way, reg_part *p);
 double reg_lugre_state(const reg_part *p, double h, int m);
 
 /* Doubles remembered per contact: parts that no contact of the set has are not. */
-int reg_stride(const contact_set *c);
+contact_layout reg_layout(const contact_set *c);
 /* form_regularized.c: the normal impulse that active contact i starts from [N s]: that of the last step, as a force of this one, or zero. */
 double reg_start_impulse(const regularized *s, int i);
 

@@ -122,9 +122,19 @@ static double stiffness_of(const regularized *s, const reg_part *p) {
   return reg_is_lugre(s, p) ? p->share * s->opt.sigma0 : p->k;
 }
 
+/* Where an entry has what is remembered of a kind of part. */
+static int own_of(const regularized *s, int kind) {
+  return contact_memory_own(&s->memory) + REG_PAST_PARTS + REG_PAST_PART * kind;
+}
+
+/* The last step was this formulation's. */
+static bool is_own(const regularized *s, const double *past) {
+  return past[contact_memory_own(&s->memory) + REG_PAST_OWN] > 0;
+}
+
 /* Modes of the last step, with their directions and factors. */
 static void restore_mode(const regularized *s, int g, const double *past, reg_part *p) {
-  const double *m = past + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  const double *m = past + own_of(s, p->kind);
   int first;
   p->mode = (unsigned char)m[REG_PAST_MODE];
   p->r = m[REG_PAST_R];
@@ -165,18 +175,18 @@ static void restore(const regularized *s, int g, reg_part *p) {
   p->r = 1;
   if (past != NULL && k > 0 && past[PAST_CLOSED] > 0) {
     double force[2], along[2];
-    form_bristle_pull(s->a.set, g, p->kind, past, s->memory.h_old, force);
+    form_bristle_pull(s->a.set, g, p->kind, &s->memory, force);
     to_part(s, p, force, along);
     for (int m = 0; m < p->dim; m++) {
       p->s[m] = along[m] / (k * axis_unit(p, m));
     }
   }
   p->sliding = past != NULL && p->kind == 0 && past[PAST_SLIDES] > 0;
-  if (past != NULL && past[REG_PAST_OWN] > 0 && s->opt.stiffness == 0 && !reg_is_lugre(s, p) &&
-      past[REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind + REG_PAST_MODE] == REG_SLIP) {
+  if (past != NULL && is_own(s, past) && s->opt.stiffness == 0 && !reg_is_lugre(s, p) &&
+      past[own_of(s, p->kind) + REG_PAST_MODE] == REG_SLIP) {
     relax(s, p, k);
   }
-  if (!warm || (past != NULL && past[PAST_CLOSED] > 0 && !(past[REG_PAST_OWN] > 0))) {
+  if (!warm || (past != NULL && past[PAST_CLOSED] > 0 && !is_own(s, past))) {
     guess(s, p);
   } else if (past != NULL) {
     restore_mode(s, g, past, p);
@@ -363,7 +373,7 @@ static void remember(const regularized *s, const reg_part *p, const double *in, 
 static void store(regularized *s, const reg_part *p, const double *next) {
   const int g = s->a.group[p->contact];
   double *now = contact_memory_now(&s->memory, g);
-  double *m = now + REG_PAST_PARTS + (ptrdiff_t)REG_PAST_PART * p->kind;
+  double *m = now + own_of(s, p->kind);
   double force[2] = {0, 0};
   m[REG_PAST_MODE] = (p->next_r < 1 && !reg_is_idle(s, p)) ? REG_SLIP : REG_STICK;
   m[REG_PAST_R] = reg_is_lugre(s, p) ? p->next_eta : p->next_r;
@@ -371,7 +381,8 @@ static void store(regularized *s, const reg_part *p, const double *next) {
     force[k] = stiffness_of(s, p) * next[k] * axis_unit(p, k);
   }
   now[PAST_SLIDES] = (p->kind == 0) ? p->sliding : now[PAST_SLIDES];
-  remember(s, p, force, now + PAST_PULL + (ptrdiff_t)BRISTLE_NUMBERS * p->kind);
+  remember(s, p, force,
+           now + contact_memory_pulls(&s->memory) + (ptrdiff_t)PAST_PULL_NUMBERS * p->kind);
   if (m[REG_PAST_MODE] == REG_SLIP && p->size > 0) {
     const double d[2] = {p->tau[0] / p->size, p->tau[1] / p->size};
     remember(s, p, d, m + REG_PAST_D);
@@ -423,9 +434,9 @@ void reg_commit(regularized *s, double *lambda) {
   const contact_set *c = s->a.set;
   for (int i = 0; i < s->a.n_contact; i++) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
-    now[REG_PAST_OWN] = 1;
+    now[contact_memory_own(&s->memory) + REG_PAST_OWN] = 1;
     now[PAST_SPRUNG] = s->opt.model != REG_VISCOUS;
-    memset(now + PAST_PULL, 0, (PAST_COMMON - PAST_PULL) * sizeof *now);
+    memset(now + contact_memory_pulls(&s->memory), 0, (size_t)s->memory.layout.pull * sizeof *now);
     s->a.mode[s->a.group[i]] = (lambda[s->a.row[i]] > 0) ? 2 : 0; /* no friction: slides */
   }
   for (int k = 0; k < s->n_part; k++) {
@@ -448,11 +459,7 @@ void reg_commit(regularized *s, double *lambda) {
   }
 }
 
-int reg_stride(const contact_set *c) {
-  int kinds = 1;
-  for (int i = 0; i < c->n_contact && kinds < REG_KINDS; i++) {
-    const int own = (c->rows[i].rolling > 0) ? 3 : (c->rows[i].torsion > 0) ? 2 : 1;
-    kinds = (own > kinds) ? own : kinds;
-  }
-  return REG_PAST_PARTS + kinds * REG_PAST_PART;
+contact_layout reg_layout(const contact_set *c) {
+  const int kinds = contact_kinds(c);
+  return contact_layout_of(kinds, true, REG_PAST_PARTS + kinds * REG_PAST_PART);
 }

@@ -51,8 +51,8 @@ base_status own_answers_note(own_answers *o, const formulation_rows *rows, const
                              const double *chosen, base_error *err) {
   contact_memory *m = &o->memory;
   if (o->fresh) {
-    const int stride = 1 + 2 * widest(rows);
-    BASE_TRY(contact_memory_begin(m, (stride > m->stride) ? stride : m->stride, rows->set, err));
+    const contact_layout entry = {.own = 1 + 2 * widest(rows)};
+    BASE_TRY(contact_memory_begin(m, entry, rows->set, err));
     o->fresh = false;
   }
   for (int k = 0; k < rows->n_group && rows->group[k] < rows->set->n_contact; k++) {

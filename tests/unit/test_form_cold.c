@@ -112,7 +112,7 @@ static void cold_bristles_keep_deflections_alone(void **state) {
     }
     rig *young = malloc(sizeof *young);
     memcpy(young, old, sizeof *young);
-    check_ok(contact_memory_begin(&fresh->memory, reg_stride(rig_set(young)), rig_set(young), &err),
+    check_ok(contact_memory_begin(&fresh->memory, reg_layout(rig_set(young)), rig_set(young), &err),
              &err);
     double deflection = 0.0;
     for (int i = 0; i < young->set.n_contact; i++) {
@@ -121,10 +121,10 @@ static void cold_bristles_keep_deflections_alone(void **state) {
       to[PAST_CLOSED] = from[PAST_CLOSED];
       to[PAST_SLIDES] = from[PAST_SLIDES];
       to[PAST_SPRUNG] = from[PAST_SPRUNG];
-      for (int k = 0; k < REG_KINDS; k++) {
-        const int at = PAST_PULL + 3 * k;
-        memcpy(to + at, from + at, 3 * sizeof *to);
-        deflection += fabs(from[at]);
+      const int pulls = contact_memory_pulls(&past->memory);
+      for (int k = 0; k < past->memory.layout.pull; k += PAST_PULL_NUMBERS) {
+        memcpy(to + pulls + k, from + pulls + k, PAST_PULL_NUMBERS * sizeof *to);
+        deflection += fabs(from[pulls + k]);
       }
     }
     assert_true(deflection > 0.0);

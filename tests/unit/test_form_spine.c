@@ -418,7 +418,7 @@ static void noise_of_a_spin(void **state) {
     form_assembly a = {0};
     contact_memory memory = {0};
     base_error err = {0};
-    check_ok(contact_memory_begin(&memory, 1, c, &err), &err);
+    check_ok(contact_memory_begin(&memory, (contact_layout){.head = 1}, c, &err), &err);
     check_ok(form_assembly_begin(&a, c, FORM_ROWS_ALL, &(form_rule){0}, &memory, &err), &err);
     assert_int_equal(a.n_row, 4);
     check_close(a.r[1], 1, 0);

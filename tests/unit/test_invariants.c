@@ -247,7 +247,7 @@ static void coupled_groups_and_joints_are_listed_once(void **state) {
   form_assembly a = {0};
   contact_memory memory = {0};
   const form_rule rule = {.level = FORM_LEVEL_VELOCITY, .activation = FORM_CLOSED};
-  check_ok(contact_memory_begin(&memory, 1, rig_set(r), &err), &err);
+  check_ok(contact_memory_begin(&memory, (contact_layout){.head = 1}, rig_set(r), &err), &err);
   check_ok(form_assembly_begin(&a, &r->set, FORM_ROWS_TANGENT, &rule, &memory, &err), &err);
   ASSERT_DOES_NOT_ABORT(eliminate, &a);
   const int near = a.near[1];

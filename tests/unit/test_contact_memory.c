@@ -1,0 +1,178 @@
+/* What is remembered of a contact takes the room that the contacts of its scene need, and moves whole when they come to need more. */
+#include "tests/support/check.h"
+
+#include "formulations/contact_memory.h"
+#include "tests/support/rig.h"
+
+#include <string.h>
+
+enum { WITHOUT = 1, TORSION, ROLLING };
+
+/* Numbers of an entry of a law after a step of a box on its corners, in which corner 3 has torsion or rolling too. */
+static int entry_of(const char *form, const char *options, int kinds) {
+  rig *r = rig_box(3, 0.005, 0.4, 0.1);
+  r->contact[3].torsion = (kinds >= TORSION) ? 0.01 : 0;
+  r->contact[3].rolling = (kinds >= ROLLING) ? 0.01 : 0;
+  formulation_run *run = rig_open(form, options);
+  rig_step(r, run);
+  contact_past past = {0};
+  base_error err;
+  check_ok(formulation_keep(run, &past, &err), &err);
+  assert_int_equal(past.n, 4);
+  const contact_layout l = past.layout;
+  contact_memory_drop(&past);
+  rig_close(run);
+  free(r);
+  return l.head + l.impulse + l.pull + l.own;
+}
+
+static void entries_hold_what_contacts_have(void **state) {
+  (void)state;
+  static const struct {
+    const char *form, *opt;
+    int numbers[3];
+  } laws[] = {
+      {"normal", "", {4 + 1 + 2, 4 + 1 + 2, 4 + 1 + 2}}, /* the unknown and how many there are */
+      {"coulomb", "", {4 + 3, 4 + 4, 4 + 6}},
+      {"boxed", "", {4 + 3, 4 + 4, 4 + 6}},
+      {"boxed", "bristle=1e5", {4 + 3 + 3, 4 + 4 + 6, 4 + 6 + 9}},
+      {"regularized", "pose=cone", {4 + 3 + 3 + 6, 4 + 4 + 6 + 11, 4 + 6 + 9 + 16}},
+      {"velocity", "facets=4", {4 + 3 + 7, 4 + 4 + 10, 4 + 6 + 15}},
+      {"position", "facets=8", {4 + 3 + 11, 4 + 4 + 14, 4 + 6 + 23}},
+  };
+  for (int f = 0; f < BASE_COUNT(laws); f++) {
+    for (int kinds = WITHOUT; kinds <= ROLLING; kinds++) {
+      assert_int_equal(entry_of(laws[f].form, laws[f].opt, kinds), laws[f].numbers[kinds - 1]);
+    }
+  }
+}
+
+static contact_set set_of(const uint64_t *ids, const contact_rows *rows, int n) {
+  return (contact_set){.n_contact = n, .id = ids, .rows = rows, .h = 0.01};
+}
+
+static void begin(contact_memory *m, const contact_set *c) {
+  base_error err;
+  const contact_layout need = contact_layout_of(contact_kinds(c), true, 2);
+  check_ok(contact_memory_begin(m, need, c, &err), &err);
+}
+
+/* Every number of contact i, told apart. */
+static void fill(contact_memory *m, int i) {
+  double *now = contact_memory_now(m, i);
+  for (int k = 0; k < m->stride; k++) {
+    now[k] = 100 * (i + 1) + k;
+  }
+}
+
+/* A contact with rolling comes and goes: each part of the others' entries goes on in its place, behind it there are zeros, and
+ * entries keep their length. */
+static void entries_grow_part_by_part(void **state) {
+  (void)state;
+  static const uint64_t ids[] = {10, 20, 30};
+  static const contact_rows rows[] = {{2, 0, 0}, {2, 0, 0}, {2, 1, 2}};
+  const contact_set few = set_of(ids, rows, 2), all = set_of(ids, rows, 3);
+  contact_memory m = {0};
+  begin(&m, &few);
+  assert_int_equal(m.stride, 4 + 3 + 3 + 2);
+  fill(&m, 0);
+  fill(&m, 1);
+  begin(&m, &all);
+  assert_int_equal(m.stride, 4 + 6 + 9 + 2);
+  const double want[] = {200, 201, 202, 203, 204, 205, 206, 0, 0,   0,  207,
+                         208, 209, 0,   0,   0,   0,   0,   0, 210, 211};
+  assert_memory_equal(contact_memory_old(&m, 1), want, sizeof want);
+  assert_null(contact_memory_old(&m, 2));
+  fill(&m, 0);
+  begin(&m, &few);
+  begin(&m, &few);
+  begin(&m, &all);
+  assert_int_equal(m.stride, 4 + 6 + 9 + 2);
+  contact_memory_close(&m);
+}
+
+/* Another formulation goes on with head, impulses and pulls, whatever it needs itself. */
+static void what_is_common_is_taken_over(void **state) {
+  (void)state;
+  static const uint64_t ids[] = {10, 20};
+  static const contact_rows rows[] = {{2, 0, 0}, {2, 0, 0}};
+  const contact_set c = set_of(ids, rows, 2);
+  contact_memory m = {0}, next = {0};
+  contact_past past = {0};
+  base_error err;
+  begin(&m, &c);
+  fill(&m, 0);
+  fill(&m, 1);
+  check_ok(contact_memory_keep(&m, &past, &err), &err);
+  contact_memory_strip(&past);
+  check_ok(contact_memory_recall(&next, &past, &err), &err);
+  check_ok(contact_memory_begin(&next, contact_layout_of(1, false, 5), &c, &err), &err);
+  assert_int_equal(next.stride, 4 + 3 + 3 + 5);
+  for (int i = 0; i < 2; i++) {
+    const double zero[5] = {0};
+    assert_memory_equal(contact_memory_old(&next, i), contact_memory_now(&m, i),
+                        (4 + 3 + 3) * sizeof(double));
+    assert_memory_equal(contact_memory_old(&next, i) + contact_memory_own(&next), zero,
+                        sizeof zero);
+  }
+  contact_memory_drop(&past);
+  contact_memory_close(&m);
+  contact_memory_close(&next);
+}
+
+/* One run has its memory laid out for rolling from the start, by a contact that opens; the other one never: a box slides to the
+ * same bits. */
+static void the_layout_does_not_show(void **state) {
+  (void)state;
+  static const struct {
+    const char *form, *opt;
+  } laws[] = {{"coulomb", ""},     {"boxed", "bristle=1e5"},
+              {"regularized", ""}, {"regularized", "pose=cone"},
+              {"velocity", ""},    {"position", ""}};
+  for (int f = 0; f < BASE_COUNT(laws); f++) {
+    rig *narrow = rig_box(3, 0.005, 0.4, 0.1);
+    narrow->v[0] = 3.0;
+    narrow->v[5] = 2.0;
+    rig *wide = malloc(sizeof *wide);
+    memcpy(wide, narrow, sizeof *wide);
+    formulation_run *a = rig_open(laws[f].form, laws[f].opt);
+    formulation_run *b = rig_open(laws[f].form, laws[f].opt);
+    rig *rolls = rig_box(3, 0.005, 0.4, 0.1);
+    rolls->contact[0].rolling = 0.01;
+    rig_step(rolls, b);
+    contact_past past = {0};
+    base_error err;
+    check_ok(formulation_keep(b, &past, &err), &err);
+    past.n = 0; /* none of its contacts is met again */
+    past.h = 0;
+    check_ok(formulation_recall(b, &past, &err), &err);
+    double size = 0;
+    for (int k = 0; k < 20; k++) {
+      rig_step(narrow, a);
+      rig_step(wide, b);
+      const size_t rows = (size_t)narrow->set.n_row;
+      assert_memory_equal(narrow->v, wide->v, 6 * sizeof(double));
+      assert_memory_equal(narrow->answer.impulse, wide->answer.impulse, rows * sizeof(double));
+      for (size_t i = 0; i < rows; i++) {
+        size += fabs(narrow->answer.impulse[i]);
+      }
+    }
+    assert_true(size > 0);
+    contact_memory_drop(&past);
+    rig_close(a);
+    rig_close(b);
+    free(narrow);
+    free(wide);
+    free(rolls);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(entries_hold_what_contacts_have),
+      cmocka_unit_test(entries_grow_part_by_part),
+      cmocka_unit_test(what_is_common_is_taken_over),
+      cmocka_unit_test(the_layout_does_not_show),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
