@@ -253,7 +253,7 @@ static bool extrapolated_stands(climber *l) {
 static base_status first_sizes(const sim_request *q, double *scale, double *longest,
                                base_error *err) {
   world *w;
-  BASE_TRY(world_open(&w, q->spec, q->effects, err));
+  BASE_TRY(world_open_over(&w, q->spec, q->effects, err));
   *scale = fmax(world_size(w), world_max_speed(w) * q->duration);
   *longest = spring_step * world_longest_step(w);
   world_close(w);

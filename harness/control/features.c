@@ -69,7 +69,7 @@ base_status features_of(const scene_spec *spec, unsigned effects, double h, feat
                         base_error *err) {
   world *w;
   contact_set c;
-  BASE_TRY(world_open(&w, spec, effects, err));
+  BASE_TRY(world_open_over(&w, spec, effects, err));
   const base_status done = world_contacts(w, h, -1.0, &c, err);
   if (done == BASE_OK) {
     of_set(w, &c, out);

@@ -401,7 +401,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
              .iterates = (q->form->form->model & FORM_NO_LCP) == 0};
   BASE_TRY(sim_check_times(q->h, q->duration, err));
   s->effects = (q->plan != NULL) ? effects_plan_at(q->plan, 0) : q->effects;
-  BASE_TRY(world_open(&s->w, q->spec, s->effects, err));
+  BASE_TRY(world_open_over(&s->w, q->spec, s->effects, err));
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
   formulation_by_factors(s->form, q->solver->solver->by_factors);
   out->steps_planned =

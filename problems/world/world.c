@@ -178,13 +178,20 @@ static base_status open_parts(world *w, base_error *err) {
   return start(w, err);
 }
 
-base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err) {
+static base_status open_world(world **out, const scene_spec *spec, bool borrows, unsigned effects,
+                              base_error *err) {
   *out = NULL;
   world *w = calloc(1, sizeof *w);
   if (w == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "scene %.64s: no memory for its world", spec->id);
   }
-  base_status status = spec_copy(spec, &w->spec, err);
+  base_status status = BASE_OK;
+  w->borrows = borrows;
+  if (borrows) {
+    w->spec = *spec;
+  } else {
+    status = spec_copy(spec, &w->spec, err);
+  }
   if (status == BASE_OK) {
     w->dim = spec->dim;
     w->effects = effects;
@@ -198,6 +205,15 @@ base_status world_open(world **out, const scene_spec *spec, unsigned effects, ba
   }
   *out = w;
   return BASE_OK;
+}
+
+base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err) {
+  return open_world(out, spec, false, effects, err);
+}
+
+base_status world_open_over(world **out, const scene_spec *spec, unsigned effects,
+                            base_error *err) {
+  return open_world(out, spec, true, effects, err);
 }
 
 base_status world_set_effects(world *w, unsigned effects, base_error *err) {
@@ -224,7 +240,9 @@ void world_close(world *w) {
   for (int i = 0; i < BASE_COUNT(tables); i++) {
     pair_table_close(tables[i]);
   }
-  spec_free(&w->spec);
+  if (!w->borrows) {
+    spec_free(&w->spec);
+  }
   free(w);
 }
 

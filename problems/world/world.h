@@ -17,6 +17,8 @@ typedef struct world world; /* opaque: owns every array */
 /* Builds the world of a checked spec with the effects in `effects` (EFFECT_ bits; what is missing
  * gets no dof, row or force). The spec is copied. */
 base_status world_open(world **out, const scene_spec *spec, unsigned effects, base_error *err);
+/* The same over the spec itself, which is not copied: it stays as it is until the world is closed. */
+base_status world_open_over(world **out, const scene_spec *spec, unsigned effects, base_error *err);
 /* Bodies go on from where they are with other effects, the clock too; the last contact set is no longer valid. An axis that stands
  * still without an effect is at rest. */
 base_status world_set_effects(world *w, unsigned effects, base_error *err);

@@ -140,7 +140,9 @@ typedef struct curve_store {
 } curve_store;
 
 struct world {
-  scene_spec spec;
+  scene_spec
+      spec; /* read only; what it points to is owned, or borrowed from the spec that was given: */
+  bool borrows;
   unsigned effects;
   int dim;
   double t, h; /* [s]; h of the last set */

@@ -172,6 +172,39 @@ static void steps_do_not_allocate_and_repeat_bit_for_bit(void **state) {
   assert_memory_equal(u[0], u[1], sizeof u[0]);
 }
 
+/* A world over the spec that it was given allocates what another does but for the copy, goes on to the same bits, and leaves the spec
+ * as it was. */
+static void a_borrowed_spec_is_not_copied(void **state) {
+  (void)state;
+  scene_spec s, copy;
+  world *own, *over;
+  double v[48], scratch[48], impulse[1024], q[2][56], u[2][48];
+  busy_scene(&s);
+  long before = check_heap_calls;
+  check_ok(spec_copy(&s, &copy, &err), &err);
+  const long copying = check_heap_calls - before;
+  assert_true(copying > 0);
+  before = check_heap_calls;
+  check_ok(world_open(&own, &s, ~0u, &err), &err);
+  const long owning = check_heap_calls - before;
+  before = check_heap_calls;
+  check_ok(world_open_over(&over, &s, ~0u, &err), &err);
+  assert_int_equal(check_heap_calls - before, owning - copying);
+  step_busy(own, 20, v, scratch, impulse);
+  step_busy(over, 20, v, scratch, impulse);
+  world_get_state(own, q[0], u[0]);
+  world_get_state(over, q[1], u[1]);
+  assert_memory_equal(q[0], q[1], sizeof q[0]);
+  assert_memory_equal(u[0], u[1], sizeof u[0]);
+  world_close(own);
+  world_close(over);
+  assert_int_equal(s.n_body, copy.n_body);
+  assert_string_equal(s.body[7].name, "b7");
+  assert_memory_equal(s.body[7].pos, copy.body[7].pos, sizeof copy.body[7].pos);
+  spec_free(&copy);
+  spec_free(&s);
+}
+
 /* Every heap call of opening and of the first step fails in turn: always ENOMEM, never a crash. */
 static void running_out_of_memory_is_reported(void **state) {
   (void)state;
@@ -256,6 +289,7 @@ int main(void) {
       cmocka_unit_test(undeclared_effects_cost_nothing),
       cmocka_unit_test(free_spin_keeps_energy_and_momentum),
       cmocka_unit_test(steps_do_not_allocate_and_repeat_bit_for_bit),
+      cmocka_unit_test(a_borrowed_spec_is_not_copied),
       cmocka_unit_test(running_out_of_memory_is_reported),
       cmocka_unit_test(only_a_gap_that_closes_inside_a_step_approaches),
       cmocka_unit_test(open_reports_what_it_cannot_do),
