@@ -232,6 +232,36 @@ unsigned lcp_problem_sets(const lcp_problem *p) {
   return sets;
 }
 
+int lcp_block_folded(const lcp_block *b) {
+  int size = b->size;
+  for (int k = 0; b->set == LCP_ORTHANT && k < b->n_part; k++) {
+    size -= b->part_dim[k] + 1 - ((b->part_dim[k] > 2) ? 2 : 1);
+  }
+  return size;
+}
+
+/* Of a matrix in factors; a block that is no part of one group does not fold. */
+static void count_folded(const lcp_problem *p, lcp_capacity *c) {
+  const lcp_factored *f = p->M.factored;
+  for (int k = 0, g = 0; k < c->n_block; k++) {
+    const lcp_block *b = &p->block[k];
+    const int less = b->size - lcp_block_folded(b);
+    while (less > 0 && f->row_start[g + 1] <= b->start) {
+      g++;
+    }
+    if (less > 0 && b->start + b->size > f->row_start[g + 1]) {
+      c->n_folded = c->n;
+      c->n_jac_folded = c->n_jac;
+      return;
+    }
+    if (less > 0) {
+      const int rows = f->row_start[g + 1] - f->row_start[g];
+      c->n_folded -= less;
+      c->n_jac_folded -= less * ((f->jac_start[g + 1] - f->jac_start[g]) / rows);
+    }
+  }
+}
+
 lcp_capacity lcp_problem_capacity(const lcp_problem *p) {
   const lcp_matrix *M = &p->M;
   lcp_capacity c = {.n = M->n, .n_block = (p->block != NULL) ? p->n_block : 0};
@@ -247,11 +277,17 @@ lcp_capacity lcp_problem_capacity(const lcp_problem *p) {
     c.n_jac = f->jac_start[f->n_group];
     c.n_weight = f->weight_start[f->n_body];
   }
+  c.n_folded = c.n;
+  c.n_jac_folded = c.n_jac;
+  if (M->storage == LCP_FACTORED) {
+    count_folded(p, &c);
+  }
   return c;
 }
 
 bool lcp_capacity_holds(const lcp_capacity *c, const lcp_capacity *need) {
   return need->n <= c->n && need->n_block <= c->n_block && need->nnz <= c->nnz &&
          need->n_body <= c->n_body && need->n_dof <= c->n_dof && need->n_jac <= c->n_jac &&
-         need->n_weight <= c->n_weight;
+         need->n_weight <= c->n_weight && need->n_folded <= c->n_folded &&
+         need->n_jac_folded <= c->n_jac_folded;
 }

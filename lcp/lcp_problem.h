@@ -120,7 +120,12 @@ typedef struct lcp_capacity {
   int n_dof;
   int n_jac;
   int n_weight;
+  int n_folded; /* n and n_jac once the facets of LCP_FACTORED are folded (solvers/facet_fold.h); without any the same, */
+  int n_jac_folded; /* which 0 stands for */
 } lcp_capacity;
+
+/* Rows of block b once its facets are folded: one or two a part, and no sigma. Other blocks keep theirs. */
+int lcp_block_folded(const lcp_block *b);
 
 lcp_capacity lcp_problem_capacity(const lcp_problem *p); /* exactly what p needs */
 bool lcp_capacity_holds(const lcp_capacity *c, const lcp_capacity *need);

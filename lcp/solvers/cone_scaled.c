@@ -9,8 +9,7 @@ void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_ar
   c->lo = BASE_ARRAY(a, double, cap->n);
   c->hi = BASE_ARRAY(a, double, cap->n);
   c->F = BASE_ARRAY(a, double, cap->n);
-  c->X = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)LCP_CONE_MAX);
-  c->Y = BASE_ARRAY(a, double, (size_t)cap->n *(size_t)LCP_CONE_MAX);
+  c->X = BASE_ARRAY(a, double, 2 * (size_t)cap->n * (size_t)LCP_CONE_MAX);
 }
 
 /* One s for all rows of a part, that of the normal where none of them can move; mu scaled with them. */
@@ -62,6 +61,7 @@ base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, cons
       c->hi[i] /= c->s[i];
     }
   }
+  c->Y = c->X + (size_t)p->M.n * (size_t)c->wide;
   return BASE_OK;
 }
 

@@ -16,7 +16,8 @@ typedef struct lcp_cone_scaled {
   double *lo, *hi;   /* n, in x; read where a piece is an interval */
   double *F;         /* n */
   int wide;          /* rows of the largest piece */
-  double *X, *Y;     /* size^2 a piece, at lcp_cone_scaled_at */
+  double *X,
+      *Y; /* size^2 a piece, at lcp_cone_scaled_at; the one behind the other, which each map with a slope fills anew */
 } lcp_cone_scaled;
 
 /* Where X and Y of a piece begin: side by side where all pieces are of one size, so that no memory between them is touched. */

@@ -8,17 +8,17 @@ static const double pi = 3.14159265358979323846;
 static const double same = 1e-12; /* of a facet's row, over the largest entry of its part */
 
 void lcp_fold_layout(lcp_fold *s, const lcp_capacity *cap, base_arena *a) {
-  const size_t n = (cap->n_body > 0) ? (size_t)cap->n : 0; /* factors alone are folded */
+  const size_t n = (cap->n_body > 0) ? (size_t)cap->n_folded : 0; /* factors alone are folded */
   s->block = BASE_ARRAY(a, lcp_block, (n > 0) ? cap->n_block : 0);
   int **const whole[] = {&s->facets, &s->row_start, &s->jac_start, &s->colptr};
   for (int i = 0; i < BASE_COUNT(whole); i++) {
     *whole[i] = BASE_ARRAY(a, int, n + 1);
   }
-  double **const real[] = {&s->q, &s->lo, &s->hi, &s->unit, &s->w};
+  double **const real[] = {&s->q, &s->lo, &s->hi, &s->unit};
   for (int i = 0; i < BASE_COUNT(real); i++) {
     *real[i] = BASE_ARRAY(a, double, n);
   }
-  s->jac = BASE_ARRAY(a, double, (n > 0) ? cap->n_jac : 0);
+  s->jac = BASE_ARRAY(a, double, (n > 0) ? cap->n_jac_folded : 0);
   s->rowind = BASE_ARRAY(a, int, (n > 0) ? cap->nnz : 0);
   s->val = BASE_ARRAY(a, double, (n > 0) ? cap->nnz : 0);
 }
@@ -84,15 +84,6 @@ bool lcp_polygon_project(int f, double radius, const double *v, double *to, doub
 
 static bool is_faceted(const lcp_block *b) {
   return b->set == LCP_ORTHANT && b->n_part > 0;
-}
-
-/* Rows of block b once folded. */
-static int folded_size(const lcp_block *b) {
-  int size = b->size;
-  for (int k = 0; is_faceted(b) && k < b->n_part; k++) {
-    size -= b->part_dim[k] + 1 - ((b->part_dim[k] > 2) ? 2 : 1);
-  }
-  return size;
 }
 
 /* Entry (i, j) of S; *others: count of the rest of the column that is not zero. */
@@ -238,7 +229,7 @@ static int fold_blocks(lcp_fold *s, const lcp_problem *p) {
     lcp_block *to = &s->block[k];
     *to = *b;
     to->start = n;
-    to->size = folded_size(b);
+    to->size = lcp_block_folded(b);
     memset(s->facets + n, 0, (size_t)to->size * sizeof *s->facets);
     if (!shift_is_own(p, b) || (is_faceted(b) && !fold_block(s, b, to))) {
       return -1;

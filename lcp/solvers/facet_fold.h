@@ -23,12 +23,11 @@ typedef struct lcp_fold {
   lcp_block *block; /* n_block */
   int *facets;      /* n, folded rows: facets of the part that begins there, 0 elsewhere */
   const lcp_problem *of;
-  int *row_start;       /* n+1 */
+  int *row_start;       /* n+1, as all of them of the folded problem */
   int *jac_start;       /* n+1 */
-  double *jac;          /* n_jac */
+  double *jac;          /* n_jac_folded */
   double *q, *lo, *hi;  /* n */
   double *unit;         /* n, folded rows: c of the part that begins there */
-  double *w;            /* n */
   int *colptr, *rowind; /* n+1, nnz: S */
   double *val;
 } lcp_fold;

@@ -33,6 +33,7 @@
 #include "lcp/solvers/sets.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { ALART_CURNIER, FISCHER }; /* option */
@@ -77,23 +78,50 @@ typedef struct state {
   int waited;    /* steps since */
   int rounded;   /* outer steps of this solve that ended at rounding */
   bool started;
-  bool blind; /* |F| is rounding */
+  bool blind;           /* |F| is rounding */
+  int n_inner;          /* unknowns that the arrays of the inner problem have room for */
+  void *wide;           /* owned: those arrays where facets did not fold that could, */
+  struct state *narrow; /* owned: and the state to come back to; NULL otherwise */
 } state;
+
+/* What is of the size of the problem that is solved. */
+static void layout_inner(state *s, const lcp_capacity *cap, base_arena *a) {
+  s->n_inner = cap->n;
+  lcp_cone_scaled_layout(&s->eq, cap, a);
+  lcp_cone_step_layout(&s->step, cap, a);
+  double **const arrays[] = {&s->x, &s->y, &s->center, &s->dx, &s->trial, &s->wt, &s->inner, &s->w};
+  for (int i = 0; i < BASE_COUNT(arrays); i++) {
+    *arrays[i] = BASE_ARRAY(a, double, cap->n);
+  }
+}
+
+static void layout_proof(state *s, const lcp_capacity *cap, base_arena *a) {
+  s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
+  s->proof = BASE_ARRAY(a, double, cap->n);
+  s->kind = BASE_ARRAY(a, unsigned char, cap->n);
+}
+
+/* A proof is tried where an outer step ends: X and Y are made anew behind it, or not needed any more. */
+static void place_proof(state *s, const lcp_capacity *cap, base_arena *a) {
+  const size_t room = 2 * (size_t)s->n_inner * (size_t)LCP_CONE_MAX * sizeof *s->eq.X;
+  base_arena measure = base_arena_measuring(), over = base_arena_over(s->eq.X, room);
+  layout_proof(s, cap, &measure);
+  layout_proof(s, cap, (measure.used <= room) ? &over : a);
+}
 
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   state *s = st;
+  lcp_capacity inner = *cap;
+  inner.n = (cap->n_folded > 0) ? cap->n_folded : cap->n;
+  inner.n_jac = (cap->n_folded > 0) ? cap->n_jac_folded : cap->n_jac;
   lcp_loop_layout(&s->loop, cap, a);
-  lcp_cone_scaled_layout(&s->eq, cap, a);
-  lcp_cone_step_layout(&s->step, cap, a);
+  s->best = BASE_ARRAY(a, double, cap->n);
+  layout_inner(s, &inner, a);
+  /* from here on problems without facets touch nothing, so that the pages they touch lie together */
   lcp_fold_layout(&s->fold, cap, a);
-  double **const arrays[] = {&s->x,    &s->y,     &s->center, &s->dx, &s->trial, &s->wt,
-                             &s->best, &s->proof, &s->inner,  &s->w,  &s->shown};
-  for (int i = 0; i < BASE_COUNT(arrays); i++) {
-    *arrays[i] = BASE_ARRAY(a, double, cap->n);
-  }
-  s->kind = BASE_ARRAY(a, unsigned char, cap->n);
-  s->force = BASE_ARRAY(a, lcp_farkas_sum, cap->n_dof);
+  s->shown = BASE_ARRAY(a, double, cap->n);
+  place_proof(s, cap, a);
 }
 
 /* The problem that is solved: p, or p with its facets folded. */
@@ -108,6 +136,27 @@ static base_status prepare_inner(state *s, const lcp_problem *p, const int *face
   return lcp_cone_step_prepare(&s->step, p, &s->eq, err);
 }
 
+/* Room for all unknowns where facets stay what they are, until the release. */
+static base_status widen(state *s, const lcp_problem *p, base_error *err) {
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  state laid = *s;
+  base_arena measure = base_arena_measuring();
+  layout_inner(&laid, &cap, &measure);
+  state *narrow = malloc(sizeof *narrow);
+  void *wide = measure.overflow ? NULL : base_alloc(measure.used);
+  if (narrow == NULL || wide == NULL) {
+    free(narrow);
+    free(wide);
+    return BASE_FAIL(err, BASE_ENOMEM, "cone_newton: no memory for %d unknowns as they are", cap.n);
+  }
+  *narrow = *s;
+  base_arena real = base_arena_over(wide, measure.used);
+  layout_inner(s, &cap, &real);
+  s->narrow = narrow;
+  s->wide = wide;
+  return BASE_OK;
+}
+
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
   state *s = st;
@@ -117,6 +166,10 @@ static base_status prepare(void *st, const lcp_problem *p, const void *opt, base
   }
   s->fold.done =
       false; /* a friction without mobility is no cone, but its facets are rows like others */
+  if (p->M.n > s->n_inner) {
+    lcp_cone_step_release(&s->step);
+    BASE_TRY(widen(s, p, err));
+  }
   return prepare_inner(s, p, NULL, err);
 }
 
@@ -188,8 +241,8 @@ static bool proved_infeasible(state *s, const lcp_problem *p, const double *z) {
     }
   }
   if (s->fold.done) {
-    memcpy(s->shown, s->proof, (size_t)s->fold.p.M.n * sizeof *s->proof);
-    lcp_fold_out_rows(&s->fold, s->shown, s->proof);
+    memcpy(s->trial, s->proof, (size_t)s->fold.p.M.n * sizeof *s->proof);
+    lcp_fold_out_rows(&s->fold, s->trial, s->proof);
     unfold_kinds(s, p);
   }
   return lcp_farkas_prove(&p->M, p->q, s->kind, s->force, s->proof);
@@ -229,6 +282,7 @@ static double advance(state *s, const options *o, const lcp_problem *p, double *
   if (reached && proved_infeasible(s, p, z)) {
     res->outcome = LCP_INFEASIBLE;
     res->certificate = (lcp_certificate){.kind = LCP_CERT_FARKAS, .vector = s->proof};
+    return now; /* with the proof where X and Y were */
   }
   if (reached) {
     s->weight = fmax(s->shrink * s->weight, least_weight);
@@ -473,7 +527,14 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
 }
 
 static void release(void *st) {
-  lcp_cone_step_release(&((state *)st)->step);
+  state *s = st;
+  lcp_cone_step_release(&s->step);
+  if (s->narrow != NULL) {
+    state *narrow = s->narrow;
+    free(s->wide);
+    *s = *narrow;
+    free(narrow);
+  }
 }
 
 const lcp_solver lcp_solver_cone_newton = {

@@ -397,12 +397,96 @@ static void faceted_sets_are_solved_folded(void **state) {
   assert_true(folded >= stored - 1 && folded >= SETS - 3);
 }
 
+static lcp_instance *open_newton(const lcp_problem *p, void *opt) {
+  const lcp_solver *s = lcp_solver_find("cone_newton");
+  const lcp_capacity cap = lcp_problem_capacity(p);
+  base_error err = {0};
+  lcp_instance *k;
+  base_fields_default(s->fields, s->n_fields, opt);
+  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
+  return k;
+}
+
+/* Capacities tell what is left of a problem once its facets are folded, and what is solved folded has no room for more: beside the same
+ * cones an unknown that folds away costs the test of answers, with its row of W J', and no part of the Newton system. */
+static void what_folds_away_takes_no_room(void **state) {
+  (void)state;
+  for (int seed = 1; seed <= 10; seed++) {
+    known_lcp k;
+    faceted t;
+    lcp_fold s;
+    _Alignas(16) unsigned char opt[512] = {0};
+    base_error err = {0};
+    check_ok(random_cones(&k, (uint64_t)seed, &err), &err);
+    facet(&t, &k.p, 4 + 2 * (seed % 3));
+    void *mem = open_fold(&s, &t.p);
+    assert_true(s.done);
+    const lcp_capacity cap = lcp_problem_capacity(&t.p);
+    assert_int_equal(cap.n_folded, s.p.M.n);
+    assert_int_equal(cap.n_jac_folded, s.factored.jac_start[s.factored.n_group]);
+    const lcp_capacity cones = lcp_problem_capacity(&k.p);
+    assert_int_equal(cones.n_folded, cones.n);
+    assert_int_equal(cones.n_jac_folded, cones.n_jac);
+    lcp_instance *faceted_one = open_newton(&t.p, opt), *cone = open_newton(&k.p, opt);
+    const size_t more = lcp_instance_bytes(faceted_one) - lcp_instance_bytes(cone);
+    const size_t folded = (size_t)(cap.n - cap.n_folded);
+    const size_t facets = (size_t)(cap.n_jac - cap.n_jac_folded), padding = 64 * 50;
+    assert_true(more <= 80 * folded + 8 * facets + 12 * (size_t)cap.nnz + padding);
+    lcp_instance_close(faceted_one);
+    lcp_instance_close(cone);
+    free(mem);
+    facet_free(&t);
+    known_lcp_free(&k);
+  }
+}
+
+/* One facet's row that is not where it belongs: all unknowns stay, with room for them, and the instance folds the next problem to the
+ * same bits as a fresh one. */
+static void facets_that_do_not_fold_have_room(void **state) {
+  (void)state;
+  known_lcp k;
+  faceted t;
+  lcp_result res;
+  lcp_verdict v;
+  _Alignas(16) unsigned char opt[512] = {0};
+  base_error err = {0};
+  check_ok(random_cones(&k, 1, &err), &err);
+  facet(&t, &k.p, 6);
+  const size_t n = (size_t)t.p.M.n;
+  double *z = room(n, sizeof *z), *again = room(n, sizeof *again);
+  lcp_instance *one = open_newton(&t.p, opt);
+  assert_int_equal(run(&t.p, z, &res), LCP_SOLVED);
+  for (int pass = 0; pass < 2; pass++) {
+    double *entry = &t.jac[t.jac_start[0] + 6];
+    const double was = *entry;
+    *entry -= 1e-3;
+    memset(again, 0, n * sizeof *again);
+    check_ok(lcp_instance_prepare(one, &t.p, &err), &err);
+    check_ok(lcp_instance_solve(one, NULL, again, &res, &err), &err);
+    check_ok(lcp_judge(&t.p, again, &v, &err), &err);
+    assert_true(v.rho <= ((res.outcome == LCP_SOLVED) ? 1e-9 : 1.01 * res.residual + 1e-12));
+    *entry = was;
+    memset(again, 0, n * sizeof *again);
+    check_ok(lcp_instance_prepare(one, &t.p, &err), &err);
+    check_ok(lcp_instance_solve(one, NULL, again, &res, &err), &err);
+    assert_int_equal(res.outcome, LCP_SOLVED);
+    assert_memory_equal(again, z, n * sizeof *again);
+  }
+  lcp_instance_close(one);
+  free(z);
+  free(again);
+  facet_free(&t);
+  known_lcp_free(&k);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(the_nearest_point_of_a_polygon),
       cmocka_unit_test(a_contact_that_sticks_has_no_slip_speed),
       cmocka_unit_test(products_are_those_of_the_facets),
       cmocka_unit_test(faceted_sets_are_solved_folded),
+      cmocka_unit_test(what_folds_away_takes_no_room),
+      cmocka_unit_test(facets_that_do_not_fold_have_room),
   };
   return cmocka_run_group_tests_name("facet_fold", tests, NULL, NULL);
 }
