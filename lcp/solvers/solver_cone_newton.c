@@ -109,6 +109,12 @@ static void place_proof(state *s, const lcp_capacity *cap, base_arena *a) {
   layout_proof(s, cap, (measure.used <= room) ? &over : a);
 }
 
+/* What is shown is tested, and taken or not, before the step behind it makes X and Y anew. */
+static void place_shown(state *s, const lcp_capacity *cap, base_arena *a) {
+  const bool fits = (size_t)cap->n <= 2 * (size_t)s->n_inner * (size_t)LCP_CONE_MAX;
+  s->shown = fits ? s->eq.X : BASE_ARRAY(a, double, cap->n);
+}
+
 static void layout(void *st, const lcp_capacity *cap, const void *opt, base_arena *a) {
   (void)opt;
   state *s = st;
@@ -120,8 +126,8 @@ static void layout(void *st, const lcp_capacity *cap, const void *opt, base_aren
   layout_inner(s, &inner, a);
   /* from here on problems without facets touch nothing, so that the pages they touch lie together */
   lcp_fold_layout(&s->fold, cap, a);
-  s->shown = BASE_ARRAY(a, double, cap->n);
   place_proof(s, cap, a);
+  place_shown(s, cap, a);
 }
 
 /* The problem that is solved: p, or p with its facets folded. */
