@@ -14,7 +14,7 @@ int contact_kinds(const contact_set *c) {
   return kinds;
 }
 
-contact_layout contact_layout_of(int kinds, bool springs, int own) {
+contact_layout contact_memory_need(int kinds, bool springs, int own) {
   static const int rows[CONTACT_KINDS + 1] = {1, 1 + 2, 1 + 2 + 1, 1 + 2 + 1 + 2};
   return (contact_layout){.head = PAST_IMPULSE,
                           .impulse = rows[kinds],

@@ -212,7 +212,7 @@ static contact_layout past_layout(const contact_set *c, const poly_options *opt,
   static const int sigma = 1;
   const int widest = 1 + ((kinds > 0) ? facets + sigma : 0) + ((kinds > 1) ? 2 + sigma : 0) +
                      ((kinds > 2) ? facets + sigma : 0);
-  return contact_layout_of(kinds, false, POLY_PAST_Z + widest);
+  return contact_memory_need(kinds, false, POLY_PAST_Z + widest);
 }
 
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,

@@ -461,5 +461,5 @@ void reg_commit(regularized *s, double *lambda) {
 
 contact_layout reg_layout(const contact_set *c) {
   const int kinds = contact_kinds(c);
-  return contact_layout_of(kinds, true, REG_PAST_PARTS + kinds * REG_PAST_PART);
+  return contact_memory_need(kinds, true, REG_PAST_PARTS + kinds * REG_PAST_PART);
 }

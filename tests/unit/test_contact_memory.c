@@ -53,7 +53,7 @@ static contact_set set_of(const uint64_t *ids, const contact_rows *rows, int n) 
 
 static void begin(contact_memory *m, const contact_set *c) {
   base_error err;
-  const contact_layout need = contact_layout_of(contact_kinds(c), true, 2);
+  const contact_layout need = contact_memory_need(contact_kinds(c), true, 2);
   check_ok(contact_memory_begin(m, need, c, &err), &err);
 }
 
@@ -106,7 +106,7 @@ static void what_is_common_is_taken_over(void **state) {
   check_ok(contact_memory_keep(&m, &past, &err), &err);
   contact_memory_strip(&past);
   check_ok(contact_memory_recall(&next, &past, &err), &err);
-  check_ok(contact_memory_begin(&next, contact_layout_of(1, false, 5), &c, &err), &err);
+  check_ok(contact_memory_begin(&next, contact_memory_need(1, false, 5), &c, &err), &err);
   assert_int_equal(next.stride, 4 + 3 + 3 + 5);
   for (int i = 0; i < 2; i++) {
     const double zero[5] = {0};
