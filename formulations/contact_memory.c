@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int contact_kinds(const contact_set *c) {
+int contact_memory_kinds(const contact_set *c) {
   int kinds = 1;
   for (int i = 0; i < c->n_contact && kinds < CONTACT_KINDS; i++) {
     const int own = (c->rows[i].rolling > 0) ? 3 : (c->rows[i].torsion > 0) ? 2 : 1;

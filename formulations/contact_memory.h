@@ -32,7 +32,7 @@ typedef struct contact_layout {
 } contact_layout;
 
 /* Kinds of friction that some contact of the set has room for: 1 friction alone, 2 torsion, 3 rolling. */
-int contact_kinds(const contact_set *c);
+int contact_memory_kinds(const contact_set *c);
 /* Entries for contacts with so many kinds of friction, 0: without any; with springs or not. */
 contact_layout contact_memory_need(int kinds, bool springs, int own);
 

@@ -155,8 +155,8 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   if (c->n_contact > 0 && c->u_curve == NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "acceleration: needs u_curve of the contacts");
   }
-  BASE_TRY(
-      contact_memory_begin(&s->memory, contact_memory_need(contact_kinds(c), false, 0), c, err));
+  BASE_TRY(contact_memory_begin(&s->memory, contact_memory_need(contact_memory_kinds(c), false, 0),
+                                c, err));
   BASE_TRY(form_assembly_begin(&s->a, c, FORM_ROWS_TANGENT, &rule, &s->memory, err));
   BASE_TRY(form_assembly_eliminate(&s->a, err));
   BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));

@@ -207,7 +207,7 @@ static base_status begin_assembly(polyhedral *s, const contact_set *c, form_rows
 
 /* Room for the unknowns of any contact of the set. */
 static contact_layout past_layout(const contact_set *c, const poly_options *opt, form_rows rows) {
-  const int kinds = (rows == FORM_ROWS_NORMAL) ? 0 : contact_kinds(c);
+  const int kinds = (rows == FORM_ROWS_NORMAL) ? 0 : contact_memory_kinds(c);
   const int facets = (opt->facets > 2) ? opt->facets : 2;
   static const int sigma = 1;
   const int widest = 1 + ((kinds > 0) ? facets + sigma : 0) + ((kinds > 1) ? 2 + sigma : 0) +

@@ -93,7 +93,8 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   }
   s->start = start;
   BASE_TRY(contact_memory_begin(
-      &s->memory, contact_memory_need(contact_kinds(c), opt->bristle > 0 || opt->damper > 0, 0), c,
+      &s->memory,
+      contact_memory_need(contact_memory_kinds(c), opt->bristle > 0 || opt->damper > 0, 0), c,
       err));
   BASE_TRY(row_assembly_begin(&s->a, c, (row_storage)s->opt.storage, opt->joints == 0, &rule,
                               &s->memory, err));

@@ -460,6 +460,6 @@ void reg_commit(regularized *s, double *lambda) {
 }
 
 contact_layout reg_layout(const contact_set *c) {
-  const int kinds = contact_kinds(c);
+  const int kinds = contact_memory_kinds(c);
   return contact_memory_need(kinds, true, REG_PAST_PARTS + kinds * REG_PAST_PART);
 }

@@ -53,7 +53,7 @@ static contact_set set_of(const uint64_t *ids, const contact_rows *rows, int n) 
 
 static void begin(contact_memory *m, const contact_set *c) {
   base_error err;
-  const contact_layout need = contact_memory_need(contact_kinds(c), true, 2);
+  const contact_layout need = contact_memory_need(contact_memory_kinds(c), true, 2);
   check_ok(contact_memory_begin(m, need, c, &err), &err);
 }
 
