@@ -394,6 +394,33 @@ class Engines(unittest.TestCase):
         self.assertLess(slip["elliptic"], slip["defaults"] / 10)
         self.assertLess(slip["noslip"], 1e-6)
 
+    def test_bullets_rigid_bodies_carry_their_weight(self):
+        """Two boxes at rest: the forces of the floor add up to m g, four corners a face; the rows of
+        the script have the engine's version."""
+        built = VENV / "bullet_rigid_room.so"
+        if not built.exists():
+            self.skipTest("no libbullet-dev when the engines were installed")
+        row = self.rows(
+            *("--engines", "bullet_rigid", "--settings", "iterated", "--steps", "0.01"),
+            "stack:n=2,duration=0.5",
+        )[0]
+        self.assertEqual((row.status, row.n_contact), ("ok", "8"))
+        self.assertRegex(row.version, r"^[0-9]+\.[0-9]+")
+        self.assertLess(engine_rows.value(row.penetration_m), 2e-3)
+        with unittest.mock.patch.dict(os.environ, {"LCPBENCH_BULLET_ROOM": str(built)}):
+            from engine_room.engines import bullet_rigid_room
+
+            told = scene.load(BINARY, "stack:n=2,duration=0.5")
+            made = bullet_rigid_room.Simulation(told, {"iterations": 200}, 0.01)
+        for _ in range(100):
+            made.step()
+        planes = {p.name for p in told.planes}
+        held = [c for c in made.contacts() if c.b in planes]
+        weight = sum(b.mass for b in told.bodies) * np.linalg.norm(told.gravity)
+        self.assertEqual(len(held), 4)
+        self.assertAlmostEqual(sum(c.force[2] for c in held) / weight, 1.0, delta=2e-3)
+        self.assertLess(max(np.abs(s[2]).max() for s in made.states()), 1e-2)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -1,4 +1,4 @@
-/* ode_room.c - a world of ODE behind plain arrays, for ode_room.py: what is called once for each pair of
+/* ode_room.c - a world of ODE behind the plain arrays of plain_room.py: what is called once for each pair of
  * bodies would cost more in Python than the step does. Built by scripts/engines where ODE's headers are.
  *
  * Numbers are doubles, as ODE's (dDOUBLE); indices of bodies count in the order of their making, planes
@@ -173,7 +173,9 @@ void room_states(const room *r, double *out) {
   }
 }
 
-int room_n_contact(const room *r) {
+/* Of the last step, of length h. */
+int room_n_contact(const room *r, double h) {
+  (void)h;
   return r->n_contact;
 }
 
