@@ -395,8 +395,7 @@ class Engines(unittest.TestCase):
         self.assertLess(slip["noslip"], 1e-6)
 
     def test_bullets_rigid_bodies_carry_their_weight(self):
-        """Two boxes at rest: the forces of the floor add up to m g, four corners a face; the rows of
-        the script have the engine's version."""
+        """Two boxes at rest: the forces of the floor add up to m g, four corners a face."""
         built = VENV / "bullet_rigid_room.so"
         if not built.exists():
             self.skipTest("no libbullet-dev when the engines were installed")
