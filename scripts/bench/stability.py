@@ -216,6 +216,24 @@ class Ladder:
 Ladders = dict[tuple[str, str], dict[str, Ladder]]  # (formulation, solver) -> part -> Ladder
 
 
+RUNG = ["part", "problem", "step_s", "start"]
+WIDELY = 0.5
+
+
+def asked_alike(cells: pd.DataFrame) -> pd.DataFrame:
+    """The rungs on which at least half of a part's combinations were measured, of the combinations
+    that were measured on all of them: who was asked less, as in a form that was cut, does not stand
+    longer for it."""
+    who = cells["formulation"] + " + " + cells["solver"]
+    cells = cells.assign(who=who)
+    of_part = cells.groupby("part")["who"].transform("nunique")
+    cells = cells[cells.groupby(RUNG)["who"].transform("nunique") >= WIDELY * of_part]
+    rungs = cells.assign(rung=cells[RUNG[1:]].astype(str).agg(" ".join, axis=1))
+    whole = rungs.groupby("part")["rung"].transform("nunique")
+    mine = rungs.groupby(["part", "who"])["rung"].transform("nunique")
+    return cells[(mine == whole).to_numpy()]
+
+
 def ladders(cells: pd.DataFrame) -> Ladders:
     """(formulation, solver) -> part -> Ladder, of the campaign `stability`; formulations without
     solver have the solver ''."""
@@ -223,6 +241,7 @@ def ladders(cells: pd.DataFrame) -> Ladders:
     some = cells[
         cells["campaign"].str.startswith("stability") & ~cells["command"].str.contains("--effects")
     ]
+    some = asked_alike(some)
     rung = some.groupby(["part", "problem", "step_s"], dropna=False)
     some = some.assign(most=rung["n_predictions"].transform("max").fillna(0))
     for (form, solver, part), g in some.groupby(["formulation", "solver", "part"]):

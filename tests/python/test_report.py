@@ -535,6 +535,25 @@ class Judged(unittest.TestCase):
         self.assertEqual(cards["stack"]["use"], "regularized + lemke")
         self.assertEqual(cards["grasp"]["use"], "")
 
+    def test_who_was_asked_less_does_not_stand_longer(self):
+        """Of a form that was cut: rungs that few were asked for do not count, nor do combinations
+        that lack one of the others."""
+        rungs = [(k, w) for w in ("lemke", "pgs", "ppm") for k in (1, 2, 3)]
+        rungs = [r for r in rungs if r != (2, "ppm")] + [(4, "lemke")]
+        told = pd.DataFrame(
+            {
+                "part": "height",
+                "problem": [f"stack:n={k}" for k, _ in rungs],
+                "step_s": 0.01,
+                "start": "cold",
+                "formulation": "velocity",
+                "solver": [w for _, w in rungs],
+            }
+        )
+        kept = stability.asked_alike(told)
+        self.assertEqual(set(kept["solver"]), {"lemke", "pgs"})
+        self.assertEqual(set(kept["problem"]), {"stack:n=1", "stack:n=2", "stack:n=3"})
+
     def test_the_largest_scene_has_an_answer_of_its_own(self):
         """Who wins on small scenes need not win on a large one."""
         at = ("accuracy", "stack:n=50", "velocity")
