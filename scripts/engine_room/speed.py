@@ -1,7 +1,7 @@
 """speed.py ENGINE BINARY SCENE STEP COUNT OPTIONS ... - the cheap end in another engine: for each
-OPTIONS (JSON) a line of JSON with the mean time of a step [s] (median, least and most of three runs)
-and the largest speed of a body in the last quarter of COUNT steps [m/s]. Run by the Python that has
-the engine (scripts/engines)."""
+OPTIONS (JSON) a line of JSON with the mean time of a step [s] (median, least and most of three
+runs) and the largest speed of a body in the last quarter of COUNT steps [m/s]. Run by the Python
+that has the engine (scripts/engines)."""
 
 import importlib
 import json
