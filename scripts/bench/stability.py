@@ -224,8 +224,9 @@ def asked_alike(cells: pd.DataFrame) -> pd.DataFrame:
     """The rungs on which at least half of a part's combinations were measured, of the combinations
     that were measured on all of them: who was asked less, as in a form that was cut, does not stand
     longer for it."""
-    who = cells["formulation"] + " + " + cells["solver"]
-    cells = cells.assign(who=who)
+    if cells.empty:
+        return cells
+    cells = cells.assign(who=cells["formulation"] + " + " + cells["solver"])
     of_part = cells.groupby("part")["who"].transform("nunique")
     cells = cells[cells.groupby(RUNG)["who"].transform("nunique") >= WIDELY * of_part]
     rungs = cells.assign(rung=cells[RUNG[1:]].astype(str).agg(" ".join, axis=1))
