@@ -151,15 +151,18 @@ static int scenes_of(const table *t, const features *f, scene_near *near) {
   return n;
 }
 
-/* The levels of error in a scene's rows and their shares of its weight, which add up to 1. */
+/* The levels of error in a scene's rows and their shares of its weight, which add up to 1; -1: more than LEVELS_MOST. */
 static int levels_of(const table *t, const char *problem, double E, double level[LEVELS_MOST],
                      double share[LEVELS_MOST]) {
   int n = 0;
   double sum = 0.0;
-  for (int i = 0; i < t->n && n < LEVELS_MOST; i++) {
+  for (int i = 0; i < t->n; i++) {
     bool seen = strcmp(t->row[i].problem, problem) != 0;
     for (int k = 0; k < n && !seen; k++) {
       seen = level[k] == t->row[i].error;
+    }
+    if (!seen && n == LEVELS_MOST) {
+      return -1;
     }
     if (!seen) {
       level[n] = t->row[i].error;
@@ -219,7 +222,7 @@ typedef struct tally {
   double kept[CHOICE_MOST], far, at_E;               /* over the levels that stand for E */
 } tally;
 
-/* What a scene of weight w says; false: nobody keeps any of its levels, so that it says nothing of who does. */
+/* Adds what a scene at this distance says; false: nobody keeps any of its levels, so that it says nothing of who does. */
 static bool count_scene(const table *t, const char *problem, double E, double distance, tally *of) {
   double level[LEVELS_MOST];
   double share[LEVELS_MOST];
@@ -272,6 +275,16 @@ static base_status choose(table *t, const features *f, double E, base_error *err
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for %d scenes", t->n);
   }
   t->out->n_scene = scenes_of(t, f, near);
+  for (int k = 0; k < t->out->n_scene; k++) {
+    double level[LEVELS_MOST];
+    double share[LEVELS_MOST];
+    const char *problem = t->row[near[k].row].problem;
+    if (levels_of(t, problem, E, level, share) < 0) {
+      free(near);
+      return BASE_FAIL(err, BASE_EINVAL, "%.200s: more than %d errors of %.80s", t->out->rows,
+                       LEVELS_MOST, problem);
+    }
+  }
   t->out->n_row = t->n;
   rank(t, near, t->out->n_scene, E);
   free(near);

@@ -181,6 +181,8 @@ def bad_rows_are_named(d):
     one_line_error(*call, write(d / "short.tsv", [good[:-1]]), names=["short.tsv", "line 2"])
     lost = write(d / "lost.tsv", [row("slide", 0.1, QUICK, 0, 0.01, x)])
     one_line_error(*call, lost, names=["lost.tsv", "no combination"])
+    many = [row("slide", 10.0 ** (-k / 20), QUICK, 1, 0.01, x) for k in range(65)]
+    one_line_error(*call, write(d / "many.tsv", many), names=["many.tsv", "64 errors of slide"])
     none = write(d / "unknown.tsv", [row("slide", 0.1, ("nosuch", "lemke"), 1, 0.01, x)])
     one_line_error(*call, none, names=["nosuch"])
     whole = ("--formulation", QUICK[0], "--solver", QUICK[1])
