@@ -406,7 +406,7 @@ class Engines(unittest.TestCase):
         self.assertEqual((row.status, row.n_contact), ("ok", "8"))
         self.assertRegex(row.version, r"^[0-9]+\.[0-9]+")
         self.assertLess(engine_rows.value(row.penetration_m), 2e-3)
-        with unittest.mock.patch.dict(os.environ, {"LCPBENCH_BULLET_ROOM": str(built)}):
+        with unittest.mock.patch.dict(os.environ, {"LCPBENCH_ENGINES": str(VENV)}):
             from engine_room.engines import bullet_rigid_room
 
             told = scene.load(BINARY, "stack:n=2,duration=0.5")

@@ -8,11 +8,9 @@ import subprocess
 from engine_room.engines import plain_room
 from engine_room.scene import Scene
 
-VARIABLE = "LCPBENCH_BULLET_ROOM"
-
 
 def version() -> str:
-    plain_room.library(VARIABLE)
+    plain_room.library("bullet_rigid")
     told = subprocess.run(
         ["pkg-config", "--modversion", "bullet"], capture_output=True, text=True, check=True
     )
@@ -21,4 +19,4 @@ def version() -> str:
 
 class Simulation(plain_room.Room):
     def __init__(self, scene: Scene, options: dict, step: float) -> None:
-        super().__init__(plain_room.library(VARIABLE), scene, options["iterations"], step)
+        super().__init__(plain_room.library("bullet_rigid"), scene, options["iterations"], step)

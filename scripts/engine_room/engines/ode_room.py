@@ -12,7 +12,7 @@ from engine_room.scene import Scene
 
 def version() -> str:
     """Of the package: the library does not tell."""
-    plain_room.library("LCPBENCH_ODE_ROOM")
+    plain_room.library("ode")
     told = subprocess.run(
         ["pkg-config", "--modversion", "ode"], capture_output=True, text=True, check=True
     )
@@ -22,7 +22,7 @@ def version() -> str:
 class Simulation(plain_room.Room):
     def __init__(self, scene: Scene, options: dict, step: float) -> None:
         self.options = options
-        lib = plain_room.library("LCPBENCH_ODE_ROOM")
+        lib = plain_room.library("ode")
         lib.room_soften.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double]
         quick = int(options["method"] == "quickstep")
         super().__init__(lib, scene, options.get("iterations", 0), step, quick)

@@ -6,6 +6,8 @@ from __future__ import annotations
 
 import ctypes
 import os
+import pathlib
+import sys
 
 import numpy as np
 
@@ -15,9 +17,10 @@ from engine_room.scene import AXES, Body, Scene, Unsupported
 HELD = {"": 0, "turns": 1, "fixed": 2}
 
 
-def library(variable: str) -> ctypes.CDLL:
-    """The one that the variable of the environment names."""
-    lib = ctypes.CDLL(os.environ[variable])
+def library(engine: str) -> ctypes.CDLL:
+    """The one of an engine, beside the Python that scripts/engines made, or in LCPBENCH_ENGINES."""
+    folder = pathlib.Path(os.environ.get("LCPBENCH_ENGINES", sys.prefix))
+    lib = ctypes.CDLL(str(folder.resolve() / f"{engine}_room.so"))
     real, integer = ctypes.c_double, ctypes.c_int
     array = np.ctypeslib.ndpointer(dtype=float, flags="C_CONTIGUOUS")
     lib.room_new.restype = ctypes.c_void_p
