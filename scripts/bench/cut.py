@@ -5,7 +5,7 @@ from bench import say
 from bench.section import Table
 
 # of the order: with all cells of these a cut campaign stands for its quick form
-STAGES = ("quick", "values", "pairs")
+STAGES = ("quick", "values")
 
 
 def stands(manifest: dict) -> bool:

@@ -118,6 +118,16 @@ def any_prefix_keeps_every_axis(d):
         print(f"# {which}: quick {of_quick}, then {rest} cells for values, pairs, nothing new")
 
 
+def the_quick_form_is_a_part_of_the_full_one(d):
+    """So a cut full form with all cells that the quick form names tells all that the quick one
+    tells."""
+    names = sorted(f.stem for f in (TESTS.parent / "harness/campaigns").glob("*.yaml"))
+    assert set(CAMPAIGNS) < set(names)
+    for which in names:
+        over = {key(c) for c in order(which, "--quick")} - {key(c) for c in order(which)}
+        assert not over, (which, len(over), min(over))
+
+
 def each_cell_brings_the_most(d):
     for which in ("moving", "scaling"):
         check_order(which, greedy=True)
@@ -304,6 +314,7 @@ def nonsense_is_refused(d):
 tap(
     [
         any_prefix_keeps_every_axis,
+        the_quick_form_is_a_part_of_the_full_one,
         each_cell_brings_the_most,
         the_order_is_one,
         wrong_forecasts_cost_no_value,
