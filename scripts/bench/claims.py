@@ -78,10 +78,12 @@ def judged(cells: pd.DataFrame, ask: dict) -> dict[str, Verdict]:
     return out
 
 
-def command(ask: dict) -> str:
-    """What measures the rows of a claim again; a part that needs no other campaign comes first."""
+def command(cells: pd.DataFrame, ask: dict) -> str:
+    """What measures the rows of a claim again, in their form; a part that needs no other campaign
+    comes first."""
     campaign, _, part = ask["parts"][0].partition("/")
-    return f"lcpbench run {campaign} --quick --filter 'part={part}'"
+    whole = "quick" in cells and not cells.loc[cells["campaign"] == campaign, "quick"].all()
+    return f"lcpbench run {campaign}{'' if whole else ' --quick'} --filter 'part={part}'"
 
 
 def line(cells: pd.DataFrame, ask: dict) -> list:
@@ -94,7 +96,7 @@ def line(cells: pd.DataFrame, ask: dict) -> list:
         words.append(Cell("", "none"))
     told = [f"{reading}: {v.evidence}" if reading else v.evidence for reading, v in found.items()]
     sizes = " / ".join(dict.fromkeys(v.sizes for v in found.values() if v.sizes))
-    return [ask["id"], ask["says"], *words, "\n".join(told), sizes, command(ask)]
+    return [ask["id"], ask["says"], *words, "\n".join(told), sizes, command(cells, ask)]
 
 
 def table(cells: pd.DataFrame) -> list[list]:

@@ -19,9 +19,11 @@ def stands(manifest: dict) -> bool:
     return stages is not None and all(a == b for a, b in (stages.get(s, (0, 0)) for s in STAGES))
 
 
+ORDER = ", in an order that keeps every axis"
+
+
 def amount(cut: dict) -> str:
-    order = ", in an order that keeps every axis" if "stages" in cut else ""
-    return f"{cut['measured']} of {cut['cells']} cells{order}"
+    return f"{cut['measured']} of {cut['cells']} cells{ORDER if 'stages' in cut else ''}"
 
 
 def form(manifest: dict) -> str:
@@ -49,7 +51,8 @@ def forms(manifests: dict[str, dict]) -> str:
     if len(names) < 2:
         return "".join(order)
     told = [f"{', '.join(names[words])} in {words}" for words in order]
-    return "; ".join(told) if len(told) > 2 else " and ".join(told)
+    head, said, rest = ("; " if len(told) > 2 else " and ").join(told).partition(ORDER)
+    return head + said + rest.replace(ORDER, "")
 
 
 def absent(axes: dict[str, list[str]]) -> str:

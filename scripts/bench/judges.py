@@ -104,11 +104,15 @@ def dimension(cells: pd.DataFrame, ask: dict) -> Found:
     facets = np.where(planar, 2, given)
     fits = (p["lcp_dim_other"] == p["lcp_dim"] * (facets + 2)) & (p["lcp_dim"] == p["n_active"])
     same = p["n_active"] == p["n_active_other"]
-    word = HOLDS if fits.all() else EXCEPT if same.any() and fits[same].all() else FAILS
+    unlike = int((~same).sum())  # motions that went apart, as where one of them was not solved
+    if not same.any():
+        return None
+    word = HOLDS if fits[same].all() else EXCEPT if fits[same].any() else FAILS
     return Verdict(
         word,
-        f"{int(fits.sum())} of {len(p)} pairs of cells have p against p(nd+2) unknowns; it has more"
-        f" in {int((p['lcp_dim'] > p['lcp_dim_other']).sum())}",
+        f"{int(fits[same].sum())} of {int(same.sum())} pairs of cells have p against p(nd+2)"
+        f" unknowns; it has more in {int((p['lcp_dim'] > p['lcp_dim_other']).sum())}"
+        + (f"; {unlike} more have other contacts at the end" if unlike else ""),
         span(p),
     )
 

@@ -235,10 +235,11 @@ def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
     form = cut.forms(manifests) or "unknown form"
+    one = cells["host_class"].nunique() < 2
     return (
         f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns"
         f" ({form}), commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
-        f" machine named in the manifests. {disturbed_words(cells)}"
+        f" machine{'' if one else 's'} named in the manifests. {disturbed_words(cells)}"
     )
 
 

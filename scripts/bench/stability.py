@@ -217,7 +217,7 @@ Ladders = dict[tuple[str, str], dict[str, Ladder]]  # (formulation, solver) -> p
 
 
 RUNG = ["part", "problem", "step_s", "start"]
-WIDELY = 0.5
+COMMON = 0.5  # of the combinations of a part; a rung that fewer were asked for compares nobody
 
 
 def asked_alike(cells: pd.DataFrame) -> pd.DataFrame:
@@ -228,7 +228,7 @@ def asked_alike(cells: pd.DataFrame) -> pd.DataFrame:
         return cells
     cells = cells.assign(who=cells["formulation"] + " + " + cells["solver"])
     of_part = cells.groupby("part")["who"].transform("nunique")
-    cells = cells[cells.groupby(RUNG)["who"].transform("nunique") >= WIDELY * of_part]
+    cells = cells[cells.groupby(RUNG)["who"].transform("nunique") >= COMMON * of_part]
     rungs = cells.assign(rung=cells[RUNG[1:]].astype(str).agg(" ".join, axis=1))
     whole = rungs.groupby("part")["rung"].transform("nunique")
     mine = rungs.groupby(["part", "who"])["rung"].transform("nunique")

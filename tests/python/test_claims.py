@@ -102,7 +102,10 @@ class Size(Judge):
         self.word(judges.dimension, two(4), AGAINST, HOLDS)
         self.word(judges.dimension, two(8), AGAINST, FAILS)
         more = [{**r, "problem": "stack"} for r in two(5, active=5)]  # it met another contact
-        self.word(judges.dimension, two(4) + more, AGAINST, EXCEPT)
+        self.word(judges.dimension, two(4) + more, AGAINST, HOLDS, "1 more have other contacts")
+        self.assertIsNone(judges.dimension(frame(*more), AGAINST))
+        wrong = [{**r, "problem": "stack"} for r in two(8)]
+        self.word(judges.dimension, two(4) + wrong, AGAINST, EXCEPT)
         self.assertIsNone(judges.dimension(frame(row(MINE)), AGAINST))
 
 
