@@ -300,6 +300,9 @@ void form_assembly_know_locks(form_assembly *a);
 /* x over the rows of the set's contact into the rows in use of active contact i, and back (adds to x). */
 void form_to_rows(const form_assembly *a, int i, const double *x, double *out);
 void form_to_set(const form_assembly *a, int i, const double *in, double *x);
+/* The second as C has it: a tied row moves bodies as `share` of the normal's does, to its last digit; what is left of it joints
+ * hold. true: a tied row of the contact carries. */
+bool form_to_motion(const form_assembly *a, int i, const double *in, double *x);
 /* Writes lambda (n_row) and the impulses of eliminated joints into impulse (set rows) and v_next = v_free + W J' lambda. */
 void form_assembly_answer(form_assembly *a, const double *lambda);
 /* The same, and into the shift what the impulses `way` would change in that motion: bodies go that way in this step and keep

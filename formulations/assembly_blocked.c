@@ -419,12 +419,31 @@ void form_to_rows(const form_assembly *a, int i, const double *x, double *out) {
   }
 }
 
+/* x += value times row p of contact i. */
+static void add_row(const form_assembly *a, int i, int p, double value, double *x) {
+  const form_direction whole = {.row = p, .n = 1, .c = {1, 0}};
+  const form_direction *d = a->turned[i] ? &a->direction[a->row[i] + p] : &whole;
+  for (int k = 0; k < d->n; k++) {
+    x[d->row + k] += d->c[k] * value;
+  }
+}
+
 void form_to_set(const form_assembly *a, int i, const double *in, double *x) {
   for (int p = 0; p < form_rows_of(a, i); p++) {
-    const form_direction whole = {.row = p, .n = 1, .c = {1, 0}};
-    const form_direction *d = a->turned[i] ? &a->direction[a->row[i] + p] : &whole;
-    for (int k = 0; k < d->n; k++) {
-      x[d->row + k] += d->c[k] * in[p];
+    add_row(a, i, p, in[p], x);
+  }
+}
+
+bool form_to_motion(const form_assembly *a, int i, const double *in, double *x) {
+  bool ties = false;
+  for (int p = 0; p < form_rows_of(a, i); p++) {
+    const form_direction *d = &a->direction[a->row[i] + p];
+    if (a->turned[i] && d->tied) {
+      x[0] += d->share * in[p];
+      ties = ties || in[p] != 0;
+    } else {
+      add_row(a, i, p, in[p], x);
     }
   }
+  return ties;
 }

@@ -99,37 +99,53 @@ static void find_shift(form_assembly *a) {
   }
 }
 
-void form_assembly_answer(form_assembly *a, const double *lambda) {
-  const contact_set *c = a->set;
-  if (a->beside && !a->shift_known) {
-    find_shift(a);
-  }
+/* The impulses of all contacts in the rows of `full` into a->lambda, with those of the joints that they ask for; as `put` has
+ * it, which tells whether a tied row carries. */
+static bool take_impulses(form_assembly *a, const double *lambda,
+                          bool (*put)(const form_assembly *, int, const double *, double *)) {
+  bool ties = false;
   if (a->reduced) {
     memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
     for (int i = 0; i < a->n_contact; i++) {
-      form_to_set(a, i, lambda + a->row[i], a->lambda + a->full.row[a->full_of[i]]);
+      ties |= put(a, i, lambda + a->row[i], a->lambda + a->full.row[a->full_of[i]]);
     }
     const int first = a->row[a->n_contact]; /* of joints that are rows */
     memcpy(a->lambda + a->full.row[a->full.n_contact], lambda + first,
            (size_t)(a->n_row - first) * sizeof *lambda);
-  } else if (a->n_joint_group > 0) {
+  } else {
     memcpy(a->lambda, lambda, (size_t)a->n_row * sizeof *lambda);
   }
   if (a->n_joint_group > 0) {
     form_assembly_joint_impulses(a, a->lambda);
   }
-  if (a->reduced || a->n_joint_group > 0) {
-    lambda = a->lambda;
-  }
-  memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
+  return ties;
+}
+
+static bool put_impulse(const form_assembly *a, int i, const double *in, double *x) {
+  form_to_set(a, i, in, x);
+  return false;
+}
+
+void form_assembly_answer(form_assembly *a, const double *lambda) {
+  const contact_set *c = a->set;
   const int n_contact = a->reduced ? a->full.n_contact : a->n_contact;
   const int n_group = n_contact + form_joints_of(a);
+  const bool own = a->reduced || a->n_joint_group > 0;
+  if (a->beside && !a->shift_known) {
+    find_shift(a);
+  }
+  const bool ties = own && take_impulses(a, lambda, form_to_motion);
+  const double *l = own ? a->lambda : lambda;
+  memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   for (int i = 0; i < n_group; i++) {
-    const int g = a->full.group[i];
-    const int rows = a->full.row[i + 1] - a->full.row[i];
-    const double *l = lambda + a->full.row[i];
-    memcpy(a->impulse + c->row_start[g], l, (size_t)rows * sizeof *l);
-    push(a, g, rows, l);
+    push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], l + a->full.row[i]);
+  }
+  if (ties) {
+    (void)take_impulses(a, lambda, put_impulse);
+  }
+  for (int i = 0; i < n_group; i++) {
+    memcpy(a->impulse + c->row_start[a->full.group[i]], l + a->full.row[i],
+           (size_t)(a->full.row[i + 1] - a->full.row[i]) * sizeof *l);
   }
   add_motion(a, c->v_free, a->v_next);
 }

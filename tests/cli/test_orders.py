@@ -109,7 +109,7 @@ def the_spread_is_told(d):
     done = table(d / "o")
     lines = [line.split() for line in done.stdout.splitlines()]
     assert done.returncode == 0 and [line[:3] for line in lines[1:-1]] == [
-        ["stack:n=5", "regularized", s] for s in ("lemke", "pgs")
+        ["stack:n=10", "regularized", s] for s in ("lemke", "pgs")
     ], done
     for line in lines[1:-1]:
         work = [int(r["n_iter"]) + int(r["n_pivot"]) for r in got if r["solver"] == line[2]]
