@@ -28,8 +28,8 @@ SCOPE = (
     "Times hold for the machine and build they name; errors and counters hold everywhere, to"
     " rounding. A row counts only when the judge, which never trusts the solver, confirmed every"
     " solve of it: to 1e-9 (exact methods) or 1e-6, and where accuracy is the question to the"
-    " tolerance that was asked for. Differences inside the noise of the clock are ties. Nothing here"
-    " says anything about scenes that are not in the tables."
+    " tolerance that was asked for. Differences inside the noise of the clock are ties. Nothing"
+    " here says anything about scenes that are not in the tables."
 )
 
 
