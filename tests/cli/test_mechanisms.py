@@ -13,7 +13,7 @@ import tempfile
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable
 
-from laws import SLACKS, Motion, broken, gained, speed_at
+from laws import SLACKS, Motion, broken, gained, speed_at, sunk
 from overlaps import behind, between
 from random_mechanisms import random_mechanism
 from random_pinned import random_pinned
@@ -320,6 +320,38 @@ def tied_directions_move_as_the_problem_says(d):
     assert broken(scene, motion, SLACKS["boxes"]) == ""
 
 
+def reached(scene: Scene, motion: Motion) -> float:
+    """How far shapes are in planes and in each other at the most, in the printed states [m]."""
+    apart = [set(pair) for pair in scene["no_collision"]]
+    worst = max(sunk(scene, s) for s in motion.states)
+    for k, a in enumerate(scene["bodies"]):
+        for b in (b for b in scene["bodies"][:k] if {a["name"], b["name"]} not in apart):
+            shapes = (scene["dim"], a["shape"], b["shape"])
+            for s in motion.states:
+                worst = max(worst, between(*shapes, s[a["name"]][:2], s[b["name"]][:2]))
+    return max(worst, 0.0)
+
+
+def penetration_is_the_overlap_of_shapes(d):
+    """Of long steps, springs, and scenes that are pushed together at the start."""
+    deepest = 0.0
+    for seed in range(4 if SANITIZED else 12):
+        scene = random_scene(seed) | {"T": DURATION, "hs": [0.02]}
+        if seed % 3 == 0:
+            for body in scene["bodies"]:
+                body["pos"] = [0.9 * c for c in body["pos"]]
+        (d / "scene.json").write_text(json.dumps(scene))
+        for formulation in ("velocity", "regularized", "penalty"):
+            way = d / "way.csv"
+            words = ("--formulation", formulation, "--solver", "lemke", "--trajectory", way)
+            done = run("simulate", d / "scene.json", *words, code=None, timeout=300)
+            told = json.loads(done.stdout)["penetration_max_m"]
+            found = reached(scene, Motion.read(way))
+            assert abs(told - found) <= 0.01 * found + 1e-9, (seed, formulation, told, found)
+            deepest = max(deepest, found)
+    assert deepest > 0.02, deepest
+
+
 def a_coarse_tolerance_parts_joints(d):
     """Joints that stay rows are kept to the tolerance that is asked for, and that is no trouble."""
     words = ("--formulation", "coulomb:joints=mixed", "--solver", "nsgs", "--tol", "1e-5")
@@ -483,6 +515,7 @@ tap(
         impulses_beyond_what_there_is_to_stop_are_refused,
         bounds_that_run_away_are_told,
         tied_directions_move_as_the_problem_says,
+        penetration_is_the_overlap_of_shapes,
         a_coarse_tolerance_parts_joints,
         joints_that_stay_rows_move_alike,
         a_light_body_is_not_thrown_by_the_tolerance,
