@@ -12,7 +12,18 @@ import signal
 import subprocess
 import time
 
-from support import FAULTY, SANITIZED, TESTS, campaign, diagonal, one_line_error, rows, run, tap
+from support import (
+    FAULTY,
+    SANITIZED,
+    TESTS,
+    Skip,
+    campaign,
+    diagonal,
+    one_line_error,
+    rows,
+    run,
+    tap,
+)
 
 CAMPAIGNS = (
     ["claims", "moving", "scaling", "warmstart", "paper"]
@@ -102,6 +113,7 @@ def check_order(which, *words, greedy=False):
     axes = sorted({a for c in found for a in c[2]})
     quick = {key(c) for c in order(which, "--quick")}
     n = sum(key(c) in quick for c in found)
+    assert n == len(quick), (which, "the quick form is a part of the full one", n, len(quick))
     assert all(key(c) in quick for c in found[:n]), "the quick form comes first"
     covered, of_quick = keeps(found[:n], axes, greedy=greedy)
     _, rest = keeps(found[n:], axes, covered, greedy=greedy)
@@ -120,10 +132,12 @@ def any_prefix_keeps_every_axis(d):
 
 def the_quick_form_is_a_part_of_the_full_one(d):
     """So a cut full form with all cells that the quick form names tells all that the quick one
-    tells."""
-    names = sorted(f.stem for f in (TESTS.parent / "harness/campaigns").glob("*.yaml"))
-    assert set(CAMPAIGNS) < set(names)
-    for which in names:
+    tells. Here the campaigns whose order is not checked above."""
+    if SANITIZED:
+        raise Skip("plans of twenty thousand cells: the other run reads them")
+    names = {f.stem for f in (TESTS.parent / "harness/campaigns").glob("*.yaml")}
+    assert set(CAMPAIGNS) < names
+    for which in sorted(names - set(CAMPAIGNS)):
         over = {key(c) for c in order(which, "--quick")} - {key(c) for c in order(which)}
         assert not over, (which, len(over), min(over))
 
