@@ -401,14 +401,17 @@ def a_chain_moved(d, seed: int, joints: str) -> list[float] | None:
 def joints_that_stay_rows_move_alike(d):
     """Chains whose ends coincide: the pin blocks their contact, eliminated or not. Half of the runs
     with rows ended on a ray when only the elimination knew. Chain 11 misses three choices among
-    redundant answers, and differs as much from solver to solver."""
-    unsolved = 0
+    redundant answers, and differs as much from solver to solver. The last digits part one other:
+    chain 5 by 1.5e-6 on a processor without AVX-512."""
+    unsolved, parted = 0, []
     for seed in range(12):
         eliminated, rows = (a_chain_moved(d, seed, j) for j in ("eliminated", "mixed"))
         unsolved += rows is None
         if eliminated and rows:
             apart = max(abs(a - b) for a, b in zip(eliminated, rows, strict=True))
             assert apart < (1e-3 if seed == 11 else 1e-5), (seed, apart)
+            parted += [seed] if apart >= 1e-6 and seed != 11 else []
+    assert len(parted) <= 1, f"chains {parted} move apart with joints as rows"
     assert unsolved <= 1, f"{unsolved} of 12 chains are not solved with joints as rows"
 
 
