@@ -51,6 +51,11 @@ static scales scales_of(const sim_request *q, const world *w) {
                   .rate = sqrt(gravity / size)};
 }
 
+/* The rate at which a deviation grows, by the last step. */
+static double growth(const watch *w) {
+  return w->s->steady ? 0.0 : w->scale.rate;
+}
+
 /* Effects whose part is more than `share` of the largest. */
 static unsigned acted(const deviation *d, double share) {
   double most = 0.0;
@@ -87,7 +92,7 @@ static bool add_step(watch *w, double h) {
   if (change == 0.0 && d->speed == 0.0) {
     return false;
   }
-  const double grown = exp(w->scale.rate * h);
+  const double grown = exp(growth(w) * h);
   d->speed = (d->speed + change) * grown;
   d->place = (d->place + h * d->speed) * grown;
   return true;
@@ -96,7 +101,7 @@ static bool add_step(watch *w, double h) {
 /* How far the end may be off, over the scales. */
 static double end_bound(const watch *w) {
   const double left = fmax(w->q->duration - world_time(w->s->w), 0.0);
-  const double grown = exp(fmin(w->scale.rate * left, 700.0));
+  const double grown = exp(fmin(growth(w) * left, 700.0));
   const deviation *d = &w->off;
   return grown * fmax(d->speed / w->scale.speed, (d->place + d->speed * left) / w->scale.size);
 }
@@ -139,6 +144,7 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     *taken = true;
     return go_back(w, w->q->effects, err);
   }
+  const unsigned earlier = acted(&w->off, small);
   if (!add_step(w, h)) {
     w->carrying = s->carrying;
     return BASE_OK;
@@ -146,6 +152,9 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
   const bool impact = s->carrying.ids != w->carrying.ids && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w);
   w->carrying = s->carrying;
+  if (impact && earlier != 0) {
+    return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
+  }
   if (bound > w->result->level || impact) {
     return go_back(w, acted(&w->off, small), err);
   }
@@ -168,6 +177,7 @@ static base_status foresee(watch *w, unsigned *acts, bool *touches, base_error *
     *touches = set.gap[i] <= set.tol;
   }
   world_foreseen(w->s->w, w->result->watched, w->s->omitted);
+  w->s->steady = true; /* what is sure to come does not count on growth */
   const bool enough = add_step(w, h) && end_bound(w) > w->result->level;
   *acts = enough ? acted(&w->off, small) : 0u;
   w->off = (deviation){0};

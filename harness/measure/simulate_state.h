@@ -55,6 +55,7 @@ typedef struct sim {
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
   double omitted[EFFECT_COUNT]; /* its answer for the last step [m/s] */
+  bool steady;                  /* and whether deviations keep their velocity in it */
   double h;                     /* of this step [s] */
   sim_carrying carrying;        /* in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */

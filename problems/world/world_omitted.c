@@ -4,20 +4,7 @@
  * residual: along axes that are locked the impulse that contacts, joints and loads leave over; at contacts without
  * friction (rolling, torsion) what Coulomb's law could exert at the velocity there. */
 #include "problems/vec.h"
-#include "problems/world/world_data.h"
-
-/* What may act on one body in the step. */
-typedef struct residual {
-  double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
-  double rub, resist;  /* friction left out [N s]; rolling and torsion left out [N m s] */
-  double bounce;       /* velocity that restitution left out may return [m/s] */
-  double under;        /* contacts that press on it as their second side */
-} residual;
-_Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
-
-static residual *of_body(const world *w, int i) {
-  return (residual *)(void *)(w->residual + (ptrdiff_t)WORLD_RESIDUAL * i);
-}
+#include "problems/world/world_residual.h"
 
 /* ---- axes that are locked without the effect ------------------------------------------------- */
 
@@ -26,7 +13,7 @@ static unsigned free_axes(const world *w, int i, unsigned effects) {
   return s->kinematic ? 0u : body_axes(w->dim, effects) & ~(s->lock | s->prescribed);
 }
 
-static unsigned locked_now(const world *w, int i, unsigned effects) {
+unsigned world_locked_now(const world *w, int i, unsigned effects) {
   return free_axes(w, i, effects) & ~free_axes(w, i, w->effects);
 }
 
@@ -35,7 +22,7 @@ static void push(const world *w, int side, const double *at, const double *impul
     return;
   }
   double arm[3], moment[3];
-  double *f = of_body(w, side)->wrench;
+  double *f = world_residual(w, side)->wrench;
   v3_sub(at, w->body[side].at.x, arm);
   v3_cross(arm, impulse, moment);
   v3_add_scaled(f, sign, impulse, f);
@@ -44,13 +31,12 @@ static void push(const world *w, int side, const double *at, const double *impul
 
 static void twist(const world *w, int side, const double *moment, double sign) {
   if (side >= 0 && side < w->n_body) {
-    double *f = of_body(w, side)->wrench;
+    double *f = world_residual(w, side)->wrench;
     v3_add_scaled(f + 3, sign, moment, f + 3);
   }
 }
 
-/* The impulse of a contact in world axes, and the moment of its torsion and rolling rows. */
-static void contact_impulse(const world *w, int i, const double *impulse, double *f, double *m) {
+void world_contact_impulse(const world *w, int i, const double *impulse, double *f, double *m) {
   static const double z[3] = {0, 0, 1};
   const set_store *s = &w->store;
   const double *frame = s->frame + 9 * (ptrdiff_t)i;
@@ -77,12 +63,9 @@ static void add_contacts(const world *w, const double *impulse) {
   for (int i = 0; i < w->set.n_contact; i++) {
     const contact_item *c = &s->item[s->key[i].item];
     double f[3], m[3];
-    contact_impulse(w, i, impulse, f, m);
+    world_contact_impulse(w, i, impulse, f, m);
     push(w, c->a, c->x, f, 1.0);
     push(w, c->b, c->x, f, -1.0);
-    if (c->b < w->n_body && impulse[s->row_start[i]] > 0.0) {
-      of_body(w, c->b)->under += 1.0;
-    }
     twist(w, c->a, m, 1.0);
     twist(w, c->b, m, -1.0);
   }
@@ -112,7 +95,8 @@ static void add_joints(const world *w, const double *impulse) {
 static void add_loads(const world *w) {
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
-    double *f = of_body(w, i)->wrench;
+    residual *r = world_residual(w, i);
+    double *f = r->wrench;
     for (int k = 0; k < AXES; k++) {
       f[k] = w->h * w->store.wrench[AXES * (ptrdiff_t)i + k];
     }
@@ -123,111 +107,8 @@ static void add_loads(const world *w) {
       v3_cross(b->v + 3, L, c);
       v3_add_scaled(f + 3, -w->h, c, f + 3);
     }
+    memcpy(r->load, f, sizeof r->load);
   }
-}
-
-/* ---- bodies that stand ------------------------------------------------------------------------ */
-
-enum { FEET_MOST = 16 }; /* what costs more to judge is not left out */
-
-/* Contacts of one body with one plane that nothing moves. */
-typedef struct feet {
-  int first, last, count; /* contacts; they need not follow each other */
-  int body, plane;        /* sides */
-  double force[3];        /* all of them on the body [N s] */
-  double mu;
-} feet;
-
-static bool is_foot(const world *w, const feet *f, int i) {
-  const contact_item *c = &w->store.item[w->store.key[i].item];
-  return c->a == f->body && c->b == f->plane && w->store.gap[i] <= 1e-6 * w->size;
-}
-
-static const double *point_of(const world *w, int i) {
-  return w->store.item[w->store.key[i].item].x;
-}
-
-/* Finds them among the contacts from `first` on, which are sorted by their first side; false where something else touches
- * the body too, the feet differ in friction, or are more than FEET_MOST. */
-static bool find_feet(const world *w, int own, int first, const double *impulse, feet *f) {
-  const set_store *s = &w->store;
-  *f = (feet){.first = -1, .body = own, .plane = -1};
-  for (int i = first; i < w->set.n_contact && f->count <= FEET_MOST; i++) {
-    const contact_item *c = &s->item[s->key[i].item];
-    if (c->a != own) {
-      break;
-    }
-    double push_f[3], moment[3];
-    contact_impulse(w, i, impulse, push_f, moment);
-    const bool presses = impulse[s->row_start[i]] > 0.0;
-    if (!presses && !is_foot(w, f, i)) {
-      continue;
-    }
-    const bool same = f->first < 0 || (c->b == f->plane && s->mu_static[i] == f->mu);
-    if (c->b < w->n_body || !same || v3_norm(moment) > 0.0) {
-      return false;
-    }
-    f->plane = c->b;
-    f->mu = s->mu_static[i];
-    f->first = (f->first < 0) ? i : f->first;
-    f->last = i;
-    f->count++;
-    v3_add_scaled(f->force, 1.0, push_f, f->force);
-  }
-  return f->first >= 0 && f->count <= FEET_MOST;
-}
-
-/* Is x inside the edge through feet i and j (in the plane: the end i of the line of feet), or is that no edge? All lie in
- * the plane with normal n. */
-static bool inside_edge(const world *w, const feet *f, const double *x, int i, int j) {
-  const double *n = w->store.frame + 9 * (ptrdiff_t)f->first;
-  double along[3], out[3], d[3];
-  v3_sub(point_of(w, j), point_of(w, i), along);
-  if (w->dim == 2) {
-    v3_scale(-1.0, along, out);
-  } else {
-    v3_cross(along, n, out);
-  }
-  const double length = v3_norm(out);
-  for (int k = f->first; k <= f->last; k++) {
-    v3_sub(point_of(w, k), point_of(w, i), d);
-    if (is_foot(w, f, k) && v3_dot(d, out) > 1e-9 * length * length) {
-      return true; /* feet beyond it */
-    }
-  }
-  v3_sub(x, point_of(w, i), d);
-  return !(length > 0.0) || v3_dot(d, out) < -1e-9 * length * length;
-}
-
-/* Can the feet share their force so that it has no moment about the body's centre? It can where the line of the force
- * through the centre meets their plane within them: friction goes with the normal forces. */
-static bool stands(const world *w, int own, int first, const double *impulse) {
-  feet f;
-  if (of_body(w, own)->under > 0.0 || !find_feet(w, own, first, impulse, &f) || f.count < w->dim) {
-    return false;
-  }
-  const double *n = w->store.frame + 9 * (ptrdiff_t)f.first;
-  const double press = v3_dot(f.force, n);
-  double d[3], x[3];
-  v3_sub(point_of(w, f.first), w->body[own].at.x, d);
-  if (!(press > 0.0)) {
-    return false;
-  }
-  v3_copy(w->body[own].at.x, x);
-  v3_add_scaled(x, v3_dot(d, n) / press, f.force, x);
-  for (int i = f.first; i <= f.last; i++) {
-    for (int j = f.first; j <= f.last; j++) {
-      if (i != j && is_foot(w, &f, i) && is_foot(w, &f, j) && !inside_edge(w, &f, x, i, j)) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-static bool without_loads(const world *w, int i) {
-  const double *torque = w->store.wrench + AXES * (ptrdiff_t)i + 3;
-  return w->n_joint == 0 && v3_norm(torque) == 0.0;
 }
 
 /* ---- laws that are left out at contacts ------------------------------------------------------- */
@@ -250,7 +131,7 @@ static void add_to_sides(const world *w, const contact_item *c, size_t field, do
   const int side[2] = {c->a, c->b};
   for (int k = 0; k < 2; k++) {
     if (side[k] < w->n_body) {
-      *(double *)(void *)((char *)of_body(w, side[k]) + field) += value;
+      *(double *)(void *)((char *)world_residual(w, side[k]) + field) += value;
     }
   }
 }
@@ -303,22 +184,36 @@ static void raise(double change[EFFECT_COUNT], unsigned effects, double speed) {
   }
 }
 
-/* `first`: the first contact of which it is the first side. */
-static void judge_body(const world *w, int i, int first, unsigned effects, const double *impulse,
+/* Is there a moment on an axis that the effects would free, beyond what rounding of the contact forces makes? */
+static bool any_moment(const world *w, unsigned effects, const double *impulse) {
+  static const double rounding = 1e-12;
+  double press = 0.0;
+  for (int i = 0; i < w->set.n_contact; i++) {
+    press += fmax(impulse[w->store.row_start[i]], 0.0);
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    const unsigned locked = world_locked_now(w, i, effects);
+    const double least = rounding * press * w->body[i].bound;
+    for (int k = 3; k < AXES; k++) {
+      if ((locked & 1u << k) != 0 && fabs(world_residual(w, i)->wrench[k]) > least) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/* still: the contacts can share their forces so that no body turns. */
+static void judge_body(const world *w, int i, unsigned effects, bool still,
                        double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
-  const unsigned locked = locked_now(w, i, effects);
+  const unsigned locked = world_locked_now(w, i, effects);
   const body *b = &w->body[i];
-  const residual *r = of_body(w, i);
+  const residual *r = world_residual(w, i);
   if (w->spec.body[i].kinematic) {
     return;
   }
   const double reach = b->bound / least_inertia(w, i); /* velocity a moment gives its points */
-  bool turns = false;
-  for (int k = 3; k < AXES; k++) {
-    turns = turns || ((locked & 1u << k) != 0 && r->wrench[k] != 0.0);
-  }
-  const bool still = turns && without_loads(w, i) && stands(w, i, first, impulse);
   for (int k = 0; k < AXES; k++) {
     if ((locked & 1u << k) != 0 && !(k >= 3 && still)) {
       raise(change, world_axis_needs(k, w->dim) & omitted,
@@ -332,12 +227,29 @@ static void judge_body(const world *w, int i, int first, unsigned effects, const
   raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
 }
 
-void world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
+/* Do bodies move each by itself, along planes, whatever their places are? */
+static bool by_planes(const world *w, const double *impulse) {
+  const set_store *s = &w->store;
+  for (int k = 0; k < w->spec.n_load; k++) {
+    const spec_load_kind kind = w->spec.load[k].kind;
+    if (kind != SPEC_FORCE && kind != SPEC_FORCE_RAMP && kind != SPEC_FORCE_SINE) {
+      return false;
+    }
+  }
+  for (int i = 0; i < w->set.n_contact; i++) {
+    if (impulse[s->row_start[i]] > 0.0 && s->item[s->key[i].item].b < w->n_body) {
+      return false;
+    }
+  }
+  return w->n_joint == 0;
+}
+
+bool world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
                    double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
   memset(change, 0, EFFECT_COUNT * sizeof *change);
   if (w->model != NULL || omitted == 0) {
-    return;
+    return false;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   if ((omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0) {
@@ -351,10 +263,10 @@ void world_omitted(const world *w, unsigned effects, const double *v_next, const
       add_laws(w, omitted, i, v_next, press);
     }
   }
-  for (int i = 0, first = 0; i < w->n_body; i++) {
-    while (first < w->set.n_contact && w->store.item[w->store.key[first].item].a < i) {
-      first++;
-    }
-    judge_body(w, i, first, effects, impulse, change);
+  const bool pulls = any_moment(w, effects, impulse);
+  const bool still = pulls && world_stands(w, effects, impulse);
+  for (int i = 0; i < w->n_body; i++) {
+    judge_body(w, i, effects, still, change);
   }
+  return (!pulls || still) && !world_has(w, EFFECT_ROTATION) && by_planes(w, impulse);
 }

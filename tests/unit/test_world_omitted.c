@@ -97,6 +97,83 @@ static void a_moment_needs_rotation(void **state) {
   spec_free(&s);
 }
 
+/* One step without rotation, from rest; the normal impulses of contact i are those of `impulse`. */
+static bool step_at_rest(const scene_spec *s, const double *normal, int n_contact, double *turn) {
+  world *w;
+  contact_set c;
+  double impulse[64] = {0}, v[12] = {0}, change[EFFECT_COUNT];
+  check_ok(world_open(&w, s, s->present & ~(unsigned)EFFECT_ROTATION, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_contact, n_contact);
+  assert_true(c.n_row <= 64 && c.n_dof <= 12);
+  for (int i = 0; i < n_contact; i++) {
+    impulse[c.row_start[i]] = normal[i];
+  }
+  const bool steady = world_omitted(w, s->present, v, impulse, change);
+  *turn = change[EFFECT_ROTATION_BIT];
+  world_close(w);
+  return steady;
+}
+
+/* A box on a box: the force between them goes through the centre of the upper one, which must be over their common face. */
+static void boxes_on_each_other_stand_or_topple(void **state) {
+  (void)state;
+  static const double offset[] = {0.0, 0.05, 0.099, 0.101, 0.12};
+  for (int dim = 2; dim <= 3; dim++) {
+    for (int k = 0; k < 5; k++) {
+      scene_spec s;
+      double turn, normal[8];
+      box_on_floor(&s, dim, 0.0);
+      spec_body *upper = add_body(&s, "upper", SPEC_BOX, 0.1);
+      upper->pos[0] = offset[k];
+      upper->pos[dim - 1] = 0.3;
+      check_ok(spec_check_all(&s, &err), &err);
+      const int feet = (dim == 2) ? 2 : 4;
+      for (int i = 0; i < 2 * feet; i++) { /* bodies come before planes */
+        normal[i] = ((i < feet) ? 1.0 : 2.0) * s.body[0].mass * g * h / feet;
+      }
+      assert_false(step_at_rest(&s, normal, 2 * feet, &turn));
+      if (k < 3) {
+        check_close(turn, 0.0, 1e-15);
+      } else {
+        assert_true(turn > 1e-3);
+      }
+      spec_free(&s);
+    }
+  }
+}
+
+/* A box in a corner, pushed into it; pulled up beyond its weight by a spring at its other face it would turn. */
+static void floor_and_wall_share(void **state) {
+  (void)state;
+  scene_spec s;
+  double turn;
+  spec_static *wall;
+  box_on_floor(&s, 2, 0.0);
+  s.gravity[0] = g;
+  check_ok(spec_add_static(&s, "wall", (double[]){-1, 0, 0}, -0.1, &wall, &err), &err);
+  check_ok(spec_check_all(&s, &err), &err);
+  const double weight = s.body[0].mass * g * h;
+  assert_true(step_at_rest(&s, (double[]){weight, 0, 0, weight}, 4, &turn));
+  check_close(turn, 0.0, 1e-15);
+  assert_true(step_at_rest(&s, (double[]){0, weight, weight, 0}, 4, &turn));
+  check_close(turn, 0.0, 1e-15);
+  /* a torque that feet of half a width can balance, one that they cannot; the wall's have as much */
+  spec_load *load;
+  check_ok(spec_add_load(&s, &load, &err), &err);
+  load->kind = SPEC_FORCE;
+  load->body = 0;
+  for (int k = 0; k < 2; k++) {
+    const double least = 2 * 0.1 * s.body[0].mass * g;
+    load->torque[2] = (k == 0) ? 0.99 * least : 1.01 * least;
+    check_ok(spec_check_all(&s, &err), &err);
+    const bool steady = step_at_rest(&s, (double[]){weight, 0, 0, weight}, 4, &turn);
+    assert_int_equal(steady, k == 0);
+    assert_int_equal(turn > 1e-12, k == 1);
+  }
+  spec_free(&s);
+}
+
 static void a_force_across_needs_space(void **state) {
   (void)state;
   scene_spec s;
@@ -210,6 +287,8 @@ int main(void) {
       cmocka_unit_test(a_box_at_rest_needs_nothing),
       cmocka_unit_test(friction_left_out_is_bounded_by_the_weight),
       cmocka_unit_test(a_moment_needs_rotation),
+      cmocka_unit_test(boxes_on_each_other_stand_or_topple),
+      cmocka_unit_test(floor_and_wall_share),
       cmocka_unit_test(a_force_across_needs_space),
       cmocka_unit_test(an_impact_needs_restitution),
       cmocka_unit_test(motion_at_the_start_is_seen),

@@ -1,0 +1,31 @@
+/* problems/world/world_residual.h - what acts on bodies in a step without some effects, for world_omitted.c and world_standing.c. */
+#pragma once
+
+#include "problems/world/world_data.h"
+
+/* What may act on one body in the step. */
+typedef struct residual {
+  double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
+  double load[AXES];   /* of these what neither contacts nor joints bring */
+  double other[AXES];  /* what the contacts are to bring in all, turned round: their force, and the moment of all others over
+                          the reach [N s] */
+  double rest[AXES];   /* what the contacts bring, on top of that */
+  double rub, resist;  /* friction left out [N s]; rolling and torsion left out [N m s] */
+  double bounce;       /* velocity that restitution left out may return [m/s] */
+} residual;
+_Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
+
+static inline residual *world_residual(const world *w, int i) {
+  return (residual *)(void *)(w->residual + (ptrdiff_t)WORLD_RESIDUAL * i);
+}
+
+/* The impulse of contact i in world axes, f, and the moment of its torsion and rolling rows, m. impulse: by rows of the set. */
+void world_contact_impulse(const world *w, int i, const double *impulse, double *f, double *m);
+
+/* Axes of body i that `effects` would free and the world has locked. */
+unsigned world_locked_now(const world *w, int i, unsigned effects);
+
+/* Can the contacts share their forces so that the force on every body stays and none has a moment on an axis that `effects`
+ * would free? Asks for the wrenches of all bodies. No where it is not judged: more contacts than that pays for, joints, or
+ * contacts with torsion or rolling that act. */
+bool world_stands(const world *w, unsigned effects, const double *impulse);
