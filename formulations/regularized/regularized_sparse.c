@@ -2,8 +2,7 @@
  * whose envelope would be wide. The pattern is that of the bodies that share a contact with friction; while
  * it stands, ordering and symbolic analysis are kept and only numbers are factored. CHOLMOD allocates. */
 #include "formulations/regularized/regularized_factor.h"
-
-#include <suitesparse/cholmod.h>
+#include "lcp/linear/cholmod_library.h"
 
 #include <assert.h>
 #include <math.h>
@@ -11,7 +10,7 @@
 #include <string.h>
 
 struct reg_sparse {
-  cholmod_common common;
+  cholmod_session cholmod;
   cholmod_sparse *A; /* lower triangle, dofs in the order of reg_mass.place */
   cholmod_factor *F;
   int *colptr, *rowind; /* of this step, n+1 and nnz */
@@ -25,9 +24,9 @@ struct reg_sparse {
 void reg_sparse_close(reg_mass *m) {
   reg_sparse *s = m->sparse;
   if (s != NULL) {
-    cholmod_free_sparse(&s->A, &s->common);
-    cholmod_free_factor(&s->F, &s->common);
-    cholmod_finish(&s->common);
+    s->cholmod.of.cholmod_free_sparse(&s->A, &s->cholmod.common);
+    s->cholmod.of.cholmod_free_factor(&s->F, &s->cholmod.common);
+    s->cholmod.of.cholmod_finish(&s->cholmod.common);
     free(s->colptr);
     free(s->rowind);
     free(s->near_start);
@@ -57,9 +56,13 @@ static base_status reserve(const contact_set *c, reg_mass *m, base_error *err) {
     if (m->sparse == NULL) {
       return BASE_FAIL(err, BASE_ENOMEM, "regularized: no memory for CHOLMOD");
     }
-    cholmod_start(&m->sparse->common);
-    m->sparse->common.final_ll = 1;
-    m->sparse->common.print = 0;
+    const base_status begun = cholmod_begin(&m->sparse->cholmod, err);
+    if (begun != BASE_OK) {
+      free(m->sparse);
+      m->sparse = NULL;
+      return begun;
+    }
+    m->sparse->cholmod.common.final_ll = 1;
   }
   reg_sparse *s = m->sparse;
   int same = s->cap_dof;
@@ -153,20 +156,20 @@ base_status reg_sparse_plan(const contact_set *c, reg_mass *m, base_error *err) 
   if (same_pattern(s, n, nnz)) {
     return BASE_OK;
   }
-  cholmod_free_sparse(&s->A, &s->common);
-  cholmod_free_factor(&s->F, &s->common);
-  s->A = cholmod_allocate_sparse((size_t)n, (size_t)n, (size_t)nnz, 1, 1, -1, CHOLMOD_REAL,
-                                 &s->common);
+  s->cholmod.of.cholmod_free_sparse(&s->A, &s->cholmod.common);
+  s->cholmod.of.cholmod_free_factor(&s->F, &s->cholmod.common);
+  s->A = s->cholmod.of.cholmod_allocate_sparse((size_t)n, (size_t)n, (size_t)nnz, 1, 1, -1,
+                                               CHOLMOD_REAL, &s->cholmod.common);
   if (s->A != NULL) {
     memcpy(s->A->p, s->colptr, ((size_t)n + 1) * sizeof *s->colptr);
     memcpy(s->A->i, s->rowind, (size_t)nnz * sizeof *s->rowind);
-    s->F = cholmod_analyze(s->A, &s->common);
+    s->F = s->cholmod.of.cholmod_analyze(s->A, &s->cholmod.common);
   }
   m->analyses++;
   return (s->F != NULL)
              ? BASE_OK
              : BASE_FAIL(err, BASE_EEXTERNAL, "regularized: CHOLMOD status %d on %d dofs",
-                         s->common.status, n);
+                         s->cholmod.common.status, n);
 }
 
 void reg_sparse_mass(const contact_set *c, reg_mass *m) {
@@ -209,22 +212,25 @@ void reg_sparse_add(reg_mass *m, const reg_springs *p, int x, int y) {
 bool reg_sparse_factor(reg_mass *m) {
   reg_sparse *s = m->sparse;
   assert(same_pattern(s, (int)s->A->nrow, s->colptr[s->A->nrow]));
-  return cholmod_factorize(s->A, s->F, &s->common) && s->F->minor == s->F->n;
+  return s->cholmod.of.cholmod_factorize(s->A, s->F, &s->cholmod.common) && s->F->minor == s->F->n;
 }
 
 /* The dense right sides B through two of CHOLMOD's partial solves; NULL without memory. Frees B. */
 static cholmod_dense *solve_twice(reg_sparse *s, int first, int second, cholmod_dense *B) {
-  cholmod_dense *X = (B != NULL) ? cholmod_solve(first, s->F, B, &s->common) : NULL;
-  cholmod_dense *Z = (X != NULL) ? cholmod_solve(second, s->F, X, &s->common) : NULL;
-  cholmod_free_dense(&B, &s->common);
-  cholmod_free_dense(&X, &s->common);
+  cholmod_dense *X =
+      (B != NULL) ? s->cholmod.of.cholmod_solve(first, s->F, B, &s->cholmod.common) : NULL;
+  cholmod_dense *Z =
+      (X != NULL) ? s->cholmod.of.cholmod_solve(second, s->F, X, &s->cholmod.common) : NULL;
+  s->cholmod.of.cholmod_free_dense(&B, &s->cholmod.common);
+  s->cholmod.of.cholmod_free_dense(&X, &s->cholmod.common);
   return Z;
 }
 
 bool reg_sparse_forward(reg_mass *m, int n, int width) {
   reg_sparse *s = m->sparse;
   const size_t rows = (size_t)n;
-  cholmod_dense *B = cholmod_allocate_dense(rows, (size_t)width, rows, CHOLMOD_REAL, &s->common);
+  cholmod_dense *B = s->cholmod.of.cholmod_allocate_dense(rows, (size_t)width, rows, CHOLMOD_REAL,
+                                                          &s->cholmod.common);
   for (size_t k = 0; B != NULL && k < (size_t)width; k++) {
     for (size_t i = 0; i < rows; i++) {
       ((double *)B->x)[k * rows + i] = m->Y[i * (size_t)width + k];
@@ -237,13 +243,14 @@ bool reg_sparse_forward(reg_mass *m, int n, int width) {
     }
   }
   const bool good = Z != NULL;
-  cholmod_free_dense(&Z, &s->common);
+  s->cholmod.of.cholmod_free_dense(&Z, &s->cholmod.common);
   return good;
 }
 
 void reg_sparse_backward(reg_mass *m, int n, double *x) {
   reg_sparse *s = m->sparse;
-  cholmod_dense *B = cholmod_allocate_dense((size_t)n, 1, (size_t)n, CHOLMOD_REAL, &s->common);
+  cholmod_dense *B = s->cholmod.of.cholmod_allocate_dense((size_t)n, 1, (size_t)n, CHOLMOD_REAL,
+                                                          &s->cholmod.common);
   if (B != NULL) {
     memcpy(B->x, x, (size_t)n * sizeof *x);
   }
@@ -251,5 +258,5 @@ void reg_sparse_backward(reg_mass *m, int n, double *x) {
   for (int i = 0; i < n; i++) {
     x[i] = (Z != NULL) ? ((const double *)Z->x)[i] : (double)NAN;
   }
-  cholmod_free_dense(&Z, &s->common);
+  s->cholmod.of.cholmod_free_dense(&Z, &s->cholmod.common);
 }

@@ -1,7 +1,7 @@
 /* base/library.h - libraries that are loaded when they are asked for.
  *
- * What few runs need (HDF5 with its 30 libraries, GSL, NLopt) would cost every start of the program. Such a library is listed once, in
- * a header of its own, as the symbols that are used:
+ * What few runs need (HDF5 with its 30 libraries, CHOLMOD with a second LAPACK, GSL, NLopt) would cost every start of the
+ * program. Such a library is listed once, in a header of its own, as the symbols that are used:
  *
  *   #define NLOPT_SYMBOLS(X) X(nlopt_create) X(nlopt_destroy) ...
  *   BASE_LIBRARY(nlopt, NLOPT_SYMBOLS, LCPBENCH_LIB_NLOPT, "SQP")

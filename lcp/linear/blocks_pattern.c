@@ -1,7 +1,7 @@
 #include "lcp/linear/blocks_inside.h"
+#include "lcp/linear/cholmod_library.h"
 
 #include <suitesparse/amd.h>
-#include <suitesparse/cholmod.h>
 
 #include <stdint.h>
 #include <stdlib.h>
@@ -242,9 +242,9 @@ static base_status order_by_degree(lin_blocks *s, graph *g, double *work, base_e
   return follow_order(s, g, work, err);
 }
 
-/* False: it could not be made. */
-static bool dissect(lin_blocks *s, graph *g) {
-  cholmod_common c;
+/* *done: false where it could not be made. */
+static base_status dissect(lin_blocks *s, graph *g, bool *done, base_error *err) {
+  cholmod_session c;
   cholmod_sparse a = {.nrow = (size_t)s->n,
                       .ncol = (size_t)s->n,
                       .nzmax = (size_t)g->start[s->n],
@@ -256,22 +256,26 @@ static bool dissect(lin_blocks *s, graph *g) {
                       .dtype = CHOLMOD_DOUBLE,
                       .sorted = 1,
                       .packed = 1};
-  cholmod_start(&c);
-  c.print = 0;
-  cholmod_sparse *lower = cholmod_copy(&a, -1, 0, &c); /* symmetric, of the lower triangle */
-  const bool done = lower != NULL && cholmod_metis(lower, NULL, 0, 1, s->order, &c) != 0;
-  cholmod_free_sparse(&lower, &c);
-  cholmod_finish(&c);
-  return done;
+  BASE_TRY(cholmod_begin(&c, err));
+  cholmod_sparse *lower =
+      c.of.cholmod_copy(&a, -1, 0, &c.common); /* symmetric, of the lower triangle */
+  *done = lower != NULL && c.of.cholmod_metis(lower, NULL, 0, 1, s->order, &c.common) != 0;
+  c.of.cholmod_free_sparse(&lower, &c.common);
+  c.of.cholmod_finish(&c.common);
+  return BASE_OK;
 }
 
 static base_status analyse(lin_blocks *s, graph *g, base_error *err) {
   double work;
   double other;
+  bool dissected = false;
   neighbours(s, g->start, g->near, g->mark);
   s->analyses++;
   BASE_TRY(order_by_degree(s, g, &work, err));
-  if (work > dense_work * s->n && dissect(s, g)) {
+  if (work > dense_work * s->n) {
+    BASE_TRY(dissect(s, g, &dissected, err));
+  }
+  if (dissected) {
     BASE_TRY(follow_order(s, g, &other, err));
     if (!(other < work)) {
       BASE_TRY(order_by_degree(s, g, &work, err));

@@ -1,7 +1,6 @@
 /* W = H' M^-1 H and q = H' M^-1 f + w by sparse Cholesky of M (CHOLMOD). */
+#include "lcp/linear/cholmod_library.h"
 #include "problems/import/friction_problem.h"
-
-#include <suitesparse/cholmod.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,10 +33,10 @@ static double asymmetry(const lcp_csc *M) {
 }
 
 /* A heap copy that CHOLMOD owns, with both triangles. */
-static cholmod_sparse *copy_in(const lcp_csc *A, cholmod_common *c) {
+static cholmod_sparse *copy_in(const lcp_csc *A, cholmod_session *c) {
   const size_t nnz = (size_t)A->colptr[A->n_col];
-  cholmod_sparse *B =
-      cholmod_allocate_sparse((size_t)A->n_row, (size_t)A->n_col, nnz, 1, 1, 0, CHOLMOD_REAL, c);
+  cholmod_sparse *B = c->of.cholmod_allocate_sparse((size_t)A->n_row, (size_t)A->n_col, nnz, 1, 1,
+                                                    0, CHOLMOD_REAL, &c->common);
   if (B != NULL) {
     memcpy(B->p, A->colptr, ((size_t)A->n_col + 1) * sizeof(int));
     memcpy(B->i, A->rowind, nnz * sizeof(int));
@@ -47,11 +46,11 @@ static cholmod_sparse *copy_in(const lcp_csc *A, cholmod_common *c) {
 }
 
 /* (B + B')/2 as an owned matrix: rounding must not make a symmetric problem nonsymmetric. */
-static cholmod_sparse *symmetrised(cholmod_sparse *B, cholmod_common *c) {
+static cholmod_sparse *symmetrised(cholmod_sparse *B, cholmod_session *c) {
   double half[2] = {0.5, 0.0};
-  cholmod_sparse *T = (B != NULL) ? cholmod_transpose(B, 1, c) : NULL;
-  cholmod_sparse *S = (T != NULL) ? cholmod_add(B, T, half, half, 1, 1, c) : NULL;
-  cholmod_free_sparse(&T, c);
+  cholmod_sparse *T = (B != NULL) ? c->of.cholmod_transpose(B, 1, &c->common) : NULL;
+  cholmod_sparse *S = (T != NULL) ? c->of.cholmod_add(B, T, half, half, 1, 1, &c->common) : NULL;
+  c->of.cholmod_free_sparse(&T, &c->common);
   return S;
 }
 
@@ -80,16 +79,16 @@ typedef struct pieces {
   cholmod_dense *f, *v;
 } pieces;
 
-static void release(pieces *k, cholmod_common *c) {
-  cholmod_free_sparse(&k->M, c);
-  cholmod_free_sparse(&k->H, c);
-  cholmod_free_sparse(&k->X, c);
-  cholmod_free_sparse(&k->HT, c);
-  cholmod_free_sparse(&k->W, c);
-  cholmod_free_sparse(&k->S, c);
-  cholmod_free_factor(&k->L, c);
-  cholmod_free_dense(&k->f, c);
-  cholmod_free_dense(&k->v, c);
+static void release(pieces *k, cholmod_session *c) {
+  c->of.cholmod_free_sparse(&k->M, &c->common);
+  c->of.cholmod_free_sparse(&k->H, &c->common);
+  c->of.cholmod_free_sparse(&k->X, &c->common);
+  c->of.cholmod_free_sparse(&k->HT, &c->common);
+  c->of.cholmod_free_sparse(&k->W, &c->common);
+  c->of.cholmod_free_sparse(&k->S, &c->common);
+  c->of.cholmod_free_factor(&k->L, &c->common);
+  c->of.cholmod_free_dense(&k->f, &c->common);
+  c->of.cholmod_free_dense(&k->v, &c->common);
 }
 
 /* First column without a positive pivot, or n. CHOLMOD's simplicial L D L' stops at a zero of D only. */
@@ -104,42 +103,44 @@ static size_t indefinite_at(const cholmod_factor *L) {
   return L->minor;
 }
 
-static base_status factorise(const friction_problem *p, pieces *k, cholmod_common *c,
+static base_status factorise(const friction_problem *p, pieces *k, cholmod_session *c,
                              base_error *err) {
   cholmod_sparse *M = copy_in(&p->M, c), *S = symmetrised(M, c);
-  k->M = (S != NULL) ? cholmod_copy(S, 1, 1, c) : NULL; /* upper triangle of the symmetric part */
-  cholmod_free_sparse(&M, c);
-  cholmod_free_sparse(&S, c);
+  k->M = (S != NULL) ? c->of.cholmod_copy(S, 1, 1, &c->common)
+                     : NULL; /* upper triangle of the symmetric part */
+  c->of.cholmod_free_sparse(&M, &c->common);
+  c->of.cholmod_free_sparse(&S, &c->common);
   k->H = copy_in(&p->H, c);
-  k->L = (k->M != NULL) ? cholmod_analyze(k->M, c) : NULL;
+  k->L = (k->M != NULL) ? c->of.cholmod_analyze(k->M, &c->common) : NULL;
   if (k->H == NULL || k->L == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to analyse", p->M.n_col);
   }
-  (void)cholmod_factorize(k->M, k->L, c);
-  if (c->status < CHOLMOD_OK) {
+  (void)c->of.cholmod_factorize(k->M, k->L, &c->common);
+  if (c->common.status < CHOLMOD_OK) {
     return BASE_FAIL(err, BASE_ENOMEM, "M of %d dofs: no memory to factorise", p->M.n_col);
   }
   const size_t bad = indefinite_at(k->L);
-  if (c->status != CHOLMOD_OK || bad < k->L->n) {
+  if (c->common.status != CHOLMOD_OK || bad < k->L->n) {
     return BASE_FAIL(err, BASE_EINVAL, "M is not positive definite (pivot %zu)", bad + 1);
   }
   return BASE_OK;
 }
 
-static base_status solve(const friction_problem *p, pieces *k, cholmod_common *c, lcp_csc *W,
+static base_status solve(const friction_problem *p, pieces *k, cholmod_session *c, lcp_csc *W,
                          double *q, base_error *err) {
   const size_t n_dof = (size_t)p->M.n_col;
-  k->X = cholmod_spsolve(CHOLMOD_A, k->L, k->H, c);
-  k->HT = cholmod_transpose(k->H, 1, c);
-  k->W = (k->X != NULL && k->HT != NULL) ? cholmod_ssmult(k->HT, k->X, 0, 1, 1, c) : NULL;
+  k->X = c->of.cholmod_spsolve(CHOLMOD_A, k->L, k->H, &c->common);
+  k->HT = c->of.cholmod_transpose(k->H, 1, &c->common);
+  k->W = (k->X != NULL && k->HT != NULL) ? c->of.cholmod_ssmult(k->HT, k->X, 0, 1, 1, &c->common)
+                                         : NULL;
   k->S = symmetrised(k->W, c);
-  k->f = cholmod_allocate_dense(n_dof, 1, n_dof, CHOLMOD_REAL, c);
+  k->f = c->of.cholmod_allocate_dense(n_dof, 1, n_dof, CHOLMOD_REAL, &c->common);
   if (k->S == NULL || k->f == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for W");
   }
-  (void)cholmod_sort(k->S, c);
+  (void)c->of.cholmod_sort(k->S, &c->common);
   memcpy(k->f->x, p->f, n_dof * sizeof(double));
-  k->v = cholmod_solve(CHOLMOD_A, k->L, k->f, c);
+  k->v = c->of.cholmod_solve(CHOLMOD_A, k->L, k->f, &c->common);
   if (k->v == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the free velocity");
   }
@@ -159,19 +160,18 @@ static base_status condense(friction_problem *p, base_error *err) {
   if (!(skew <= ASYMMETRY_MAX)) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "M is not symmetric: relative difference %.2g", skew);
   }
-  cholmod_common c;
+  cholmod_session c;
   pieces k = {0};
   lcp_csc W = {0};
+  BASE_TRY(cholmod_begin(&c, err));
   double *q = malloc(((size_t)p->H.n_col + 1) * sizeof *q);
-  (void)cholmod_start(&c);
-  c.print = 0;
   base_status status =
       (q != NULL) ? factorise(p, &k, &c, err) : BASE_FAIL(err, BASE_ENOMEM, "no memory for q");
   if (status == BASE_OK) {
     status = solve(p, &k, &c, &W, q, err);
   }
   release(&k, &c);
-  (void)cholmod_finish(&c);
+  (void)c.of.cholmod_finish(&c.common);
   if (status != BASE_OK) {
     free(q);
     return status;

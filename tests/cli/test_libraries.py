@@ -7,13 +7,14 @@ import subprocess
 
 from support import LCPBENCH, TESTS, campaign, rows, run, run_json, tap
 
-LAZY = ("hdf5", "gsl", "nlopt")
+LAZY = ("hdf5", "gsl", "nlopt", "cholmod")
 FCLIB = next((TESTS / "data" / "fclib").rglob("*.hdf5"))
 NEEDS = {  # what a command needs: one of them
     "nlopt": ("solve", "random_spd:n=5", "--solver", "sqp"),
     "gsl": ("simulate", "stack:n=1,duration=0.02", "--formulation", "penalty", "--solver", "lemke"),
     "hdf5": ("solve", FCLIB, "--solver", "nsgs"),
 }
+SCENE = ("simulate", "stack:n=1,duration=0.02", "--solver", "lemke", "--formulation")
 ROWS = """
 name: lazy
 limits: {time: 20s, grace: 1s}
@@ -37,7 +38,7 @@ def broken(d):
     """An environment in which each of them is a file that is no library. The names that the program
     asks for stand in it."""
     with open(LCPBENCH, "rb") as f:
-        found = set(re.findall(rb"lib(?:hdf5|gsl|nlopt)[\w.-]*\.so\.\d+", f.read()))
+        found = set(re.findall(rb"lib(?:hdf5|gsl|nlopt|cholmod)[\w.-]*\.so\.\d+", f.read()))
     assert len(found) == len(LAZY), found
     for name in found:
         (d / name.decode()).write_text("no library")
@@ -59,6 +60,16 @@ def what_needs_one_says_so(d):
     assert run_json("solve", "random_spd:n=5", "--solver", "lemke", **env)["status"] == "ok"
 
 
+def a_step_that_needs_one_says_so(d):
+    way = "regularized:form=mass,factor="
+    assert run_json(*SCENE, way + "cholmod")["status"] == "ok"
+    env = broken(d)
+    told = run_json(*SCENE, way + "cholmod", code=3, **env)
+    assert told["status"] != "ok" and told["steps"] == 0, told
+    assert "libcholmod" in told["note"] and "cannot be loaded" in told["note"], told["note"]
+    assert run_json(*SCENE, way + "envelope", **env)["status"] == "ok"
+
+
 def a_campaign_goes_on_without(d):
     env = broken(d)
     run("run", campaign(d, ROWS), "--out", d / "out", "--quiet", **env)
@@ -67,4 +78,11 @@ def a_campaign_goes_on_without(d):
     assert got["sqp"][0] == "error" and "libnlopt" in got["sqp"][1], got
 
 
-tap([a_start_loads_none_of_them, what_needs_one_says_so, a_campaign_goes_on_without])
+tap(
+    [
+        a_start_loads_none_of_them,
+        what_needs_one_says_so,
+        a_step_that_needs_one_says_so,
+        a_campaign_goes_on_without,
+    ]
+)
