@@ -253,8 +253,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 
   from = base_seconds();
   if (s->watched != 0) {
-    s->steady =
-        world_omitted(s->w, s->watched | s->effects, a.v_next, a.impulse, s->omitted);
+    s->steady = world_omitted(s->w, s->watched | s->effects, a.v_next, a.impulse, s->omitted);
     lap(&t->watch, &from);
   }
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));

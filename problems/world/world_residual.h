@@ -7,11 +7,12 @@
 typedef struct residual {
   double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
   double load[AXES];   /* of these what neither contacts nor joints bring */
-  double other[AXES];  /* what the contacts are to bring in all, turned round: their force, and the moment of all others over
+  double other
+      [AXES]; /* what the contacts are to bring in all, turned round: their force, and the moment of all others over
                           the reach [N s] */
-  double rest[AXES];   /* what the contacts bring, on top of that */
-  double rub, resist;  /* friction left out [N s]; rolling and torsion left out [N m s] */
-  double bounce;       /* velocity that restitution left out may return [m/s] */
+  double rest[AXES];  /* what the contacts bring, on top of that */
+  double rub, resist; /* friction left out [N s]; rolling and torsion left out [N m s] */
+  double bounce;      /* velocity that restitution left out may return [m/s] */
 } residual;
 _Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
 

@@ -195,7 +195,8 @@ static bool move(feet *s) {
   int kept = 0, first = s->n_used, ends = -1;
   for (int r = 0; r < s->n_used; r++) {
     const foot *f = &s->foot[s->used[r]];
-    const double reached = (f->target > 0.0) ? 1.0 : ((f->p > 0.0) ? f->p / (f->p - f->target) : 0.0);
+    const double reached =
+        (f->target > 0.0) ? 1.0 : ((f->p > 0.0) ? f->p / (f->p - f->target) : 0.0);
     ends = (f->target <= 0.0 && reached <= share) ? s->used[r] : ends;
     share = fmin(share, reached);
   }
