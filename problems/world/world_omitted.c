@@ -8,15 +8,6 @@
 
 /* ---- axes that are locked without the effect ------------------------------------------------- */
 
-static unsigned free_axes(const world *w, int i, unsigned effects) {
-  const spec_body *s = &w->spec.body[i];
-  return s->kinematic ? 0u : body_axes(w->dim, effects) & ~(s->lock | s->prescribed);
-}
-
-unsigned world_locked_now(const world *w, int i, unsigned effects) {
-  return free_axes(w, i, effects) & ~free_axes(w, i, w->effects);
-}
-
 static void push(const world *w, int side, const double *at, const double *impulse, double sign) {
   if (side < 0 || side >= w->n_body) {
     return;
@@ -33,28 +24,6 @@ static void twist(const world *w, int side, const double *moment, double sign) {
   if (side >= 0 && side < w->n_body) {
     double *f = world_residual(w, side)->wrench;
     v3_add_scaled(f + 3, sign, moment, f + 3);
-  }
-}
-
-void world_contact_impulse(const world *w, int i, const double *impulse, double *f, double *m) {
-  static const double z[3] = {0, 0, 1};
-  const set_store *s = &w->store;
-  const double *frame = s->frame + 9 * (ptrdiff_t)i;
-  const double *row = impulse + s->row_start[i];
-  const contact_rows r = s->rows[i];
-  memset(m, 0, 3 * sizeof *m);
-  v3_scale(*row++, frame, f);
-  for (int k = 0; k < r.tangent; k++) {
-    v3_add_scaled(f, *row++, frame + 3 + 3 * (ptrdiff_t)k, f);
-  }
-  if (r.torsion > 0) {
-    v3_add_scaled(m, *row++, frame, m);
-  }
-  if (r.rolling == 1) {
-    v3_add_scaled(m, *row, (w->dim == 2) ? z : frame + 6, m);
-  }
-  for (int k = 0; r.rolling == 2 && k < 2; k++) {
-    v3_add_scaled(m, *row++, frame + 3 + 3 * (ptrdiff_t)k, m);
   }
 }
 
@@ -220,7 +189,7 @@ static void judge_body(const world *w, int i, unsigned effects, bool still,
             fabs(r->wrench[k]) * (k < 3 ? 1.0 / b->mass : reach));
     }
   }
-  const bool can_turn = (free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  const bool can_turn = (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
   const double arm = can_turn ? b->bound * reach : 0.0;
   raise(change, omitted & EFFECT_FRICTION, r->rub * (1.0 / b->mass + arm));
   raise(change, omitted & (EFFECT_ROLLING | EFFECT_TORSION), r->resist * reach);

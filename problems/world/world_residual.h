@@ -23,7 +23,10 @@ static inline residual *world_residual(const world *w, int i) {
 /* The impulse of contact i in world axes, f, and the moment of its torsion and rolling rows, m. impulse: by rows of the set. */
 void world_contact_impulse(const world *w, int i, const double *impulse, double *f, double *m);
 
-/* Axes of body i that `effects` would free and the world has locked. */
+/* Axes along which body i moves with `effects`. */
+unsigned world_free_axes(const world *w, int i, unsigned effects);
+
+/* Those that `effects` would free and the world has locked. */
 unsigned world_locked_now(const world *w, int i, unsigned effects);
 
 /* Can the contacts share their forces so that the force on every body stays and none has a moment on an axis that `effects`
