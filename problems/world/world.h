@@ -98,7 +98,7 @@ double world_saved_unsteady(const world *w, const saved_step *before, const save
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the
  * step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
  * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. True: bodies that
- * deviated before the step deviate by no more velocity after it, since none turns, they touch planes alone, and no load or joint
+ * deviated before the step deviate by no more velocity after it, since none turns or is balanced on an edge, they touch planes alone, and no load or joint
  * depends on places; what a step moves a body by is then linear in its velocity, and contact takes of a difference in it. */
 bool world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
                    double change[EFFECT_COUNT]);

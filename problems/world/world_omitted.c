@@ -196,7 +196,8 @@ static void judge_body(const world *w, int i, unsigned effects, bool still,
   raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
 }
 
-/* Do bodies move each by itself, along planes, whatever their places are? */
+/* Do bodies move each by itself, along planes, whatever their places are? One that stands on fewer feet than the space has
+ * dimensions may be balanced on an edge, and falls by any deviation. */
 static bool by_planes(const world *w, const double *impulse) {
   const set_store *s = &w->store;
   for (int k = 0; k < w->spec.n_load; k++) {
@@ -207,6 +208,12 @@ static bool by_planes(const world *w, const double *impulse) {
   }
   for (int i = 0; i < w->set.n_contact; i++) {
     if (impulse[s->row_start[i]] > 0.0 && s->item[s->key[i].item].b < w->n_body) {
+      return false;
+    }
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    const double feet = world_residual(w, i)->feet;
+    if (feet > 0.0 && feet < w->dim) {
       return false;
     }
   }
@@ -221,7 +228,8 @@ bool world_omitted(const world *w, unsigned effects, const double *v_next, const
     return false;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
-  if ((omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0) {
+  const bool turns = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
+  if (turns) {
     add_loads(w);
     add_contacts(w, impulse);
     add_joints(w, impulse);
@@ -232,8 +240,13 @@ bool world_omitted(const world *w, unsigned effects, const double *v_next, const
       add_laws(w, omitted, i, v_next, press);
     }
   }
-  const bool pulls = any_moment(w, effects, impulse);
+  const bool pulls = turns && any_moment(w, effects, impulse);
   const bool still = pulls && world_stands(w, effects, impulse);
+  for (int i = 0; i < w->set.n_contact && turns && !pulls; i++) {
+    if (impulse[w->store.row_start[i]] > 0.0) {
+      world_add_foot(w, i);
+    }
+  }
   for (int i = 0; i < w->n_body; i++) {
     judge_body(w, i, effects, still, change);
   }

@@ -33,3 +33,11 @@ void world_contact_impulse(const world *w, int i, const double *impulse, double 
     v3_add_scaled(m, *row++, frame + 3 + 3 * (ptrdiff_t)k, m);
   }
 }
+
+void world_add_foot(const world *w, int i) {
+  const contact_item *c = &w->store.item[w->store.key[i].item];
+  world_residual(w, c->a)->feet += 1.0;
+  if (c->b < w->n_body) {
+    world_residual(w, c->b)->feet += 1.0;
+  }
+}

@@ -7,11 +7,11 @@
 typedef struct residual {
   double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
   double load[AXES];   /* of these what neither contacts nor joints bring */
-  double other
-      [AXES]; /* what the contacts are to bring in all, turned round: their force, and the moment of all others over
-                          the reach [N s] */
+  /* what the contacts are to bring in all, turned round: their force, and the moment of all others over the reach [N s] */
+  double other[AXES];
   double rest[AXES];  /* what the contacts bring, on top of that */
   double rub, resist; /* friction left out [N s]; rolling and torsion left out [N m s] */
+  double feet;        /* contacts that carry it or load it, where no moment is left */
   double bounce;      /* velocity that restitution left out may return [m/s] */
 } residual;
 _Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
@@ -29,7 +29,10 @@ unsigned world_free_axes(const world *w, int i, unsigned effects);
 /* Those that `effects` would free and the world has locked. */
 unsigned world_locked_now(const world *w, int i, unsigned effects);
 
+/* One more foot for both sides of contact i. */
+void world_add_foot(const world *w, int i);
+
 /* Can the contacts share their forces so that the force on every body stays and none has a moment on an axis that `effects`
- * would free? Asks for the wrenches of all bodies. No where it is not judged: more contacts than that pays for, joints, or
+ * would free? Asks for the wrenches of all bodies, and counts their feet. No where it is not judged: more contacts than that pays for, joints, or
  * contacts with torsion or rolling that act. */
 bool world_stands(const world *w, unsigned effects, const double *impulse);

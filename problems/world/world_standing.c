@@ -304,5 +304,8 @@ bool world_stands(const world *w, unsigned effects, const double *impulse) {
       }
     }
   }
+  for (int r = 0; r < s.n_used; r++) {
+    world_add_foot(w, s.foot[s.used[r]].contact);
+  }
   return true;
 }

@@ -143,7 +143,7 @@ static void boxes_on_each_other_stand_or_topple(void **state) {
   }
 }
 
-/* A box in a corner, pushed into it; pulled up beyond its weight by a spring at its other face it would turn. */
+/* A box in a corner, pushed into it, with a torque that its feet can balance and with one that they cannot. */
 static void floor_and_wall_share(void **state) {
   (void)state;
   scene_spec s;
@@ -171,6 +171,23 @@ static void floor_and_wall_share(void **state) {
     assert_int_equal(steady, k == 0);
     assert_int_equal(turn > 1e-12, k == 1);
   }
+  spec_free(&s);
+}
+
+/* On a corner, its centre above it: no moment, but any deviation makes it fall. On its face none does. */
+static void balanced_is_not_steady(void **state) {
+  (void)state;
+  scene_spec s;
+  double turn;
+  box_on_floor(&s, 2, 0.0);
+  check_ok(spec_check_all(&s, &err), &err);
+  const double weight = s.body[0].mass * g * h;
+  assert_true(step_at_rest(&s, (double[]){0.5 * weight, 0.5 * weight}, 2, &turn));
+  s.body[0].angle = atan(1.0);
+  s.body[0].pos[1] = 0.1 * sqrt(2.0);
+  check_ok(spec_check_all(&s, &err), &err);
+  assert_false(step_at_rest(&s, (double[]){weight}, 1, &turn));
+  check_close(turn, 0.0, 1e-12);
   spec_free(&s);
 }
 
@@ -289,6 +306,7 @@ int main(void) {
       cmocka_unit_test(a_moment_needs_rotation),
       cmocka_unit_test(boxes_on_each_other_stand_or_topple),
       cmocka_unit_test(floor_and_wall_share),
+      cmocka_unit_test(balanced_is_not_steady),
       cmocka_unit_test(a_force_across_needs_space),
       cmocka_unit_test(an_impact_needs_restitution),
       cmocka_unit_test(motion_at_the_start_is_seen),
