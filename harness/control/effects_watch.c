@@ -35,6 +35,7 @@ typedef struct watch {
   deviation off;
   checkpoint clean;      /* nothing left out has acted up to here */
   sim_carrying carrying; /* of the last step */
+  bool alike;            /* contacts acted alike in it, with the deviation and without */
   bool waits;            /* for contacts that stay, to leave something out */
 } watch;
 
@@ -145,13 +146,15 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     return go_back(w, w->q->effects, err);
   }
   const unsigned earlier = acted(&w->off, small);
-  if (!add_step(w, h)) {
-    w->carrying = s->carrying;
+  const bool alike = w->alike && s->alike, changed = s->carrying.ids != w->carrying.ids;
+  const bool acts = add_step(w, h);
+  w->carrying = s->carrying;
+  w->alike = !acts || s->alike;
+  if (!acts) {
     return BASE_OK;
   }
-  const bool impact = s->carrying.ids != w->carrying.ids && s->out->steps > w->clean.out.steps + 1;
+  const bool impact = changed && !alike && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w);
-  w->carrying = s->carrying;
   if (impact && earlier != 0) {
     return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
   }
@@ -212,6 +215,7 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   sim_result *out = s->out;
   const double h = step_of(w->q, out->steps);
   s->watched = left_out(w);
+  s->off = (sim_deviation){w->off.speed, w->off.place};
   if (s->watched == 0) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return w->waits && *taken ? leave_out(w, err) : BASE_OK;
@@ -277,7 +281,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   result->plan.n = 1;
   result->plan.span[0].effects = first.effects = q->effects & ~result->watched;
   first.plan = NULL;
-  watch w = {.s = &s, .q = q, .record = record, .result = result};
+  watch w = {.s = &s, .q = q, .record = record, .result = result, .alike = true};
   base_status done = sim_open(&s, &first, record, out, err);
   if (done == BASE_OK) {
     w.scale = scales_of(q, s.w);

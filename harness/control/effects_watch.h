@@ -14,11 +14,13 @@
  *
  * of changes that are more than what a verified answer may be off by, and more than would add up to a tenth of E over the run,
  * with r = sqrt(g / size), the rate at which a body of the smallest size falls over, or 0 in a step in which no body turns and
- * each moves by itself along planes (world_omitted). They count against the largest speed so far
+ * each flies, or stands firmly on planes (world_omitted). They count against the largest speed so far
  * (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. An effect comes in where
  *
  *   - what was left out would have the end off by more than E, or
- *   - contacts begin or cease to carry while something left out has acted: what an impact makes of a deviation is unknown.
+ *   - contacts begin or cease to carry while something left out has acted: what an impact makes of a deviation is unknown, but
+ *     where r = 0, no friction is simulated, and in this step and the last each contact rests, passes or is hit whatever the
+ *     deviation is (world_contacts_alike).
  *
  * Then the run goes back to the last step up to which nothing left out had acted, and goes on from there with the effects that
  * had most, or at a change of contacts with those that had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. Nothing is guessed from

@@ -222,6 +222,17 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
   return BASE_OK;
 }
 
+/* What the effects that are left out would have done in the step, and what it makes of the deviation before it. */
+static void note_omitted(sim *s, const formulation_answer *a) {
+  double speed = s->off.speed;
+  s->steady = world_omitted(s->w, s->watched | s->effects, s->off.speed > 0.0, a->v_next,
+                            a->impulse, s->omitted);
+  for (int e = 0; e < EFFECT_COUNT; e++) {
+    speed += s->omitted[e];
+  }
+  s->alike = s->steady && world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed);
+}
+
 /* Steps that a formulation with complementarity problems takes. */
 static base_status step_lcp(sim *s, series *record, base_error *err) {
   contact_set set;
@@ -253,7 +264,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 
   from = base_seconds();
   if (s->watched != 0) {
-    s->steady = world_omitted(s->w, s->watched | s->effects, a.v_next, a.impulse, s->omitted);
+    note_omitted(s, &a);
     lap(&t->watch, &from);
   }
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));

@@ -39,6 +39,11 @@ typedef struct sim_carrying {
   uint64_t ids;
 } sim_carrying;
 
+/* How far bodies may be off by what earlier steps left out [m/s], [m]. */
+typedef struct sim_deviation {
+  double speed, place;
+} sim_deviation;
+
 /* Everything one run owns. */
 typedef struct sim {
   const sim_request *q;
@@ -54,10 +59,12 @@ typedef struct sim {
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
-  double omitted[EFFECT_COUNT]; /* its answer for the last step [m/s] */
-  bool steady;                  /* and whether deviations keep their velocity in it */
-  double h;                     /* of this step [s] */
-  sim_carrying carrying;        /* in the last step */
+  sim_deviation off;            /* before the step */
+  double omitted[EFFECT_COUNT]; /* the answer for the last step [m/s] */
+  bool steady,
+      alike; /* and whether deviations keep their velocity in it; contacts act alike with them */
+  double h;  /* of this step [s] */
+  sim_carrying carrying; /* in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
   int z_cap;
   own_answers own; /* where the next solves of a method that pivots start */

@@ -98,11 +98,16 @@ double world_saved_unsteady(const world *w, const saved_step *before, const save
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the
  * step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
  * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. True: bodies that
- * deviated before the step deviate by no more velocity after it, since none turns or is balanced on an edge, they touch planes alone, and no load or joint
- * depends on places; what a step moves a body by is then linear in its velocity, and contact takes of a difference in it. */
-bool world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
-                   double change[EFFECT_COUNT]);
-/* The same, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one
+ * deviated before the step (`deviates`: some may) deviate by no more velocity after it (world_steady); false where nothing changes and none deviates, which is not asked then. */
+bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
+                   const double *impulse, double change[EFFECT_COUNT]);
+/* In a step of which world_omitted says that deviations keep their velocity: do contacts act alike on bodies that are elsewhere by at most
+ * `place` [m] before it and deviate by at most `speed` after it [m/s]? True where each contact rests, passes or is hit whatever the
+ * deviation is, and no friction is simulated: an impact is a projection then (mirrored, where it bounces), by which no
+ * deviation grows. */
+bool world_contacts_alike(const world *w, const double *v_next, const double *impulse, double place,
+                          double speed);
+/* As world_omitted, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one
  * direction only and slide, the third dimension where a contact pushes out of the plane. 0: nothing is known before. */
 void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT]);
 /* Those of `effects` (rotation, spatial) that a velocity or a prescribed motion of the scene needs. */

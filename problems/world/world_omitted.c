@@ -6,80 +6,6 @@
 #include "problems/vec.h"
 #include "problems/world/world_residual.h"
 
-/* ---- axes that are locked without the effect ------------------------------------------------- */
-
-static void push(const world *w, int side, const double *at, const double *impulse, double sign) {
-  if (side < 0 || side >= w->n_body) {
-    return;
-  }
-  double arm[3], moment[3];
-  double *f = world_residual(w, side)->wrench;
-  v3_sub(at, w->body[side].at.x, arm);
-  v3_cross(arm, impulse, moment);
-  v3_add_scaled(f, sign, impulse, f);
-  v3_add_scaled(f + 3, sign, moment, f + 3);
-}
-
-static void twist(const world *w, int side, const double *moment, double sign) {
-  if (side >= 0 && side < w->n_body) {
-    double *f = world_residual(w, side)->wrench;
-    v3_add_scaled(f + 3, sign, moment, f + 3);
-  }
-}
-
-static void add_contacts(const world *w, const double *impulse) {
-  const set_store *s = &w->store;
-  for (int i = 0; i < w->set.n_contact; i++) {
-    const contact_item *c = &s->item[s->key[i].item];
-    double f[3], m[3];
-    world_contact_impulse(w, i, impulse, f, m);
-    push(w, c->a, c->x, f, 1.0);
-    push(w, c->b, c->x, f, -1.0);
-    twist(w, c->a, m, 1.0);
-    twist(w, c->b, m, -1.0);
-  }
-}
-
-static void add_joints(const world *w, const double *impulse) {
-  joint_row row[JOINT_ROWS_MAX];
-  const double *p = impulse + w->store.row_start[w->set.n_contact];
-  for (int i = 0; i < w->n_joint; i++) {
-    const joint_data *j = &w->joint[i];
-    const int n = joint_rows_posed(w, j, row);
-    for (int k = 0; k < n; k++, p++) {
-      double f[3];
-      v3_scale(*p, row[k].d, f);
-      if (row[k].angular) {
-        twist(w, j->a, f, 1.0);
-        twist(w, j->b, f, -1.0);
-      } else {
-        push(w, j->a, row[k].p_a, f, 1.0);
-        push(w, j->b, row[k].p_b, f, -1.0);
-      }
-    }
-  }
-}
-
-/* Gravity and loads, as they were taken at the start of the step, and omega x I omega. */
-static void add_loads(const world *w) {
-  for (int i = 0; i < w->n_body; i++) {
-    const body *b = &w->body[i];
-    residual *r = world_residual(w, i);
-    double *f = r->wrench;
-    for (int k = 0; k < AXES; k++) {
-      f[k] = w->h * w->store.wrench[AXES * (ptrdiff_t)i + k];
-    }
-    if (w->dim == 3 && b->spins) {
-      double I[9], L[3], c[3];
-      body_inertia(b, w->dim, I);
-      m3_mul_vec(I, b->v + 3, L);
-      v3_cross(b->v + 3, L, c);
-      v3_add_scaled(f + 3, -w->h, c, f + 3);
-    }
-    memcpy(r->load, f, sizeof r->load);
-  }
-}
-
 /* ---- laws that are left out at contacts ------------------------------------------------------- */
 
 static double inverse_mass(const world *w, int side) {
@@ -172,8 +98,8 @@ static bool any_moment(const world *w, unsigned effects, const double *impulse) 
   return false;
 }
 
-/* still: the contacts can share their forces so that no body turns. */
-static void judge_body(const world *w, int i, unsigned effects, bool still,
+/* still: the contacts can share their forces so that no body turns; firm: and what rubs a body too. */
+static void judge_body(const world *w, int i, unsigned effects, bool still, bool firm,
                        double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
   const unsigned locked = world_locked_now(w, i, effects);
@@ -189,50 +115,38 @@ static void judge_body(const world *w, int i, unsigned effects, bool still,
             fabs(r->wrench[k]) * (k < 3 ? 1.0 / b->mass : reach));
     }
   }
-  const bool can_turn = (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  const bool can_turn =
+      (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0 && !(firm && !world_is_ball(w, i));
   const double arm = can_turn ? b->bound * reach : 0.0;
   raise(change, omitted & EFFECT_FRICTION, r->rub * (1.0 / b->mass + arm));
   raise(change, omitted & (EFFECT_ROLLING | EFFECT_TORSION), r->resist * reach);
   raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
 }
 
-/* Do bodies move each by itself, along planes, whatever their places are? One that stands on fewer feet than the space has
- * dimensions may be balanced on an edge, and falls by any deviation. */
-static bool by_planes(const world *w, const double *impulse) {
-  const set_store *s = &w->store;
-  for (int k = 0; k < w->spec.n_load; k++) {
-    const spec_load_kind kind = w->spec.load[k].kind;
-    if (kind != SPEC_FORCE && kind != SPEC_FORCE_RAMP && kind != SPEC_FORCE_SINE) {
-      return false;
-    }
-  }
-  for (int i = 0; i < w->set.n_contact; i++) {
-    if (impulse[s->row_start[i]] > 0.0 && s->item[s->key[i].item].b < w->n_body) {
-      return false;
-    }
-  }
+static bool judge(const world *w, unsigned effects, bool still, bool firm,
+                  double change[EFFECT_COUNT]) {
+  bool any = false;
+  memset(change, 0, EFFECT_COUNT * sizeof *change);
   for (int i = 0; i < w->n_body; i++) {
-    const double feet = world_residual(w, i)->feet;
-    if (feet > 0.0 && feet < w->dim) {
-      return false;
-    }
+    judge_body(w, i, effects, still, firm, change);
   }
-  return w->n_joint == 0;
+  for (int e = 0; e < EFFECT_COUNT; e++) {
+    any = any || change[e] > 0.0;
+  }
+  return any;
 }
 
-bool world_omitted(const world *w, unsigned effects, const double *v_next, const double *impulse,
-                   double change[EFFECT_COUNT]) {
+bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
+                   const double *impulse, double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
   memset(change, 0, EFFECT_COUNT * sizeof *change);
   if (w->model != NULL || omitted == 0) {
     return false;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
-  const bool turns = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
-  if (turns) {
-    add_loads(w);
-    add_contacts(w, impulse);
-    add_joints(w, impulse);
+  const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
+  if (locks) {
+    world_add_wrenches(w, impulse);
   }
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
@@ -240,15 +154,16 @@ bool world_omitted(const world *w, unsigned effects, const double *v_next, const
       add_laws(w, omitted, i, v_next, press);
     }
   }
-  const bool pulls = turns && any_moment(w, effects, impulse);
-  const bool still = pulls && world_stands(w, effects, impulse);
-  for (int i = 0; i < w->set.n_contact && turns && !pulls; i++) {
-    if (impulse[w->store.row_start[i]] > 0.0) {
-      world_add_foot(w, i);
-    }
+  const bool still = locks && any_moment(w, effects, impulse) && world_stands(w, effects, impulse);
+  if (!judge(w, effects, still, false, change) && !deviates) {
+    return false;
   }
-  for (int i = 0; i < w->n_body; i++) {
-    judge_body(w, i, effects, still, change);
+  if (!locks) {
+    world_add_wrenches(w, impulse);
   }
-  return (!pulls || still) && !world_has(w, EFFECT_ROTATION) && by_planes(w, impulse);
+  const bool firm = world_steady(w, effects, v_next, impulse);
+  if (firm) {
+    (void)judge(w, effects, still, true, change);
+  }
+  return firm;
 }

@@ -1,4 +1,4 @@
-/* world_residual.c - axes and impulses, as world_omitted.c and world_standing.c count them. */
+/* world_residual.c - axes and what acts on them in a step, as world_omitted.c, world_standing.c and world_steady.c count it. */
 #include "problems/world/world_residual.h"
 
 #include "problems/vec.h"
@@ -10,6 +10,15 @@ unsigned world_free_axes(const world *w, int i, unsigned effects) {
 
 unsigned world_locked_now(const world *w, int i, unsigned effects) {
   return world_free_axes(w, i, effects) & ~world_free_axes(w, i, w->effects);
+}
+
+bool world_is_ball(const world *w, int i) {
+  static const double centre[3] = {0};
+  const body *b = &w->body[i];
+  const piece *p = &w->piece[b->first_piece];
+  return b->n_piece == 1 && p->kind == PIECE_POINT &&
+         memcmp(p->vertex, centre, sizeof centre) == 0 &&
+         (w->dim == 2 || (b->inertia[0] == b->inertia[1] && b->inertia[1] == b->inertia[2]));
 }
 
 void world_contact_impulse(const world *w, int i, const double *impulse, double *f, double *m) {
@@ -34,10 +43,82 @@ void world_contact_impulse(const world *w, int i, const double *impulse, double 
   }
 }
 
-void world_add_foot(const world *w, int i) {
-  const contact_item *c = &w->store.item[w->store.key[i].item];
-  world_residual(w, c->a)->feet += 1.0;
-  if (c->b < w->n_body) {
-    world_residual(w, c->b)->feet += 1.0;
+/* ---- what acts ------------------------------------------------------------------------------- */
+
+static void push(const world *w, int side, const double *at, const double *impulse, double sign) {
+  if (side < 0 || side >= w->n_body) {
+    return;
   }
+  double arm[3], moment[3];
+  double *f = world_residual(w, side)->wrench;
+  v3_sub(at, w->body[side].at.x, arm);
+  v3_cross(arm, impulse, moment);
+  v3_add_scaled(f, sign, impulse, f);
+  v3_add_scaled(f + 3, sign, moment, f + 3);
+}
+
+static void twist(const world *w, int side, const double *moment, double sign) {
+  if (side >= 0 && side < w->n_body) {
+    double *f = world_residual(w, side)->wrench;
+    v3_add_scaled(f + 3, sign, moment, f + 3);
+  }
+}
+
+static void add_contacts(const world *w, const double *impulse) {
+  const set_store *s = &w->store;
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    double f[3], m[3];
+    world_contact_impulse(w, i, impulse, f, m);
+    push(w, c->a, c->x, f, 1.0);
+    push(w, c->b, c->x, f, -1.0);
+    twist(w, c->a, m, 1.0);
+    twist(w, c->b, m, -1.0);
+  }
+}
+
+static void add_joints(const world *w, const double *impulse) {
+  joint_row row[JOINT_ROWS_MAX];
+  const double *p = impulse + w->store.row_start[w->set.n_contact];
+  for (int i = 0; i < w->n_joint; i++) {
+    const joint_data *j = &w->joint[i];
+    const int n = joint_rows_posed(w, j, row);
+    for (int k = 0; k < n; k++, p++) {
+      double f[3];
+      v3_scale(*p, row[k].d, f);
+      if (row[k].angular) {
+        twist(w, j->a, f, 1.0);
+        twist(w, j->b, f, -1.0);
+      } else {
+        push(w, j->a, row[k].p_a, f, 1.0);
+        push(w, j->b, row[k].p_b, f, -1.0);
+      }
+    }
+  }
+}
+
+/* Gravity and loads, as they were taken at the start of the step, and omega x I omega. */
+static void add_loads(const world *w) {
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    residual *r = world_residual(w, i);
+    double *f = r->wrench;
+    for (int k = 0; k < AXES; k++) {
+      f[k] = w->h * w->store.wrench[AXES * (ptrdiff_t)i + k];
+    }
+    if (w->dim == 3 && b->spins) {
+      double I[9], L[3], c[3];
+      body_inertia(b, w->dim, I);
+      m3_mul_vec(I, b->v + 3, L);
+      v3_cross(b->v + 3, L, c);
+      v3_add_scaled(f + 3, -w->h, c, f + 3);
+    }
+    memcpy(r->load, f, sizeof r->load);
+  }
+}
+
+void world_add_wrenches(const world *w, const double *impulse) {
+  add_loads(w);
+  add_contacts(w, impulse);
+  add_joints(w, impulse);
 }

@@ -97,7 +97,10 @@ static bool find_feet(const world *w, const double *impulse, feet *s) {
 
 /* ---- columns ---------------------------------------------------------------------------------- */
 
-static void fill_side(const world *w, feet *s, foot *f, int k, unsigned effects) {
+/* The axes that count. */
+typedef unsigned axes_of(const world *w, int body, unsigned effects);
+
+static void fill_side(const world *w, feet *s, foot *f, int k, unsigned effects, axes_of *axes) {
   const contact_item *c = &w->store.item[w->store.key[f->contact].item];
   const int side = (k == 0) ? c->a : c->b;
   const double sign = (k == 0) ? 1.0 : -1.0;
@@ -107,20 +110,21 @@ static void fill_side(const world *w, feet *s, foot *f, int k, unsigned effects)
   if (f->side[k] < 0) {
     return;
   }
-  const unsigned locked = world_locked_now(w, side, effects);
+  const unsigned counted = axes(w, side, effects);
   v3_sub(c->x, w->body[side].at.x, arm);
   v3_cross(arm, p->force, moment);
   for (int a = 0; a < 3; a++) {
-    const bool counts = (locked & 1u << (a + 3)) != 0;
+    const bool counts = (counted & 1u << (a + 3)) != 0;
     f->column[k][a] = sign * p->force[a] / p->press;
     f->column[k][a + 3] = counts ? sign * moment[a] / (p->press * w->body[side].bound) : 0.0;
   }
 }
 
-static void add_column(const world *w, const foot *f, double p) {
+static void add_column(const world *w, const foot *f, double p, bool other) {
   for (int k = 0; k < 2; k++) {
     for (int a = 0; a < AXES && f->side[k] >= 0; a++) {
-      world_residual(w, f->side[k])->rest[a] += p * f->column[k][a];
+      residual *r = world_residual(w, f->side[k]);
+      *(other ? &r->other[a] : &r->rest[a]) += p * f->column[k][a];
     }
   }
 }
@@ -237,7 +241,7 @@ static void set_rest(const world *w, const feet *s) {
     memcpy(r->rest, r->other, sizeof r->rest);
   }
   for (int r = 0; r < s->n_used; r++) {
-    add_column(w, &s->foot[s->used[r]], s->foot[s->used[r]].p);
+    add_column(w, &s->foot[s->used[r]], s->foot[s->used[r]].p, false);
   }
 }
 
@@ -264,16 +268,71 @@ static void minimise(const world *w, feet *s, double scale) {
   }
 }
 
+/* ---- firmly ----------------------------------------------------------------------------------- */
+
+static const double spared =
+    0.1; /* of a patch's load, evenly on its feet, before the rest is shared out */
+
+/* What each foot carries in any case, counted with all else that acts. Returns the least [N s]. */
+static double press_all(const world *w, feet *s) {
+  int count[FEET_MOST] = {0};
+  double least = HUGE_VAL;
+  for (int j = 0; j < s->n; j++) {
+    count[s->foot[j].patch]++;
+  }
+  for (int j = 0; j < s->n; j++) {
+    const int of = s->foot[j].patch;
+    const double p = spared * s->patch[of].press / count[of];
+    least = fmin(least, p);
+    add_column(w, &s->foot[j], p, true);
+  }
+  return least;
+}
+
+/* Of as many feet of body i as space has dimensions: the least part of one's column that the others' do not have; 0: a line. */
+static double lever(const world *w, feet *s, int i) {
+  double least = HUGE_VAL;
+  for (int r = 0; r < w->dim; r++) {
+    double most = 0.0;
+    int best = -1;
+    for (int j = 0; j < s->n; j++) {
+      s->used[r] = j;
+      if (s->foot[j].side[0] == i && factor_row(s, r) &&
+          s->factor[(ptrdiff_t)(FEET_MOST + 1) * r] > most) {
+        most = s->factor[(ptrdiff_t)(FEET_MOST + 1) * r];
+        best = j;
+      }
+    }
+    if (best < 0) {
+      return 0.0;
+    }
+    s->used[r] = best;
+    (void)factor_row(s, r);
+    least = fmin(least, most);
+  }
+  return least;
+}
+
+/* Body i is in the air, or a ball, or what rubs it is little beside what its feet have to spare. */
+static bool holds(const world *w, feet *s, int i, double spare) {
+  bool stands = false;
+  for (int j = 0; j < s->n; j++) {
+    stands = stands || s->foot[j].side[0] == i;
+  }
+  return !stands || world_is_ball(w, i) ||
+         10.0 * world_residual(w, i)->rub < spare * lever(w, s, i);
+}
+
 /* ---- the whole -------------------------------------------------------------------------------- */
 
 /* b: against the force that the contacts have, and the moment of all others; returns the sum of the impulses. */
-static double set_other(const world *w, unsigned effects, const double *impulse) {
+static double set_other(const world *w, unsigned effects, const double *impulse, axes_of *axes) {
   double scale = 0.0;
   for (int i = 0; i < w->n_body; i++) {
     residual *r = world_residual(w, i);
-    const unsigned locked = world_locked_now(w, i, effects);
+    const unsigned counted = axes(w, i, effects);
     for (int a = 0; a < 3; a++) {
-      const bool counts = (locked & 1u << (a + 3)) != 0;
+      const bool counts = (counted & 1u << (a + 3)) != 0;
       r->other[a] = r->load[a] - r->wrench[a];
       r->other[a + 3] = counts ? r->load[a + 3] / w->body[i].bound : 0.0;
     }
@@ -284,28 +343,51 @@ static double set_other(const world *w, unsigned effects, const double *impulse)
   return scale;
 }
 
-bool world_stands(const world *w, unsigned effects, const double *impulse) {
-  feet s;
-  s.n = s.n_patch = s.n_used = 0;
-  if (w->n_joint > 0 || !find_feet(w, impulse, &s)) {
+/* The feet and what they are to carry; false: too many. */
+static bool set_up(const world *w, unsigned effects, const double *impulse, axes_of *axes, feet *s,
+                   double *scale) {
+  s->n = s->n_patch = s->n_used = 0;
+  if (w->n_joint > 0 || !find_feet(w, impulse, s)) {
     return false;
   }
-  for (int j = 0; j < s.n; j++) {
+  for (int j = 0; j < s->n; j++) {
     for (int k = 0; k < 2; k++) {
-      fill_side(w, &s, &s.foot[j], k, effects);
+      fill_side(w, s, &s->foot[j], k, effects, axes);
     }
   }
-  const double scale = set_other(w, effects, impulse);
-  minimise(w, &s, scale);
+  *scale = set_other(w, effects, impulse, axes);
+  return true;
+}
+
+/* Do they carry it? */
+static bool balanced(const world *w, feet *s, double scale) {
+  bool all = true;
+  minimise(w, s, scale);
   for (int i = 0; i < w->n_body; i++) {
     for (int a = 0; a < AXES; a++) {
-      if (!(fabs(world_residual(w, i)->rest[a]) <= little * scale)) {
-        return false;
-      }
+      all = all && fabs(world_residual(w, i)->rest[a]) <= little * scale;
     }
   }
-  for (int r = 0; r < s.n_used; r++) {
-    world_add_foot(w, s.foot[s.used[r]].contact);
+  return all;
+}
+
+bool world_stands(const world *w, unsigned effects, const double *impulse) {
+  feet s;
+  double scale;
+  return set_up(w, effects, impulse, world_locked_now, &s, &scale) && balanced(w, &s, scale);
+}
+
+bool world_stands_firmly(const world *w, unsigned effects, const double *impulse) {
+  feet s;
+  double scale;
+  if (!set_up(w, effects, impulse, world_free_axes, &s, &scale)) {
+    return false;
   }
-  return true;
+  const double spare = press_all(w, &s);
+  bool all = true;
+  for (int i = 0; i < w->n_body && all; i++) {
+    all = holds(w, &s, i, spare);
+  }
+  s.n_used = 0;
+  return all && balanced(w, &s, scale);
 }
