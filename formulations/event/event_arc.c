@@ -1,7 +1,8 @@
 #include "formulations/event/event_arc.h"
 
+#include "lcp/linear/lapack_status.h"
+
 #include <float.h>
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -186,8 +187,8 @@ static void fill(arc *a, size_t m, const work *w) {
   }
 }
 
-static base_status not_solved(base_error *err) {
-  return BASE_FAIL(err, BASE_EEXTERNAL, "event: contact equations could not be solved");
+static base_status not_solved(lapack_int info, base_error *err) {
+  return BASE_FAIL(err, lin_lapack_status(info), "event: contact equations could not be solved");
 }
 
 /* The least-norm solution of A x = b, in b. */
@@ -195,11 +196,10 @@ static base_status solve(size_t m, double tol, const work *w, base_error *err) {
   const lapack_int n = (lapack_int)m;
   lapack_int rank = 0;
   memset(w->pivot, 0, m * sizeof *w->pivot);
-  if (m > 0 &&
-      LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, n, 1, w->A, n, w->b, n, w->pivot, tol, &rank) != 0) {
-    return not_solved(err);
-  }
-  return BASE_OK;
+  const lapack_int info =
+      (m > 0) ? LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, n, 1, w->A, n, w->b, n, w->pivot, tol, &rank)
+              : 0;
+  return (info != 0) ? not_solved(info, err) : BASE_OK;
 }
 
 /* Of the contact of unknown j. */
@@ -234,8 +234,10 @@ static base_status share(arc *a, size_t m, const work *w, base_error *err) {
       w->x[j] = -a->contact[w->of[j]].start[0];
     }
   }
-  if (m > 0 && LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, w->A, n, w->pivot) != 0) {
-    return not_solved(err);
+  const lapack_int info =
+      (m > 0) ? LAPACKE_dgetrf_work(LAPACK_COL_MAJOR, n, n, w->A, n, w->pivot) : 0;
+  if (info != 0) {
+    return not_solved(info, err);
   }
   double *old = w->lambda, left = HUGE_VAL;
   for (int k = 0; k < CORRECTIONS && left > enough && m > 0; k++) {

@@ -57,7 +57,7 @@ base_status arc_reserve(arc *a, int n_contact, base_error *err);
 void arc_close(arc *a);
 
 /* Accelerations (n_dof) at the world's present state, with forces, gaps and velocities of the listed
- * contacts. BASE_EEXTERNAL if the equations cannot be solved. */
+ * contacts. BASE_ENOMEM; BASE_EEXTERNAL if the equations cannot be solved. */
 base_status arc_forces(arc *a, double *acc, base_error *err);
 /* Is contact k, which begins to slide, hardly accelerated, beside what its friction would do to it alone? Then its slip takes long to
  * have a direction of its own. As of the last evaluation. */

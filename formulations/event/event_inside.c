@@ -5,8 +5,8 @@
  * one of them in cones narrower than those of friction, by projections on the cones and on null(K) in turn. */
 #include "formulations/event/event_run.h"
 #include "lcp/lcp_cone.h"
+#include "lcp/linear/lapack_status.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -170,8 +170,9 @@ static void layout(void *state, base_arena *m) {
 
 /* Eigenvectors of K; w->first counts those that move nothing. */
 static base_status decompose(inside *w, base_error *err) {
-  if (LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', w->m, w->K, w->m, w->value) != 0) {
-    return BASE_FAIL(err, BASE_EEXTERNAL, "event: no eigenvalues of the contacts at rest");
+  const lapack_int info = LAPACKE_dsyevd(LAPACK_COL_MAJOR, 'V', 'U', w->m, w->K, w->m, w->value);
+  if (info != 0) {
+    return BASE_FAIL(err, lin_lapack_status(info), "event: no eigenvalues of the contacts at rest");
   }
   for (w->first = 0; w->first < w->m && w->value[w->first] <= null_tol * w->value[w->m - 1];) {
     w->first++;

@@ -1,8 +1,8 @@
 /* The complementarity problems of one instant: solved, with friction of the circle, and kept free of noise; and the forces of
  * the joints that follow. */
 #include "formulations/event/event_run.h"
+#include "lcp/linear/lapack_status.h"
 
-#include <lapacke.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,10 +128,12 @@ base_status event_make_consistent(const event_run *s, double *term, base_error *
   memcpy(w.A, w.C, m * m * sizeof *w.A);
   memset(w.pivot, 0, m * sizeof *w.pivot);
   lapack_int rank = 0;
-  if (m > 0 && LAPACKE_dgelsy(LAPACK_COL_MAJOR, w.m, w.m, 1, w.A, w.m, w.b, w.m, w.pivot, together,
-                              &rank) != 0) {
+  const lapack_int info = (m > 0) ? LAPACKE_dgelsy(LAPACK_COL_MAJOR, w.m, w.m, 1, w.A, w.m, w.b,
+                                                   w.m, w.pivot, together, &rank)
+                                  : 0;
+  if (info != 0) {
     free(mem);
-    return BASE_FAIL(err, BASE_EEXTERNAL, "event: no consistent terms of %d rows", w.m);
+    return BASE_FAIL(err, lin_lapack_status(info), "event: no consistent terms of %d rows", w.m);
   }
   for (size_t i = 0; i < m && rank < w.m; i++) {
     double sum = 0.0;

@@ -122,6 +122,7 @@ typedef struct reg_joint {
   double *S, *W; /* n x n, factored; n x width */
   double *own;   /* width: squares of the columns before they are projected */
   double *x, *y; /* S^-1 r_b; scratch */
+  double *work;  /* 2n, LAPACK's */
   int *pivot;    /* 1-based */
   int cap_n, cap_width;
   void *mem; /* owned */

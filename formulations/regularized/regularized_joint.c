@@ -18,6 +18,7 @@ static void layout(void *state, base_arena *a) {
   j->S = BASE_ARRAY(a, double, n *n);
   j->x = BASE_ARRAY(a, double, n);
   j->y = BASE_ARRAY(a, double, n);
+  j->work = BASE_ARRAY(a, double, 2 * n);
   j->pivot = BASE_ARRAY(a, int, n);
   j->W = BASE_ARRAY(a, double, n *(size_t)j->cap_width);
   j->own = BASE_ARRAY(a, double, j->cap_width);
@@ -54,8 +55,13 @@ bool reg_joint_factor(regularized *s, int width) {
   const int n = j->n, all = width + n, n_dof = s->a.set->n_dof;
   double *Y = s->mass.Y, *Yb = Y + width;
   lapack_int rank = 0;
+  double trace = 0;
   cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, n_dof, 1, Yb, all, 0, j->S, n);
-  if (LAPACKE_dpstrf(LAPACK_COL_MAJOR, 'L', n, j->S, n, j->pivot, &rank, -1) < 0) {
+  for (int k = 0; k < n; k++) {
+    trace += j->S[(ptrdiff_t)k * (n + 1)];
+  }
+  if (trace != trace ||
+      LAPACKE_dpstrf_work(LAPACK_COL_MAJOR, 'L', n, j->S, n, j->pivot, &rank, -1, j->work) < 0) {
     return false;
   }
   j->rank = (int)rank;

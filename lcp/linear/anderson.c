@@ -4,6 +4,9 @@
 #include <string.h>
 
 static const double rank_tol = 1e-8; /* directions of the mixing that the differences do not tell */
+enum {
+  WORK = 4 * LIN_ANDERSON_DEPTH + 1
+}; /* what dgelsy needs for so few columns, without blocks */
 
 void lin_anderson_layout(lin_anderson *a, int cap, base_arena *m) {
   const size_t n = (size_t)cap;
@@ -33,6 +36,16 @@ static void take(lin_anderson *a, const double *step, int from, const double *x)
   a->taken++;
 }
 
+/* LAPACKE asks this where it takes its own memory, and does not here. */
+static bool known(size_t n, const double *x) {
+  for (size_t i = 0; i < n; i++) {
+    if (x[i] != x[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 base_status lin_anderson_next(lin_anderson *a, const double *step, int from, double *x,
                               base_error *err) {
   take(a, step, from, x);
@@ -45,8 +58,10 @@ base_status lin_anderson_next(lin_anderson *a, const double *step, int from, dou
   }
   memcpy(a->rest, a->step, (size_t)n * sizeof *a->rest);
   lapack_int pivot[LIN_ANDERSON_DEPTH] = {0}, rank = 0;
-  if (m > 0 && LAPACKE_dgelsy(LAPACK_COL_MAJOR, n, m, 1, a->mix, n, a->rest, n, pivot, rank_tol,
-                              &rank) != 0) {
+  double work[WORK];
+  if (!(known((size_t)n, a->rest) && known((size_t)n * (size_t)m, a->mix)) ||
+      (m > 0 && LAPACKE_dgelsy_work(LAPACK_COL_MAJOR, n, m, 1, a->mix, n, a->rest, n, pivot,
+                                    rank_tol, &rank, work, WORK) != 0)) {
     return BASE_FAIL(err, BASE_EEXTERNAL, "a fixed point's differences could not be mixed");
   }
   for (int i = 0; i < n; i++) {

@@ -23,6 +23,6 @@ void lin_anderson_layout(lin_anderson *a, int cap, base_arena *m);
 void lin_anderson_begin(lin_anderson *a, int n);
 
 /* x[n], at which the step is step[n], in; the next point out. Differences count from step `from` on (1: all of them).
- * BASE_EEXTERNAL if LAPACK, which allocates, fails. */
+ * BASE_EEXTERNAL if a step is not a number. Does not allocate. */
 base_status lin_anderson_next(lin_anderson *a, const double *step, int from, double *x,
                               base_error *err);

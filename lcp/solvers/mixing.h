@@ -16,6 +16,6 @@ void lcp_mixing_layout(lcp_mixing *s, const lcp_capacity *cap, base_arena *a);
 /* Forgets all earlier steps. */
 void lcp_mixing_begin(lcp_mixing *s, int n);
 
-/* x[n], at which the step is step[n], in; the next point out. A refused point counts in `fallbacks`. Allocates inside LAPACK;
- * BASE_EEXTERNAL if that fails. */
+/* x[n], at which the step is step[n], in; the next point out. A refused point counts in `fallbacks`.
+ * Errors: those of lin_anderson_next. */
 base_status lcp_mixing_next(lcp_mixing *s, const double *step, double *x, lcp_work *work);
