@@ -99,15 +99,19 @@ static void find_shift(form_assembly *a) {
   }
 }
 
-/* The impulses of all contacts in the rows of `full` into a->lambda, with those of the joints that they ask for; as `put` has
- * it, which tells whether a tied row carries. */
-static bool take_impulses(form_assembly *a, const double *lambda,
-                          bool (*put)(const form_assembly *, int, const double *, double *)) {
+/* The impulses of all contacts in the rows of `full` into a->lambda, with those of the joints that they ask for: as they are, or
+ * as they move the bodies. Returns whether these differ, which they do where a tied row carries. */
+static bool take_impulses(form_assembly *a, const double *lambda, bool as_they_move) {
   bool ties = false;
   if (a->reduced) {
     memset(a->lambda, 0, (size_t)a->full.row[a->full.n_contact] * sizeof *lambda);
     for (int i = 0; i < a->n_contact; i++) {
-      ties |= put(a, i, lambda + a->row[i], a->lambda + a->full.row[a->full_of[i]]);
+      double *to = a->lambda + a->full.row[a->full_of[i]];
+      if (as_they_move) {
+        ties |= form_to_motion(a, i, lambda + a->row[i], to);
+      } else {
+        form_to_set(a, i, lambda + a->row[i], to);
+      }
     }
     const int first = a->row[a->n_contact]; /* of joints that are rows */
     memcpy(a->lambda + a->full.row[a->full.n_contact], lambda + first,
@@ -121,11 +125,6 @@ static bool take_impulses(form_assembly *a, const double *lambda,
   return ties;
 }
 
-static bool put_impulse(const form_assembly *a, int i, const double *in, double *x) {
-  form_to_set(a, i, in, x);
-  return false;
-}
-
 void form_assembly_answer(form_assembly *a, const double *lambda) {
   const contact_set *c = a->set;
   const int n_contact = a->reduced ? a->full.n_contact : a->n_contact;
@@ -134,14 +133,14 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
   if (a->beside && !a->shift_known) {
     find_shift(a);
   }
-  const bool ties = own && take_impulses(a, lambda, form_to_motion);
+  const bool ties = own && take_impulses(a, lambda, true);
   const double *l = own ? a->lambda : lambda;
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   for (int i = 0; i < n_group; i++) {
     push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], l + a->full.row[i]);
   }
   if (ties) {
-    (void)take_impulses(a, lambda, put_impulse);
+    (void)take_impulses(a, lambda, false);
   }
   for (int i = 0; i < n_group; i++) {
     memcpy(a->impulse + c->row_start[a->full.group[i]], l + a->full.row[i],
