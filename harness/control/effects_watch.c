@@ -35,7 +35,6 @@ typedef struct watch {
   deviation off;
   checkpoint clean;      /* nothing left out has acted up to here */
   sim_carrying carrying; /* of the last step */
-  bool alike;            /* contacts acted alike in it, with the deviation and without */
   bool waits;            /* for contacts that stay, to leave something out */
 } watch;
 
@@ -146,14 +145,13 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     return go_back(w, w->q->effects, err);
   }
   const unsigned earlier = acted(&w->off, small);
-  const bool alike = w->alike && s->alike, changed = s->carrying.ids != w->carrying.ids;
+  const bool changed = s->carrying.ids != w->carrying.ids;
   const bool acts = add_step(w, h);
   w->carrying = s->carrying;
-  w->alike = !acts || s->alike;
   if (!acts) {
     return BASE_OK;
   }
-  const bool impact = changed && !alike && s->out->steps > w->clean.out.steps + 1;
+  const bool impact = changed && !s->alike && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w);
   if (impact && earlier != 0) {
     return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
@@ -220,12 +218,14 @@ static base_status step(watch *w, bool *taken, base_error *err) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return w->waits && *taken ? leave_out(w, err) : BASE_OK;
   }
-  double from = base_seconds();
+  double from;
   if (w->off.speed == 0.0) {
+    from = base_seconds();
     BASE_TRY(checkpoint_take(&w->clean, s, w->record, err));
     w->carrying = s->carrying;
+    out->time.watch += base_seconds() - from;
   }
-  out->time.watch += base_seconds() - from;
+  s->carried = w->carrying.ids;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
   const base_status done = judge(w, h, taken, err);
@@ -281,7 +281,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   result->plan.n = 1;
   result->plan.span[0].effects = first.effects = q->effects & ~result->watched;
   first.plan = NULL;
-  watch w = {.s = &s, .q = q, .record = record, .result = result, .alike = true};
+  watch w = {.s = &s, .q = q, .record = record, .result = result};
   base_status done = sim_open(&s, &first, record, out, err);
   if (done == BASE_OK) {
     w.scale = scales_of(q, s.w);

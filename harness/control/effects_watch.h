@@ -19,7 +19,7 @@
  *
  *   - what was left out would have the end off by more than E, or
  *   - contacts begin or cease to carry while something left out has acted: what an impact makes of a deviation is unknown, but
- *     where r = 0, no friction is simulated, and in this step and the last each contact rests, passes or is hit whatever the
+ *     where r = 0, no friction is simulated, and each contact rests, passes or is hit, in this step and not before, whatever the
  *     deviation is (world_contacts_alike).
  *
  * Then the run goes back to the last step up to which nothing left out had acted, and goes on from there with the effects that

@@ -230,7 +230,8 @@ static void note_omitted(sim *s, const formulation_answer *a) {
   for (int e = 0; e < EFFECT_COUNT; e++) {
     speed += s->omitted[e];
   }
-  s->alike = s->steady && world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed);
+  s->alike = s->steady && (s->carrying.ids == s->carried ||
+                           world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed));
 }
 
 /* Steps that a formulation with complementarity problems takes. */

@@ -102,8 +102,8 @@ double world_saved_unsteady(const world *w, const saved_step *before, const save
 bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
                    const double *impulse, double change[EFFECT_COUNT]);
 /* In a step of which world_omitted says that deviations keep their velocity: do contacts act alike on bodies that are elsewhere by at most
- * `place` [m] before it and deviate by at most `speed` after it [m/s]? True where each contact rests, passes or is hit whatever the
- * deviation is, and no friction is simulated: an impact is a projection then (mirrored, where it bounces), by which no
+ * `place` [m] before it and deviate by at most `speed` after it [m/s]? True where each contact rests, passes or is hit (now, and not a
+ * step earlier) whatever the deviation is, and no friction is simulated: an impact is a projection then (mirrored, where it bounces), by which no
  * deviation grows. */
 bool world_contacts_alike(const world *w, const double *v_next, const double *impulse, double place,
                           double speed);

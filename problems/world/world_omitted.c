@@ -123,15 +123,12 @@ static void judge_body(const world *w, int i, unsigned effects, bool still, bool
   raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
 }
 
-static bool judge(const world *w, unsigned effects, bool still, bool firm,
-                  double change[EFFECT_COUNT]) {
+/* Is there a law left out that could act on a body? */
+static bool any_law(const world *w) {
   bool any = false;
-  memset(change, 0, EFFECT_COUNT * sizeof *change);
   for (int i = 0; i < w->n_body; i++) {
-    judge_body(w, i, effects, still, firm, change);
-  }
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    any = any || change[e] > 0.0;
+    const residual *r = world_residual(w, i);
+    any = any || r->rub > 0.0 || r->resist > 0.0 || r->bounce > 0.0;
   }
   return any;
 }
@@ -145,25 +142,21 @@ bool world_omitted(const world *w, unsigned effects, bool deviates, const double
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
-  if (locks) {
-    world_add_wrenches(w, impulse);
-  }
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
     if (press > 0.0) {
       add_laws(w, omitted, i, v_next, press);
     }
   }
-  const bool still = locks && any_moment(w, effects, impulse) && world_stands(w, effects, impulse);
-  if (!judge(w, effects, still, false, change) && !deviates) {
-    return false;
-  }
-  if (!locks) {
+  const bool acts = deviates || any_law(w);
+  if (locks || acts) {
     world_add_wrenches(w, impulse);
   }
-  const bool firm = world_steady(w, effects, v_next, impulse);
-  if (firm) {
-    (void)judge(w, effects, still, true, change);
+  const bool pulls = locks && any_moment(w, effects, impulse);
+  const bool firm = (acts || pulls) && world_steady(w, effects, v_next, impulse);
+  const bool still = pulls && (firm || world_stands(w, effects, impulse));
+  for (int i = 0; i < w->n_body; i++) {
+    judge_body(w, i, effects, still, firm, change);
   }
   return firm;
 }

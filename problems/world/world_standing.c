@@ -20,6 +20,7 @@ typedef struct foot {
   int contact, patch, side[2]; /* side: a body that moves, or -1 */
   double column[2][AXES];      /* what 1 N s does to its sides: force [1], moment over reach [1] */
   double p, target;            /* [N s]; of the feet in use, were none to end at 0 */
+  double least;                /* [N s], which it carries in any case */
   bool used;
 } foot;
 
@@ -270,57 +271,112 @@ static void minimise(const world *w, feet *s, double scale) {
 
 /* ---- firmly ----------------------------------------------------------------------------------- */
 
-static const double spared =
-    0.1; /* of a patch's load, evenly on its feet, before the rest is shared out */
+/* Of a patch's load, evenly on its feet, before the rest is shared out; of a body's largest, for a patch to count. */
+static const double spared = 0.1, light = 0.01;
 
-/* What each foot carries in any case, counted with all else that acts. Returns the least [N s]. */
-static double press_all(const world *w, feet *s) {
+static double most_pressed(const feet *s, int i) {
+  double most = 0.0;
+  for (int j = 0; j < s->n; j++) {
+    most = (s->foot[j].side[0] == i) ? fmax(most, s->patch[s->foot[j].patch].press) : most;
+  }
+  return most;
+}
+
+static double dot(const double *x, const double *y) {
+  double sum = 0.0;
+  for (int a = 0; a < AXES; a++) {
+    sum += x[a] * y[a];
+  }
+  return sum;
+}
+
+/* What each foot carries in any case, counted with all else that acts. */
+static void press_all(const world *w, feet *s) {
   int count[FEET_MOST] = {0};
-  double least = HUGE_VAL;
   for (int j = 0; j < s->n; j++) {
     count[s->foot[j].patch]++;
   }
   for (int j = 0; j < s->n; j++) {
-    const int of = s->foot[j].patch;
-    const double p = spared * s->patch[of].press / count[of];
-    least = fmin(least, p);
-    add_column(w, &s->foot[j], p, true);
+    foot *f = &s->foot[j];
+    const double press = s->patch[f->patch].press;
+    const bool counts = press >= light * most_pressed(s, f->side[0]);
+    f->least = counts ? spared * press / count[f->patch] : 0.0;
+    add_column(w, f, f->least, true);
   }
-  return least;
 }
 
-/* Of as many feet of body i as space has dimensions: the least part of one's column that the others' do not have; 0: a line. */
-static double lever(const world *w, feet *s, int i) {
-  double least = HUGE_VAL;
+/* Of as many feet of body i as space has dimensions: the least part of one's column that those before it do not have, the largest
+ * there is each time; 0: they lie on a line. */
+static double lever(const world *w, const feet *s, int i) {
+  double left[FEET_MOST][AXES], least = HUGE_VAL;
+  int n = 0;
+  for (int j = 0; j < s->n; j++) {
+    if (s->foot[j].side[0] == i && s->foot[j].least > 0.0) {
+      memcpy(left[n++], s->foot[j].column[0], sizeof left[0]);
+    }
+  }
   for (int r = 0; r < w->dim; r++) {
-    double most = 0.0;
-    int best = -1;
-    for (int j = 0; j < s->n; j++) {
-      s->used[r] = j;
-      if (s->foot[j].side[0] == i && factor_row(s, r) &&
-          s->factor[(ptrdiff_t)(FEET_MOST + 1) * r] > most) {
-        most = s->factor[(ptrdiff_t)(FEET_MOST + 1) * r];
-        best = j;
+    double most = 0.0, base[AXES] = {0};
+    for (int j = 0; j < n; j++) {
+      const double size = dot(left[j], left[j]);
+      if (size > most) {
+        most = size;
+        memcpy(base, left[j], sizeof base);
       }
     }
-    if (best < 0) {
-      return 0.0;
-    }
-    s->used[r] = best;
-    (void)factor_row(s, r);
     least = fmin(least, most);
+    for (int j = 0; j < n && most > 0.0; j++) {
+      const double part = dot(left[j], base) / most;
+      for (int a = 0; a < AXES; a++) {
+        left[j][a] -= part * base[a];
+      }
+    }
   }
-  return least;
+  return (least > 1e-12) ? sqrt(least) : 0.0;
 }
 
-/* Body i is in the air, or a ball, or what rubs it is little beside what its feet have to spare. */
-static bool holds(const world *w, feet *s, int i, double spare) {
-  bool stands = false;
-  for (int j = 0; j < s->n; j++) {
-    stands = stands || s->foot[j].side[0] == i;
+/* What is left of the balance of body i [N s]. */
+static double left_of(const world *w, int i) {
+  double sum = 0.0;
+  for (int a = 0; a < AXES; a++) {
+    sum += fabs(world_residual(w, i)->rest[a]);
   }
-  return !stands || world_is_ball(w, i) ||
-         10.0 * world_residual(w, i)->rub < spare * lever(w, s, i);
+  return sum;
+}
+
+/* Body i, whose balance leaves `off`, is in the air, or a ball, or that and what rubs it are little beside what its feet have to spare. */
+static bool holds(const world *w, const feet *s, int i, double off, double scale) {
+  double spare = HUGE_VAL;
+  for (int j = 0; j < s->n; j++) {
+    const foot *f = &s->foot[j];
+    spare = (f->side[0] == i && f->least > 0.0) ? fmin(spare, f->least) : spare;
+  }
+  if (spare == HUGE_VAL || world_is_ball(w, i)) {
+    return off <= little * scale;
+  }
+  return 10.0 * (off + world_residual(w, i)->rub) < spare * lever(w, s, i);
+}
+
+static bool hold(const world *w, const feet *s, bool nearly, double scale) {
+  bool all = true;
+  for (int i = 0; i < w->n_body && all; i++) {
+    all = holds(w, s, i, nearly ? left_of(w, i) : 0.0, scale);
+  }
+  return all;
+}
+
+/* Do the impulses that there are keep the balance nearly, with enough on every foot? Then no others need to be sought. */
+static bool as_it_is(const world *w, const feet *s, const double *impulse, double scale) {
+  set_rest(w, s);
+  for (int j = 0; j < s->n; j++) {
+    const foot *f = &s->foot[j];
+    const double more = fmax(impulse[w->store.row_start[f->contact]], 0.0) - f->least;
+    if (more < 0.0) {
+      return false;
+    }
+    add_column(w, f, more, false);
+  }
+  return hold(w, s, true, scale);
 }
 
 /* ---- the whole -------------------------------------------------------------------------------- */
@@ -383,11 +439,6 @@ bool world_stands_firmly(const world *w, unsigned effects, const double *impulse
   if (!set_up(w, effects, impulse, world_free_axes, &s, &scale)) {
     return false;
   }
-  const double spare = press_all(w, &s);
-  bool all = true;
-  for (int i = 0; i < w->n_body && all; i++) {
-    all = holds(w, &s, i, spare);
-  }
-  s.n_used = 0;
-  return all && balanced(w, &s, scale);
+  press_all(w, &s);
+  return as_it_is(w, &s, impulse, scale) || (hold(w, &s, false, scale) && balanced(w, &s, scale));
 }

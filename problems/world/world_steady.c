@@ -98,8 +98,9 @@ bool world_contacts_alike(const world *w, const double *v_next, const double *im
     const bool carries = impulse[row] > 0.0;
     const bool rests = fabs(before) <= unsure && fabs(after) <= unsure;
     const bool passes = !carries && (after > unsure || w->store.gap[i] > place + 100.0 * tol);
-    const bool hits = carries && before < -unsure && w->store.gap[i] <= tol - place &&
-                      bounces_alike(w, i, before, unsure, impulse);
+    const double gap = w->store.gap[i], gap_before = gap - w->h * before; /* of the last step */
+    const bool hits = carries && before < -unsure && gap <= tol - place &&
+                      gap_before > tol + place && bounces_alike(w, i, before, unsure, impulse);
     if (!rests && !passes && !hits) {
       return false;
     }

@@ -256,7 +256,8 @@ static void impacts_are_alike_or_not(void **state) {
       {1.0, 0.0, 1e-3, 2e-3, false},
       {1.0, 0.5, 1e-3, 1e-9, true}, /* ten steps of load: it bounces */
       {0.2, 0.5, 1e-3, 1e-9, false},
-      {0.05, 0.5, 1e-3, 1e-9, true}, /* half of one: it rests */
+      {0.05, 0.5, 1e-4, 1e-9, true},  /* half of one: it rests */
+      {0.05, 0.5, 1e-3, 1e-9, false}, /* deeper than it comes in a step */
   };
   for (int k = 0; k < (int)(sizeof cases / sizeof *cases); k++) {
     scene_spec s;
