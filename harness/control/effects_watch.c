@@ -15,6 +15,9 @@ static const double noise =
 static const double small =
     1e-3; /* of the largest change: what changes less need not come in with it */
 
+static const double foreseen =
+    2.0; /* of E: what would be passed by so much at the end need not be waited for */
+
 /* Scales of a scene. */
 typedef struct scales {
   double size, speed, rate; /* [m], [m/s], [1/s] */
@@ -24,6 +27,8 @@ typedef struct scales {
 typedef struct deviation {
   double speed, place;      /* [m/s], [m] */
   double sum[EFFECT_COUNT]; /* of the changes of velocity by each effect [m/s] */
+  double rate;              /* at which the last two steps both changed it at least [m/s^2] */
+  double change;            /* by the last one, over its length [m/s^2] */
 } deviation;
 
 typedef struct watch {
@@ -93,17 +98,21 @@ static bool add_step(watch *w, double h) {
     return false;
   }
   const double grown = exp(growth(w) * h);
+  d->rate = fmin(d->change, change / h);
+  d->change = change / h;
   d->speed = (d->speed + change) * grown;
   d->place = (d->place + h * d->speed) * grown;
   return true;
 }
 
-/* How far the end may be off, over the scales. */
-static double end_bound(const watch *w) {
+/* How far the end may be off, over the scales, if what was left out goes on to act at `rate` [m/s^2]. */
+static double end_bound(const watch *w, double rate) {
   const double left = fmax(w->q->duration - world_time(w->s->w), 0.0);
   const double grown = exp(fmin(growth(w) * left, 700.0));
   const deviation *d = &w->off;
-  return grown * fmax(d->speed / w->scale.speed, (d->place + d->speed * left) / w->scale.size);
+  const double speed = d->speed + rate * left;
+  const double place = d->place + (d->speed + 0.5 * rate * left) * left;
+  return grown * fmax(speed / w->scale.speed, place / w->scale.size);
 }
 
 static unsigned left_out(const watch *w) {
@@ -152,11 +161,12 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     return BASE_OK;
   }
   const bool impact = changed && !s->alike && s->out->steps > w->clean.out.steps + 1;
-  const double bound = end_bound(w);
+  const double bound = end_bound(w, 0.0);
+  const bool will = !changed && end_bound(w, w->off.rate) > foreseen * w->result->level;
   if (impact && earlier != 0) {
     return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
   }
-  if (bound > w->result->level || impact) {
+  if (bound > w->result->level || will || impact) {
     return go_back(w, acted(&w->off, small), err);
   }
   w->result->bound = bound;
@@ -179,7 +189,7 @@ static base_status foresee(watch *w, unsigned *acts, bool *touches, base_error *
   }
   world_foreseen(w->s->w, w->result->watched, w->s->omitted);
   w->s->steady = true; /* what is sure to come does not count on growth */
-  const bool enough = add_step(w, h) && end_bound(w) > w->result->level;
+  const bool enough = add_step(w, h) && end_bound(w, 0.0) > w->result->level;
   *acts = enough ? acted(&w->off, small) : 0u;
   w->off = (deviation){0};
   return BASE_OK;

@@ -17,7 +17,7 @@
  * each flies, or stands firmly on planes (world_omitted). They count against the largest speed so far
  * (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. An effect comes in where
  *
- *   - what was left out would have the end off by more than E, or
+ *   - what was left out would have the end off by more than E, or by more than 2 E if it went on to act as in the last two steps, or
  *   - contacts begin or cease to carry while something left out has acted: what an impact makes of a deviation is unknown, but
  *     where r = 0, no friction is simulated, and each contact rests, passes or is hit, in this step and not before, whatever the
  *     deviation is (world_contacts_alike).
