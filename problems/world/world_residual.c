@@ -13,11 +13,9 @@ unsigned world_locked_now(const world *w, int i, unsigned effects) {
 }
 
 bool world_is_ball(const world *w, int i) {
-  static const double centre[3] = {0};
   const body *b = &w->body[i];
   const piece *p = &w->piece[b->first_piece];
-  return b->n_piece == 1 && p->kind == PIECE_POINT &&
-         memcmp(p->vertex, centre, sizeof centre) == 0 &&
+  return b->n_piece == 1 && p->kind == PIECE_POINT && v3_norm(p->vertex) == 0.0 &&
          (w->dim == 2 || (b->inertia[0] == b->inertia[1] && b->inertia[1] == b->inertia[2]));
 }
 
