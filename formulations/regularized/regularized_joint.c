@@ -57,7 +57,8 @@ bool reg_joint_factor(regularized *s, int width) {
   lapack_int rank = 0;
   double trace = 0;
   cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, n, n_dof, 1, Yb, all, 0, j->S, n);
-  for (int k = 0; k < n; k++) {
+  for (int k = 0; k < n;
+       k++) { /* not a number where an entry of Y_b is none: LAPACK would call it dependent */
     trace += j->S[(ptrdiff_t)k * (n + 1)];
   }
   if (trace != trace ||

@@ -235,7 +235,6 @@ static base_status step(watch *w, bool *taken, base_error *err) {
     w->carrying = s->carrying;
     out->time.watch += base_seconds() - from;
   }
-  s->carried = w->carrying.ids;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
   const base_status done = judge(w, h, taken, err);

@@ -222,15 +222,16 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
   return BASE_OK;
 }
 
-/* What the effects that are left out would have done in the step, and what it makes of the deviation before it. */
-static void note_omitted(sim *s, const formulation_answer *a) {
+/* What the effects that are left out would have done in the step, and what it makes of the deviation before it. carried: the
+ * contacts' hash of the step before. */
+static void note_omitted(sim *s, const formulation_answer *a, uint64_t carried) {
   double speed = s->off.speed;
   s->steady = world_omitted(s->w, s->watched | s->effects, s->off.speed > 0.0, a->v_next,
                             a->impulse, s->omitted);
   for (int e = 0; e < EFFECT_COUNT; e++) {
     speed += s->omitted[e];
   }
-  s->alike = s->steady && (s->carrying.ids == s->carried ||
+  s->alike = s->steady && (s->carrying.ids == carried ||
                            world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed));
 }
 
@@ -254,6 +255,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   lap(&t->assemble, &from);
   contact_order_restore(&s->order, &set, &a);
   sim_settle_held(s);
+  const uint64_t carried = s->carrying.ids; /* in the step before */
   s->carrying = carrying(&set, &a);
   BASE_TRY(note_depth(s, &set, &a, err));
   series_penetration(record, &set);
@@ -265,7 +267,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 
   from = base_seconds();
   if (s->watched != 0) {
-    note_omitted(s, &a);
+    note_omitted(s, &a, carried);
     lap(&t->watch, &from);
   }
   BASE_TRY(world_advance(s->w, a.v_next, a.impulse, err));

@@ -59,8 +59,7 @@ typedef struct sim {
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
-  sim_deviation off;            /* before the step, */
-  uint64_t carried;             /* of contacts in the last one (sim_carrying.ids) */
+  sim_deviation off;            /* before the step */
   double omitted[EFFECT_COUNT]; /* the answer for the last step [m/s] */
   bool steady,
       alike; /* and whether deviations keep their velocity in it; contacts act alike with them */
