@@ -399,7 +399,7 @@ static double set_other(const world *w, unsigned effects, const double *impulse,
   return scale;
 }
 
-/* The feet and what they are to carry; false: too many. */
+/* The feet and what they are to carry; false: it is not judged (too many, joints, torsion or rolling that acts). */
 static bool set_up(const world *w, unsigned effects, const double *impulse, axes_of *axes, feet *s,
                    double *scale) {
   s->n = s->n_patch = s->n_used = 0;
