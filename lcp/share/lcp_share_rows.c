@@ -4,8 +4,9 @@
 /* ---- facets ---------------------------------------------------------------------------------- */
 
 /* A part without friction impulse: its slip speed is the least that its facets allow, and the facet that allows no
- * less is the one against the motion. `moves`: these two enter the system, else they are slack. */
-static void settle_speed(lcp_share *s, share_facets f, bool moves) {
+ * less is the one against the motion. `moves`: these two enter the system where that speed is above `still` of what it is
+ * made of, else they are slack. */
+static void settle_speed(lcp_share *s, share_facets f, bool moves, double still) {
   const double unit = lcp_share_speed_unit(s, f);
   const double had = s->z[f.speed];
   double least = 0;
@@ -23,7 +24,7 @@ static void settle_speed(lcp_share *s, share_facets f, bool moves) {
   for (int i = f.first; i < f.first + f.count; i++) {
     s->w[i] += unit * (least - had);
   }
-  const bool slips = moves && against >= 0 && unit * least > LCP_SHARE_TOUCHING * s->size[against];
+  const bool slips = moves && against >= 0 && unit * least > still * s->size[against];
   s->rows.kind[f.speed] = slips ? SHARE_ACTIVE : SHARE_FIXED;
   if (slips) {
     s->rows.kind[against] = SHARE_ACTIVE;
@@ -131,8 +132,9 @@ static bool settle_cone(lcp_share *s, const lcp_block *b) {
 
 /* ---- active rows ----------------------------------------------------------------------------- */
 
-/* Contact block b touches: its rows enter the system as the present z and w ask. */
-static void open_contact(lcp_share *s, const lcp_block *b) {
+/* Contact block b touches: its rows enter the system as the present z and w ask. A slip below `still` is none: of an answer
+ * LCP_SHARE_TOUCHING, between rounds what settle_sign asks by, since the two would undo each other. */
+static void open_contact(lcp_share *s, const lcp_block *b, double still) {
   unsigned char *kind = s->rows.kind;
   kind[b->start] = SHARE_ACTIVE;
   if (b->set == LCP_CONE) {
@@ -145,15 +147,14 @@ static void open_contact(lcp_share *s, const lcp_block *b) {
       sum += s->z[i];
     }
     if (sum <= LCP_SHARE_TOUCHING * lcp_share_scale(s, b->start) && s->p->q[f.speed] <= 0) {
-      settle_speed(s, f, true);
+      settle_speed(s, f, true, still);
       continue;
     }
     for (int i = f.first; i < f.first + f.count; i++) {
       kind[i] = (s->z[i] > LCP_SHARE_TOUCHING * sum) ? SHARE_ACTIVE : SHARE_FIXED;
       s->z[i] = (kind[i] == SHARE_ACTIVE) ? s->z[i] : 0;
     }
-    const bool slips =
-        lcp_share_speed_unit(s, f) * s->z[f.speed] > LCP_SHARE_TOUCHING * s->size[f.first];
+    const bool slips = lcp_share_speed_unit(s, f) * s->z[f.speed] > still * s->size[f.first];
     kind[f.speed] = slips ? SHARE_ACTIVE : SHARE_FIXED;
     s->z[f.speed] = slips ? s->z[f.speed] : 0;
   }
@@ -170,7 +171,7 @@ static void close_contact(lcp_share *s, const lcp_block *b) {
     const share_facets f = lcp_share_facets(b, k);
     s->rows.kind[f.speed] = SHARE_FIXED;
     if (s->p->q[f.speed] <= 0) {
-      settle_speed(s, f, false);
+      settle_speed(s, f, false, 0);
     }
   }
 }
@@ -226,7 +227,7 @@ static bool settle_contact(lcp_share *s, const lcp_block *b) {
       return false;
     }
     if (may_change(s)) {
-      open_contact(s, b);
+      open_contact(s, b, LCP_SHARE_ROW_TOL);
     }
     return true;
   }
@@ -323,7 +324,7 @@ void lcp_share_begin_rows(lcp_share *s) {
       r->kind[b->start] = in_touch ? SHARE_ACTIVE : SHARE_FIXED;
       s->lower[b->start] = lcp_share_carried(s, b, s->z);
     } else if (in_touch) {
-      open_contact(s, b);
+      open_contact(s, b, LCP_SHARE_TOUCHING);
     } else {
       close_contact(s, b);
     }
