@@ -3,7 +3,7 @@ read back and checked in rational arithmetic by `lcpbench verify`, which refuses
 
 import json
 
-from support import CASES, one_line_error, run, run_json, tap
+from support import CASES, SANITIZED, one_line_error, run, run_json, tap
 
 
 def catalogue():
@@ -52,9 +52,12 @@ def unsolvable_cases_end_with_certificates_that_hold(d):
     cases = [c for c in catalogue().values() if c["kind"] in ("infeasible", "unsolvable")]
     assert len(cases) >= 14
     exact, rays = set(), set()
-    for case in cases:
+    for k, case in enumerate(cases):
         problem = write_problem(d, case)
-        for solver in solvers():
+        asked = solvers()
+        if SANITIZED:  # a third of those that need not prove anything, each on some cases
+            asked = [s for m, s in enumerate(asked) if s in ("lemke", "ppm") or (k + m) % 3 == 0]
+        for solver in asked:
             path = d / f"{case['id']}.{solver}.txt"
             said = claim(problem, solver, path)
             assert said != "ok", f"{solver} claims to have solved {case['id']}"

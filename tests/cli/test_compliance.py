@@ -7,7 +7,7 @@ import math
 import pathlib
 import sys
 
-from support import TESTS, one_line_error, run_json, tap
+from support import SANITIZED, TESTS, Skip, one_line_error, run_json, tap
 
 sys.path.insert(0, str(TESTS / "cases" / "derive"))
 from derive import SLIDERS, G, Vector, runge_kutta, sliding, solved  # noqa: E402
@@ -130,6 +130,8 @@ def on_springs(stiffness, steps):
 def springs_tend_to_the_limit(_):
     """Ever stiffer springs, integrated with all their oscillations, end where the equation of the
     limit does: the reference above leans on nothing but them."""
+    if SANITIZED:
+        raise Skip("runs nothing of the program")
     body = SLIDERS["feet4"]
     wanted = runge_kutta(sliding(body, LEGS), [0, 0, 0, *body.start], 0.3, 1000)[5]
     off = [abs(on_springs(k, n) - wanted) for k, n in ((3e4, 1500), (3e5, 4000), (3e6, 12000))]
@@ -248,7 +250,7 @@ def a_heavy_body_is_shared(d):
 def a_nearly_right_start_is_mended_in_a_few_steps(_):
     """A pyramid at rest drifts to the solver's tolerance; each time one or two Newton steps mend
     it, whatever rounding the order of the contacts gives."""
-    for order in ("given", "random:1", "random:2", "random:3"):
+    for order in ("given",) if SANITIZED else ("given", "random:1", "random:2", "random:3"):
         run = ("simulate", "pyramid:base=12", "--step", 0.01, "--start", "previous")
         run += ("--formulation", "velocity", "--solver", "cone_newton")
         run += ("--contact-order", order, "--duration")
