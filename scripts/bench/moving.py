@@ -89,7 +89,7 @@ def table(cells: pd.DataFrame) -> Table | None:
     for name, contacts, by in found:
         times = [c["t_total_step_s"] for c in best_of(by).values()]
         best = min(times, default=0.0)
-        body.append([name, f"{contacts:g}", *(told(by[n], best) for n in names)])
+        body.append([name, f"{contacts:.0f}", *(told(by[n], best) for n in names)])
     return Table(
         "moving",
         "Time of a step by the fastest solver of each formulation that solves and verifies every"
@@ -116,7 +116,7 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
     )
     counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
     return (
-        f"Where {low:g} to {high:g} contacts move ({len(found)} scenes), every step from the last"
+        f"Where {low:.0f} to {high:.0f} contacts move ({len(found)} scenes), every step from the last"
         f" one: scenes of which each step is solved and verified: {counts}. The fastest: {won}."
     )
 
