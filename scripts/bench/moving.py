@@ -116,8 +116,9 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
     )
     counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
     return (
-        f"Where {low:.0f} to {high:.0f} contacts move ({len(found)} scenes), every step from the last"
-        f" one: scenes of which each step is solved and verified: {counts}. The fastest: {won}."
+        f"Where {low:.0f} to {high:.0f} contacts move ({len(found)} scenes), every step from the"
+        f" last one: scenes of which each step is solved and verified: {counts}."
+        f" The fastest: {won}."
     )
 
 
