@@ -1,4 +1,5 @@
-/* world_residual.c - axes and what acts on them in a step, as world_omitted.c, world_standing.c and world_steady.c count it. */
+/* world_residual.c - axes and what acts on them in a step, as world_omitted.c, world_feet.c, world_standing.c and
+ * world_steady.c count it. */
 #include "problems/world/world_residual.h"
 
 #include "problems/vec.h"

@@ -1,5 +1,5 @@
-/* problems/world/world_residual.h - what acts on bodies in a step without some effects, for world_omitted.c, world_standing.c and
- * world_steady.c. */
+/* problems/world/world_residual.h - what acts on bodies in a step without some effects, for world_omitted.c, world_feet.c,
+ * world_standing.c and world_steady.c. */
 #pragma once
 
 #include "problems/world/world_data.h"
