@@ -125,7 +125,7 @@ def chains_that_move_have_one_choice(d):
 def what_pushes_without_force_has_one_choice(d):
     """A box has hit a ball, without bounce, and both slide on at one speed: their contact stays
     closed and carries nothing. What the compliance of the choice lets them sink was a slip there
-    and no slip in turn, and 72 of 100 choices were missed. Momentum is shared by the masses."""
+    and no slip in turn, and 68 of 100 choices were missed. Momentum is shared by the masses."""
     mu, g, v0, gap = 1e-6, 9.81, 2.0, 0.6
     box = {"name": "a", "shape": {"type": "box", "half": [0.25, 0.15, 0.15]}, "mass": 1.0}
     ball = {"name": "b", "shape": {"type": "sphere", "r": 0.125}, "mass": 0.5}
