@@ -16,8 +16,8 @@ static void layout_groups(void *state, base_arena *m) {
   const int g = s->cap_group;
   s->shape_of = BASE_ARRAY(m, const poly_shape *, g);
   s->first = BASE_ARRAY(m, int, g + 1);
-  s->scale = BASE_ARRAY(m, double, POLY_PARTS *(size_t)g);
-  s->bound = BASE_ARRAY(m, double, POLY_PARTS *(size_t)g);
+  s->scale = BASE_ARRAY(m, double, (size_t)s->parts *(size_t)g);
+  s->bound = BASE_ARRAY(m, double, (size_t)s->parts *(size_t)g);
   s->cone = BASE_ARRAY(m, double, g);
   s->block = BASE_ARRAY(m, lcp_block, g);
   s->base = BASE_ARRAY(m, double, s->cap_row);
@@ -38,6 +38,8 @@ static void layout_factors(void *state, base_arena *m) {
   polyhedral *s = state;
   s->jac = BASE_ARRAY(m, double, s->cap_jac);
   s->jac_start = BASE_ARRAY(m, int, s->cap_group + 1);
+  s->stored_start = BASE_ARRAY(m, int, s->cap_group);
+  s->mixture = BASE_ARRAY(m, const lcp_mixture *, s->cap_group);
   s->body = BASE_ARRAY(m, int, 2 * (size_t)s->cap_group);
   s->s.colptr = BASE_ARRAY(m, int, s->jac_n + 1);
   s->s.rowind = BASE_ARRAY(m, int, s->cap_shift);
@@ -79,8 +81,8 @@ static void set_parts(polyhedral *s, int i) {
   const int g = s->a.group[i];
   for (int p = 0; p < s->shape_of[i]->n_part; p++) {
     const int kind = s->shape_of[i]->part_kind[p];
-    double *scale = &s->scale[POLY_PARTS * i + p];
-    double *bound = &s->bound[POLY_PARTS * i + p];
+    double *scale = &s->scale[s->parts * i + p];
+    double *bound = &s->bound[s->parts * i + p];
     *scale = 1;
     *bound = 1;
     if (kind == 0) {
@@ -147,10 +149,11 @@ static base_status room_for(polyhedral *s, size_t need, base_error *err) {
 }
 
 static base_status fill_factors(polyhedral *s, base_error *err) {
-  const size_t jac = poly_jac_size(s), shift = poly_shift_nnz(s);
-  if (jac > (size_t)INT32_MAX || shift > (size_t)INT32_MAX) {
+  const bool shared = poly_jac_is_shared(s);
+  const size_t rows = poly_jac_size(s), jac = shared ? 0 : rows, shift = poly_shift_nnz(s);
+  if (rows > (size_t)INT32_MAX || shift > (size_t)INT32_MAX) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED, "polyhedral LCP: %zu entries of J, more than 2^31",
-                     jac);
+                     rows);
   }
   if (s->jac_mem == NULL || jac > s->cap_jac || shift > s->cap_shift || s->n > s->jac_n ||
       s->cap_group > s->jac_groups) {
@@ -160,7 +163,7 @@ static base_status fill_factors(polyhedral *s, base_error *err) {
     s->jac_groups = s->cap_group;
     BASE_TRY(form_memory(&s->jac_mem, layout_factors, s, err));
   }
-  poly_fill_factored(s);
+  poly_fill_factored(s, shared);
   s->M.factored = &s->factored;
   return BASE_OK;
 }
@@ -236,7 +239,9 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
   if (s->joint.n_column == 0) {
     poly_shape_identity(&s->joint, 6);
   }
-  if (s->mem == NULL || c->n_group > s->cap_group || c->n_row > s->cap_row) {
+  const int parts = contact_memory_kinds(c);
+  if (s->mem == NULL || c->n_group > s->cap_group || c->n_row > s->cap_row || parts > s->parts) {
+    s->parts = (parts > s->parts) ? parts : s->parts;
     s->cap_group = base_room(c->n_group);
     s->cap_row = base_room(c->n_row);
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
@@ -320,7 +325,7 @@ static bool decompress(polyhedral *s) {
       s->cone[i] = c->restitution[g] * lambda[0] * u / (u - gain);
       lambda[0] += s->cone[i];
       if (s->opt.planar == POLY_THREE && c->dim == 2 && s->shape_of[i]->n_part > 0) {
-        lambda[1] -= s->bound[POLY_PARTS * i] * s->cone[i];
+        lambda[1] -= s->bound[s->parts * i] * s->cone[i];
       }
       any = true;
     }
@@ -347,7 +352,7 @@ static void note_modes(polyhedral *s, const double *z) {
     const bool friction = shape->n_part > 0 && shape->part_kind[0] == 0;
     const double normal = s->base[s->a.row[i]];
     const bool slides = friction && zi[shape->n_column] > 0 &&
-                        form_slides(&s->a, i, s->bound[POLY_PARTS * i] * normal, still);
+                        form_slides(&s->a, i, s->bound[s->parts * i] * normal, still);
     s->a.mode[g] = (unsigned char)((normal > 0) ? (slides || !friction) + 1 : 0);
     now[PAST_SLIDES] = slides;
     memset(now + PAST_IMPULSE, 0, (size_t)s->memory.layout.impulse * sizeof *now);

@@ -57,6 +57,13 @@ typedef struct poly_shape {
   } column[POLY_COLUMNS];
 } poly_shape;
 
+/* Facets as lcp_mixture has them. */
+enum { POLY_MIXED_ROWS = 3 };
+typedef struct poly_mixture {
+  lcp_mixture facets; /* rows 0: not yet made */
+  double c[(POLY_FACETS_MAX + 2) * POLY_MIXED_ROWS];
+} poly_mixture;
+
 typedef struct poly_arrays {
   double *val;
   int *colptr, *rowind;
@@ -85,8 +92,9 @@ typedef struct polyhedral {
   poly_phase phase;
   const poly_shape **shape_of; /* n_group */
   int *first;                  /* n_group+1: first unknown of each group */
-  double *scale;               /* 3 n_group: unit of each part, 1 or the coefficient [m] */
-  double *bound;               /* 3 n_group: part's bound per unit of lambda_n */
+  int parts;                   /* that a contact has at most */
+  double *scale;               /* parts n_group: unit of each part, 1 or the coefficient [m] */
+  double *bound;               /* parts n_group: part's bound per unit of lambda_n */
   double *base;                /* n_row: impulse before this solve [N s] */
   double *cone;                /* n_contact: lambda_n in the bound beyond the unknown [N s] */
   double *u;                   /* n_row: r + C base */
@@ -98,9 +106,12 @@ typedef struct polyhedral {
   poly_arrays m;    /* compressed columns: of M */
   poly_arrays s;    /* of the S of its factors */
   int *at;
-  double *jac;           /* factored: F_i' J_i of every group, as lcp_factored wants it */
-  int *jac_start, *body; /* n_group+1; 2 n_group */
-  lcp_csc shift;         /* S: the rows and columns of sigma */
+  double *jac; /* factored: F_i' J_i of every group, where that is not made from J_i of the set, */
+  int *stored_start;                   /* n_group: there, */
+  const lcp_mixture **mixture;         /* n_group: in this way */
+  poly_mixture mixed[POLY_MIXED_ROWS]; /* by rows of the contact, less one */
+  int *jac_start, *body;               /* n_group+1; 2 n_group */
+  lcp_csc shift;                       /* S: the rows and columns of sigma */
   lcp_factored factored;
   lcp_matrix M;
   formulation_answer answer;

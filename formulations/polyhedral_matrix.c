@@ -86,7 +86,7 @@ static int part_of(const polyhedral *s, int i, int b) {
 
 static double unit_of(const polyhedral *s, int i, int b) {
   const int p = part_of(s, i, b);
-  return (p < 0) ? 1 : s->scale[POLY_PARTS * i + p];
+  return (p < 0) ? 1 : s->scale[s->parts * i + p];
 }
 
 void poly_direction(const polyhedral *s, int i, int b, double *f) {
@@ -97,7 +97,7 @@ void poly_direction(const polyhedral *s, int i, int b, double *f) {
     f[col->row + k] = unit * col->c[k];
   }
   if (b == 0 && poly_parts(s, i) > 0 && is_three(s)) {
-    f[1] = -s->bound[POLY_PARTS * i];
+    f[1] = -s->bound[s->parts * i];
   }
 }
 
@@ -112,7 +112,7 @@ static void project(const polyhedral *s, int i, const double *v, double *out) {
     if (a >= part_end && part + 1 < poly_parts(s, i)) {
       part++;
       part_end = shape->part_start[part + 1];
-      unit = s->scale[POLY_PARTS * i + part];
+      unit = s->scale[s->parts * i + part];
     }
     const struct poly_column *col = &shape->column[a];
     double sum = col->c[0] * v[col->row];
@@ -131,7 +131,7 @@ static double normal_mass(const polyhedral *s, int i) {
 
 /* 1 for facets; the planar three-unknown form bounds lambda_L + lambda_R by 2 mu lambda_n. */
 static double cone_entry(const polyhedral *s, int i, int part) {
-  return ((is_three(s)) ? 2 : 1) * s->bound[POLY_PARTS * i + part];
+  return ((is_three(s)) ? 2 : 1) * s->bound[s->parts * i + part];
 }
 
 size_t poly_shift_nnz(const polyhedral *s) {
@@ -320,11 +320,11 @@ static void from_impulses(polyhedral *s, int i, const double *past, double ratio
   }
   z[0] = fmax(l[0], 0);
   if (shape->n_part > 0 && is_three(s)) { /* lambda_t = lambda_R - mu lambda_n */
-    z[1] = fmax(l[1] + s->bound[POLY_PARTS * i] * z[0], 0);
+    z[1] = fmax(l[1] + s->bound[s->parts * i] * z[0], 0);
     return;
   }
   for (int p = 0; p < shape->n_part; p++) {
-    const double unit = s->scale[POLY_PARTS * i + p];
+    const double unit = s->scale[s->parts * i + p];
     put_part(shape, p, unit, l + shape->column[shape->part_start[p]].row, z);
     if (past[PAST_SLIDES] > 0 && shape->part_kind[p] == 0) {
       z[shape->n_column + p] = sliding(shape, p, along) / normal_mass(s, i);

@@ -21,7 +21,11 @@ size_t poly_shift_nnz(const polyhedral *s);
 
 /* polyhedral_factored.c: M = J W J' + S. */
 size_t poly_jac_size(const polyhedral *s); /* entries of J, zero rows of the sigmas included */
-void poly_fill_factored(polyhedral *s);
+/* Are the rows of every group those that the set has, or mixed from them with numbers that depend on its shape alone, and some of them
+ * facets? Torsion and rolling, which have units of their own at each contact, are no such rows. */
+bool poly_jac_is_shared(const polyhedral *s);
+/* shared: J is that of the set, else it is written out. */
+void poly_fill_factored(polyhedral *s, bool shared);
 
 /* What the three share. */
 int poly_columns(const polyhedral *s, int i); /* unknowns of group i without the sigmas */

@@ -1,6 +1,7 @@
 /* lcp_copy.c - diagonals, symmetry, and copies of a matrix in another storage. */
 #include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 #include "lcp/lcp_wide_column.h"
 
 #include <assert.h>
@@ -27,9 +28,8 @@ static int body_dofs(const lcp_factored *f, int b) {
   return f->dof_start[b + 1] - f->dof_start[b];
 }
 
-/* The rows of group g on body b, or NULL if it does not touch b. */
-static const double *group_side(const lcp_factored *f, int g, int b) {
-  const double *A = f->jac + f->jac_start[g];
+/* Of the rows A of group g those on body b, or NULL if it does not touch b. */
+static const double *group_side(const lcp_factored *f, int g, const double *A, int b) {
   if (f->body[2 * g] == b) {
     return A;
   }
@@ -54,15 +54,29 @@ static inline double add_form(const double *a, const double *W, const double *b,
   return sum;
 }
 
-/* sum over shared bodies of row r of group g times W times row s of group h. */
-static double factored_entry(const lcp_factored *f, int g, int r, int h, int s) {
+/* A group and its rows. */
+typedef struct group_rows {
+  int group;
+  const double *rows;
+  double room[LCP_MIXED_MAX];
+} group_rows;
+
+static void read_group(const lcp_factored *f, int g, group_rows *to) {
+  to->group = g;
+  to->rows = lcp_factored_rows(f, g, to->room);
+}
+
+/* sum over shared bodies of row r of group x times W times row s of group y. */
+static double factored_entry(const lcp_factored *f, const group_rows *x, int r, const group_rows *y,
+                             int s) {
+  const int g = x->group;
   double sum = 0.0;
   for (int side = 0; side < 2; side++) {
     const int b = f->body[2 * g + side];
     if (b < 0 || (side == 1 && b == f->body[2 * g])) {
       continue;
     }
-    const double *A = group_side(f, g, b), *B = group_side(f, h, b);
+    const double *A = group_side(f, g, x->rows, b), *B = group_side(f, y->group, y->rows, b);
     if (B == NULL) {
       continue;
     }
@@ -86,7 +100,8 @@ static void group_diagonals(const lcp_factored *f, int from, int end, double *d)
   for (int g = from; g < end; g++) {
     const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
     const int *body = f->body + 2 * (ptrdiff_t)g;
-    const double *A = f->jac + f->jac_start[g];
+    double room[LCP_MIXED_MAX];
+    const double *A = lcp_factored_rows(f, g, room);
     memset(d + first, 0, (size_t)rows * sizeof *d);
     for (int side = 0; side < 2; side++) {
       const int b = body[side];
@@ -215,6 +230,7 @@ static bool copy_stored(const lcp_matrix *M, copy *to) {
 static bool copy_factored(const lcp_matrix *M, lcp_wide_columns *columns, copy *to) {
   const lcp_factored *f = M->factored;
   const int *group = columns->group_of;
+  group_rows row = {.group = -1}, column = {.group = -1};
   for (int j = 0; j < M->n; j++) {
     const int count = lcp_wide_columns_rows(columns, j);
     const lcp_column shift = lcp_csc_column(f->shift, j);
@@ -222,10 +238,16 @@ static bool copy_factored(const lcp_matrix *M, lcp_wide_columns *columns, copy *
     if (!reserve(to, count)) {
       return false;
     }
+    if (group[j] != column.group) {
+      read_group(f, group[j], &column);
+    }
     for (int k = 0; k < count; k++) {
       const int i = columns->row[k];
-      double v = factored_entry(f, group[i], i - f->row_start[group[i]], group[j],
-                                j - f->row_start[group[j]]);
+      if (group[i] != row.group) {
+        read_group(f, group[i], &row);
+      }
+      double v =
+          factored_entry(f, &row, i - f->row_start[group[i]], &column, j - f->row_start[group[j]]);
       if (met < shift.count && shift.row[met] == i) {
         v += shift.val[met++];
       }
@@ -273,12 +295,15 @@ void lcp_matrix_to_dense(const lcp_matrix *M, double *out) {
     return;
   }
   const lcp_factored *f = M->factored;
+  group_rows row, column;
   for (int g = 0; g < f->n_group; g++) {
+    read_group(f, g, &column);
     for (int h = 0; h < f->n_group; h++) {
+      read_group(f, h, &row);
       for (int s = f->row_start[g]; s < f->row_start[g + 1]; s++) {
         for (int r = f->row_start[h]; r < f->row_start[h + 1]; r++) {
           out[(size_t)s * n + (size_t)r] +=
-              factored_entry(f, h, r - f->row_start[h], g, s - f->row_start[g]);
+              factored_entry(f, &row, r - f->row_start[h], &column, s - f->row_start[g]);
         }
       }
     }

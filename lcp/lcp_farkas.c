@@ -1,6 +1,7 @@
 #include "lcp/lcp_farkas.h"
 
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 
 enum { DENOMINATOR_MAX = 256 };
 
@@ -52,7 +53,8 @@ static bool moves_nothing(const lcp_factored *f, const double *y, lcp_farkas_sum
     force[c] = (lcp_farkas_sum){0, 0, 0};
   }
   for (int g = 0; g < f->n_group; g++) {
-    const double *jac = f->jac + f->jac_start[g];
+    double room[LCP_MIXED_MAX] = {0};
+    const double *jac = lcp_factored_rows(f, g, room);
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
       const int dof = (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];

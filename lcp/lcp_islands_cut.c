@@ -1,6 +1,7 @@
 #include "lcp/lcp_islands_cut.h"
 
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -350,7 +351,8 @@ static void copy_groups(islands_cut *s, const lcp_factored *f) {
       lcp_factored *own = &s->island[s->number[s->block_of[f->row_start[g]]]].factored;
       const ptrdiff_t to = (own->row_start - s->row_start) + own->n_group;
       if (pass == 1) {
-        memcpy(s->jac + (own->jac - s->jac) + s->jac_start[to], f->jac + f->jac_start[g],
+        double room[LCP_MIXED_MAX];
+        memcpy(s->jac + (own->jac - s->jac) + s->jac_start[to], lcp_factored_rows(f, g, room),
                (size_t)jac_size(f, g) * sizeof *s->jac);
       }
       s->row_start[to + 1] = s->row_start[to] + f->row_start[g + 1] - f->row_start[g];

@@ -3,6 +3,7 @@
 #include "lcp/base/clones.h"
 #include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 
 #include <string.h>
 
@@ -57,6 +58,18 @@ BASE_INLINE void side_times_transposed(const double *A, int rows, int cols, cons
   }
 }
 
+/* The same of rows that are mixed of those in A: three of six in space as a constant. */
+BASE_INLINE void mixed_times(const lcp_mixture *m, const double *A, int cols, const double *x,
+                             double *out) {
+  double stored[LCP_STORED_MAX] = {0};
+  if (m->stored == 3) {
+    side_times(A, 3, cols, x, stored);
+  } else {
+    side_times(A, m->stored, cols, x, stored);
+  }
+  lcp_mixture_spread(m, stored, out);
+}
+
 static int body_dofs(const lcp_factored *f, int b) {
   return f->dof_start[b + 1] - f->dof_start[b];
 }
@@ -88,14 +101,17 @@ typedef struct velocities {
 BASE_CLONES static void rows_times(const lcp_factored *f, int from, int end, const double *v,
                                    double *y) {
   for (int g = from; g < end; g++) {
-    const int rows = f->row_start[g + 1] - f->row_start[g];
-    const double *A = f->jac + f->jac_start[g];
+    const int stored = lcp_factored_stored(f, g);
+    const lcp_mixture *m = lcp_mixture_of(f, g);
+    const double *A = f->jac + lcp_factored_at(f, g);
     for (int side = 0; side < 2; side++) {
-      const int b = f->body[2 * g + side];
-      if (b >= 0) {
-        side_times(A, rows, body_dofs(f, b), v + f->dof_start[b], y + f->row_start[g]);
-        A += rows * body_dofs(f, b);
+      const int b = f->body[2 * g + side], n = (b >= 0) ? body_dofs(f, b) : 0;
+      if (b >= 0 && m != NULL) {
+        mixed_times(m, A, n, v + f->dof_start[b], y + f->row_start[g]);
+      } else if (b >= 0) {
+        side_times(A, stored, n, v + f->dof_start[b], y + f->row_start[g]);
       }
+      A += stored * n;
     }
   }
 }
@@ -110,19 +126,26 @@ static void share_rows(void *of, int part, int hand) {
 /* y += J W J' x. */
 BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *x, double *y,
                                            double *scratch) {
-  const int m = f->dof_start[f->n_body];
-  double *force = scratch, *v = scratch + m;
-  memset(force, 0, (size_t)m * sizeof *force);
+  const int dofs = f->dof_start[f->n_body];
+  double *force = scratch, *v = scratch + dofs;
+  memset(force, 0, (size_t)dofs * sizeof *force);
   for (int g = 0; g < f->n_group; g++) {
-    const int rows = f->row_start[g + 1] - f->row_start[g];
-    const double *A = f->jac + f->jac_start[g];
+    const int stored = lcp_factored_stored(f, g);
+    const lcp_mixture *m = lcp_mixture_of(f, g);
+    const double *A = f->jac + lcp_factored_at(f, g), *given = x + f->row_start[g];
+    double of_stored[LCP_STORED_MAX];
+    if (m != NULL) {
+      lcp_mixture_gather(m, given, of_stored);
+      given = of_stored;
+    }
     for (int side = 0; side < 2; side++) {
-      const int b = f->body[2 * g + side];
-      if (b >= 0) {
-        side_times_transposed(A, rows, body_dofs(f, b), x + f->row_start[g],
-                              force + f->dof_start[b]);
-        A += rows * body_dofs(f, b);
+      const int b = f->body[2 * g + side], n = (b >= 0) ? body_dofs(f, b) : 0;
+      if (b >= 0 && stored == 3) {
+        side_times_transposed(A, 3, n, given, force + f->dof_start[b]);
+      } else if (b >= 0) {
+        side_times_transposed(A, stored, n, given, force + f->dof_start[b]);
       }
+      A += stored * n;
     }
   }
   weight_times(f, force, v);

@@ -1,6 +1,8 @@
 /* lcp_problem.c - is this a problem at all? Shapes, ranges, finiteness. */
 #include "lcp/lcp_problem.h"
 
+#include "lcp/lcp_mixture.h"
+
 #include <limits.h>
 
 static base_status check_values(const double *x, size_t n, const char *what, base_error *err) {
@@ -84,6 +86,44 @@ static base_status check_bodies(const lcp_factored *f, base_error *err) {
   return BASE_OK;
 }
 
+/* Rows that are mixed of few. */
+static base_status check_mixture(const lcp_factored *f, int g, int cols, base_error *err) {
+  const lcp_mixture *m = lcp_mixture_of(f, g);
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  if (m == NULL) {
+    return BASE_OK;
+  }
+  if (m->rows != rows || m->stored < 1 || m->stored > LCP_STORED_MAX || rows > LCP_MIXED_ROWS ||
+      rows * cols > LCP_MIXED_MAX) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "group %d: need a mixture of its %d rows, at most %d of 12 numbers, of 1..%d",
+                     g, rows, (int)LCP_MIXED_ROWS, (int)LCP_STORED_MAX);
+  }
+  return check_values(m->c, (size_t)m->rows * (size_t)m->stored, "a mixture", err);
+}
+
+static base_status check_group(const lcp_factored *f, int g, base_error *err) {
+  const int rows = f->row_start[g + 1] - f->row_start[g];
+  int cols = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = f->body[2 * g + side];
+    if (b < -1 || b >= f->n_body || (side == 1 && b >= 0 && b == f->body[2 * g])) {
+      return BASE_FAIL(err, BASE_EINVAL, "group %d touches body %d: need two different of -1..%d",
+                       g, b, f->n_body - 1);
+    }
+    cols += (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
+  }
+  if (rows < 1 || f->jac_start[g + 1] - f->jac_start[g] != rows * cols) {
+    return BASE_FAIL(err, BASE_EINVAL, "group %d: need %d x %d Jacobian entries", g, rows, cols);
+  }
+  BASE_TRY(check_mixture(f, g, cols, err));
+  if (f->stored_start == NULL) {
+    return BASE_OK; /* all of J at once */
+  }
+  return check_values(f->jac + lcp_factored_at(f, g),
+                      (size_t)lcp_factored_stored(f, g) * (size_t)cols, "J", err);
+}
+
 static base_status check_factored(const lcp_factored *f, int n, base_error *err) {
   if (f == NULL || f->n_body < 0 || f->n_group < 0 || (f->n_group > 0 && f->body == NULL)) {
     return BASE_FAIL(err, BASE_EINVAL, "factored matrix: missing parts or negative counts");
@@ -98,21 +138,15 @@ static base_status check_factored(const lcp_factored *f, int n, base_error *err)
   }
   BASE_TRY(check_bodies(f, err));
   for (int g = 0; g < f->n_group; g++) {
-    const int rows = f->row_start[g + 1] - f->row_start[g];
-    int cols = 0;
-    for (int side = 0; side < 2; side++) {
-      const int b = f->body[2 * g + side];
-      if (b < -1 || b >= f->n_body || (side == 1 && b >= 0 && b == f->body[2 * g])) {
-        return BASE_FAIL(err, BASE_EINVAL, "group %d touches body %d: need two different of -1..%d",
-                         g, b, f->n_body - 1);
-      }
-      cols += (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
-    }
-    if (rows < 1 || f->jac_start[g + 1] - f->jac_start[g] != rows * cols) {
-      return BASE_FAIL(err, BASE_EINVAL, "group %d: need %d x %d Jacobian entries", g, rows, cols);
-    }
+    BASE_TRY(check_group(f, g, err));
   }
-  BASE_TRY(check_values(f->jac, (size_t)f->jac_start[f->n_group], "J", err));
+  if (f->mixture != NULL && f->stored_start == NULL) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "factored matrix: mixed rows, but not where they are stored");
+  }
+  if (f->stored_start == NULL) {
+    BASE_TRY(check_values(f->jac, (size_t)f->jac_start[f->n_group], "J", err));
+  }
   return (f->shift != NULL) ? check_csc(f->shift, n, "S", err) : BASE_OK;
 }
 

@@ -43,6 +43,19 @@ typedef struct lcp_csc {
   const double *val; /* colptr[n_col] */
 } lcp_csc;
 
+/* Rows of a group that are sums of fewer: row i is the sum over the `stored` rows k of c[i * stored + k] times row k. So the
+ * facets of a contact are made of its two tangents where they are read. */
+typedef struct lcp_mixture {
+  int rows, stored;
+  const double *c; /* rows x stored, row-major */
+} lcp_mixture;
+
+enum {
+  LCP_STORED_MAX = 4,                 /* that others are mixed of */
+  LCP_MIXED_ROWS = 66,                /* of such a group at most, */
+  LCP_MIXED_MAX = 12 * LCP_MIXED_ROWS /* and their numbers in J */
+};
+
 /* M = J W J' + S with W block-diagonal (one dense SPD block per body) and every row of J touching
  * at most two bodies. Rows come in groups (a contact) that touch the same bodies.
  * Body k owns velocity dofs dof_start[k] .. dof_start[k+1]-1. */
@@ -54,10 +67,36 @@ typedef struct lcp_factored {
   int n_group;
   const int *row_start; /* n_group+1 */
   const int *body;      /* 2*n_group; -1 where a side is fixed */
-  const int *jac_start; /* n_group+1, offsets into jac */
+  const int *
+      jac_start; /* n_group+1, offsets of its rows in an array that has them all, as jac mostly is */
   const double *jac;    /* per group: rows x dofs of side 0 (row-major), then of side 1 */
   const lcp_csc *shift; /* S, n x n, or NULL for zero; rows of J may be zero where S acts alone */
+  const int
+      *stored_start; /* n_group, where jac has a group, laid out the same; NULL: at jac_start */
+  const lcp_mixture *const
+      *mixture; /* n_group, NULL where jac has the rows themselves; NULL: for all */
 } lcp_factored;
+
+/* How the rows of group g are mixed; NULL: jac has them. */
+static inline const lcp_mixture *lcp_mixture_of(const lcp_factored *f, int g) {
+  return (f->mixture != NULL) ? f->mixture[g] : NULL;
+}
+
+/* Rows that jac has of group g, */
+static inline int lcp_factored_stored(const lcp_factored *f, int g) {
+  const lcp_mixture *m = lcp_mixture_of(f, g);
+  return (m != NULL) ? m->stored : f->row_start[g + 1] - f->row_start[g];
+}
+
+/* and where they begin. */
+static inline int lcp_factored_at(const lcp_factored *f, int g) {
+  return (f->stored_start != NULL) ? f->stored_start[g] : f->jac_start[g];
+}
+
+static inline int lcp_factored_dof(const lcp_factored *f, int g, int side) {
+  const int b = f->body[2 * (ptrdiff_t)g + side];
+  return (b >= 0) ? f->dof_start[b + 1] - f->dof_start[b] : 0;
+}
 
 /* Square matrix, read-only view; does not own its arrays. Of val and csc the one of `storage` is filled. */
 typedef struct lcp_matrix {

@@ -2,6 +2,7 @@
 
 #include "lcp/base/clones.h"
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 
 enum { LANES = 8 }; /* entries of a row, and rows, that are made together */
 
@@ -17,10 +18,10 @@ static int dofs(const lcp_factored *f, int b) {
   return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
 }
 
-/* J and J W of the rows of group g at one of its sides: rows x dofs, row-major. */
+/* Where a side of group g begins in the rows of both: rows x dofs, row-major. */
 static ptrdiff_t side_at(const lcp_factored *f, int g, int side) {
   const int rows = f->row_start[g + 1] - f->row_start[g];
-  return f->jac_start[g] + ((side == 1) ? (ptrdiff_t)rows * dofs(f, f->body[2 * g]) : 0);
+  return (side == 1) ? (ptrdiff_t)rows * dofs(f, f->body[2 * (ptrdiff_t)g]) : 0;
 }
 
 /* out = W J' of n velocities: n x rows, row-major. */
@@ -61,11 +62,13 @@ BASE_CLONES static void begin(lcp_rho_factored *s, const lcp_factored *f) {
   }
   for (int g = 0; g < f->n_group; g++) {
     const int rows = f->row_start[g + 1] - f->row_start[g];
+    double room[LCP_MIXED_MAX];
+    const double *all = lcp_factored_rows(f, g, room);
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
       if (b >= 0) {
-        const double *J = f->jac + side_at(f, g, side), *W = f->weight + f->weight_start[b];
-        double *out = s->wj + side_at(f, g, side);
+        const double *J = all + side_at(f, g, side), *W = f->weight + f->weight_start[b];
+        double *out = s->wj + f->jac_start[g] + side_at(f, g, side);
         if (dofs(f, b) == 6) {
           weigh_six(J, W, rows, out);
         } else {
@@ -86,14 +89,15 @@ typedef struct meeting {
   int dof[4];
 } meeting;
 
-static meeting meet(const lcp_rho_factored *s, const lcp_factored *f, int g, int h) {
+static meeting meet(const lcp_rho_factored *s, const lcp_factored *f, int g, int h, double *room) {
   meeting m = {0};
+  const double *rows = lcp_factored_rows(f, g, room);
   for (int a = 0; a < 2; a++) {
     for (int b = 0; b < 2; b++) {
       const int body = f->body[2 * g + a];
       if (body >= 0 && body == f->body[2 * h + b]) {
-        m.left[m.n] = f->jac + side_at(f, g, a);
-        m.right[m.n] = s->wj + side_at(f, h, b);
+        m.left[m.n] = rows + side_at(f, g, a);
+        m.right[m.n] = s->wj + f->jac_start[h] + side_at(f, h, b);
         m.dof[m.n++] = dofs(f, body);
       }
     }
@@ -171,7 +175,8 @@ BASE_INLINE void add_columns(const lcp_factored *f, const meeting *m, int g, int
 
 BASE_CLONES static void add_pair(const lcp_rho_factored *s, const lcp_factored *f, int g, int h,
                                  const double *x, double *size) {
-  const meeting m = meet(s, f, g, h);
+  double room[LCP_MIXED_MAX];
+  const meeting m = meet(s, f, g, h, room);
   const int wide = f->row_start[h + 1] - f->row_start[h];
   if (wide == 6) { /* the commonest: a contact over four facets, and over a cone */
     add_columns(f, &m, g, h, (strip){0, 6, 6}, x, size);

@@ -331,11 +331,12 @@ static base_status moves_nothing(const lcp_factored *f, const double *y, bool *s
     mpq_init(force[c]);
   }
   for (int g = 0; g < f->n_group; g++) {
-    const double *jac = f->jac + f->jac_start[g];
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * g + side];
       const int dof = (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
-      for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, jac += dof) {
+      double room[LCP_MIXED_MAX] = {0};
+      const double *jac = (b < 0) ? NULL : lcp_wide_factored_rows(f, g, side, room);
+      for (int i = f->row_start[g]; i < f->row_start[g + 1] && b >= 0; i++, jac += dof) {
         for (int c = 0; c < dof; c++) {
           add_product(force[f->dof_start[b] + c], force[n_dof], force[n_dof + 1], jac[c], y[i]);
         }

@@ -41,4 +41,6 @@ int lcp_wide_columns_rows(lcp_wide_columns *c, int j);
 void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double *w);
 void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size);
 void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d);
+/* The rows of J of group g on the body of one side, rows x dofs, row-major: a view, or made in `room` (LCP_MIXED_MAX). */
+const double *lcp_wide_factored_rows(const lcp_factored *f, int g, int side, double *room);
 void lcp_wide_columns_close(lcp_wide_columns *c); /* accepts a zeroed struct */

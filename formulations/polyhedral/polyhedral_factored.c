@@ -4,19 +4,70 @@
 
 #include <string.h>
 
-size_t poly_jac_size(const polyhedral *s) {
+static int group_dofs(const polyhedral *s, int i) {
   const contact_set *c = s->a.set;
+  const int *body = c->body + 2 * (ptrdiff_t)s->a.group[i];
+  return contact_dofs(c, body[0]) + contact_dofs(c, body[1]);
+}
+
+/* Rows that the set has of group i. */
+static int set_rows(const polyhedral *s, int i) {
+  const int *row = s->a.set->row_start + s->a.group[i];
+  return row[1] - row[0];
+}
+
+size_t poly_jac_size(const polyhedral *s) {
   size_t size = 0;
   for (int i = 0; i < s->a.n_group; i++) {
-    const int g = s->a.group[i];
-    size += (size_t)poly_width(s, i) *
-            (size_t)(contact_dofs(c, c->body[2 * g]) + contact_dofs(c, c->body[2 * g + 1]));
+    size += (size_t)poly_width(s, i) * (size_t)group_dofs(s, i);
   }
   return size;
 }
 
+bool poly_jac_is_shared(const polyhedral *s) {
+  bool any = false;
+  for (int i = 0; i < s->a.n_group; i++) {
+    const poly_shape *shape = s->shape_of[i];
+    const int rows = form_rows_of(&s->a, i), stored = set_rows(s, i);
+    const bool same = shape->n_part == 0 && rows == stored; /* the rows themselves */
+    const bool made = stored <= POLY_MIXED_ROWS &&
+                      ((shape->n_part == 0 && rows == 1) ||
+                       (shape->n_part == 1 && rows == stored && shape->part_kind[0] == 0));
+    if (!same && !made) {
+      return false;
+    }
+    any = any || shape->n_part > 0;
+  }
+  return any;
+}
+
+/* The facets of a contact with `stored` rows, and nothing of its sigma. */
+static const lcp_mixture *facets_of(polyhedral *s, const poly_shape *shape, int stored) {
+  poly_mixture *m = &s->mixed[stored - 1];
+  if (m->facets.rows == 0) {
+    for (int b = 0; b < shape->n_column; b++) {
+      for (int k = 0; k < shape->column[b].n; k++) {
+        m->c[b * stored + shape->column[b].row + k] = shape->column[b].c[k];
+      }
+    }
+    m->facets = (lcp_mixture){shape->n_column + shape->n_part, stored, m->c};
+  }
+  return &m->facets;
+}
+
+/* How the rows of group i are made of those of the set; NULL: they are these. */
+static const lcp_mixture *mixture_of(polyhedral *s, int i) {
+  static const double first[POLY_MIXED_ROWS] = {1};
+  static const lcp_mixture normal[POLY_MIXED_ROWS] = {{1, 1, first}, {1, 2, first}, {1, 3, first}};
+  const int stored = set_rows(s, i);
+  if (s->shape_of[i]->n_part > 0) {
+    return facets_of(s, s->shape_of[i], stored);
+  }
+  return (form_rows_of(&s->a, i) < stored) ? &normal[stored - 1] : NULL;
+}
+
 /* The rows f' J of both sides of group i, one for each unknown; those of the sigmas are zero. */
-static double *put_group(const polyhedral *s, int i, double *out) {
+static void put_group(const polyhedral *s, int i, double *out) {
   const contact_set *c = s->a.set;
   const int g = s->a.group[i];
   const int width = poly_width(s, i);
@@ -36,7 +87,6 @@ static double *put_group(const polyhedral *s, int i, double *out) {
       }
     }
   }
-  return end;
 }
 
 static void fill_shift(polyhedral *s) {
@@ -56,15 +106,20 @@ static void fill_shift(polyhedral *s) {
   s->shift = (lcp_csc){s->n, s->n, s->s.colptr, s->s.rowind, s->s.val};
 }
 
-void poly_fill_factored(polyhedral *s) {
+void poly_fill_factored(polyhedral *s, bool shared) {
   const contact_set *c = s->a.set;
-  double *out = s->jac;
+  s->jac_start[0] = 0;
   for (int i = 0; i < s->a.n_group; i++) {
-    s->jac_start[i] = (int)(out - s->jac);
-    memcpy(s->body + 2 * (ptrdiff_t)i, c->body + 2 * (ptrdiff_t)s->a.group[i], 2 * sizeof *s->body);
-    out = put_group(s, i, out);
+    const int g = s->a.group[i], at = s->jac_start[i];
+    s->jac_start[i + 1] = at + poly_width(s, i) * group_dofs(s, i);
+    memcpy(s->body + 2 * (ptrdiff_t)i, c->body + 2 * (ptrdiff_t)g, 2 * sizeof *s->body);
+    if (shared) {
+      s->stored_start[i] = c->jac_start[g];
+      s->mixture[i] = mixture_of(s, i);
+    } else {
+      put_group(s, i, s->jac + at);
+    }
   }
-  s->jac_start[s->a.n_group] = (int)(out - s->jac);
   fill_shift(s);
   s->factored = (lcp_factored){.n_body = c->n_body,
                                .dof_start = c->dof_start,
@@ -74,6 +129,8 @@ void poly_fill_factored(polyhedral *s) {
                                .row_start = s->first,
                                .body = s->body,
                                .jac_start = s->jac_start,
-                               .jac = s->jac,
-                               .shift = (s->s.colptr[s->n] > 0) ? &s->shift : NULL};
+                               .jac = shared ? c->jac : s->jac,
+                               .shift = (s->s.colptr[s->n] > 0) ? &s->shift : NULL,
+                               .stored_start = shared ? s->stored_start : NULL,
+                               .mixture = shared ? s->mixture : NULL};
 }

@@ -52,7 +52,11 @@ base_status sim_start_point(sim *s, const lcp_problem *p, const double *z0, base
   for (int i = 0; i < n; i++) {
     s->z[i] = (z0 != NULL) ? z0[i] : 0.0;
   }
-  memcpy(s->z + 2 * (ptrdiff_t)s->z_cap, s->z, (size_t)n * sizeof *s->z);
+  s->started = z0;
+  if (z0 == NULL) {
+    s->started = s->z + 2 * (ptrdiff_t)s->z_cap;
+    memcpy(s->z + 2 * (ptrdiff_t)s->z_cap, s->z, (size_t)n * sizeof *s->z);
+  }
   return BASE_OK;
 }
 
@@ -234,7 +238,7 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   if (s->share == NULL) {
     BASE_TRY(lcp_share_open(&s->share, err));
   }
-  const double *start = (s->q->start == FORM_PREVIOUS) ? s->z + 2 * (ptrdiff_t)s->z_cap : NULL;
+  const double *start = (s->q->start == FORM_PREVIOUS) ? s->started : NULL;
   BASE_TRY(lcp_share_apply(s->share, p, start, s->z, &made, err));
   if (p->M.n >= LARGE) {
     lcp_share_rest(s->share);

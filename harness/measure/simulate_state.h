@@ -65,11 +65,13 @@ typedef struct sim {
       alike; /* and whether deviations keep their velocity in it; contacts act alike with them */
   double h;  /* of this step [s] */
   sim_carrying carrying; /* in the last step */
-  double *z; /* z_cap of the answer, as many for the solver's own, and for where it started */
+  double *
+      z; /* z_cap of the answer, as many for the solver's own, and of a start point that nobody has */
   int z_cap;
-  own_answers own; /* where the next solves of a method that pivots start */
-  double called;   /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
-  bool iterates;   /* the formulation poses its problems one by one; else it steps by itself */
+  const double *started; /* where it did: a view */
+  own_answers own;       /* where the next solves of a method that pivots start */
+  double called;         /* spent in sim_solve_for_formulation: solved, judged, stored [s] */
+  bool iterates; /* the formulation poses its problems one by one; else it steps by itself */
   solved
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */

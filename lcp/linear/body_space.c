@@ -85,7 +85,7 @@ base_status lin_body_space_admits(const lcp_factored *f, base_error *err) {
 }
 
 base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const double *G,
-                                 const double *scale, const unsigned char *member,
+                                 bool stored, const double *scale, const unsigned char *member,
                                  base_error *err) {
   const int n = f->row_start[f->n_group], dof = f->dof_start[f->n_body];
   assert(lin_body_space_admits(f, NULL) == BASE_OK);
@@ -97,6 +97,8 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
   }
   s->f = f;
   s->G = G;
+  assert(!stored || scale == NULL);
+  s->stored = stored && (f->mixture != NULL || f->stored_start != NULL);
   s->scale = scale;
   int count = 0;
   size_t at = 0;
@@ -311,15 +313,50 @@ const double *lin_body_space_gather(const lin_body_space *s, int g, const lin_si
   return room;
 }
 
+/* K of the rows of a group in the system, as one of those that they are mixed of. */
+BASE_INLINE void mix_both(const lin_body_space *s, int g, const lcp_mixture *mix, int n,
+                          const double *K, double *out) {
+  const int *row = s->row + s->first[g], stored = mix->stored;
+  double half[LCP_STORED_MAX * LIN_GROUP_MAX]; /* c' K, stored x n by columns */
+  for (int j = 0; j < n; j++) {
+    for (int k = 0; k < stored; k++) {
+      half[k + j * stored] = 0;
+      for (int i = 0; i < n; i++) {
+        half[k + j * stored] += mix->c[(row[i] - s->f->row_start[g]) * stored + k] * K[i + j * n];
+      }
+    }
+  }
+  for (int l = 0; l < stored; l++) {
+    for (int k = 0; k < stored; k++) {
+      out[k + l * stored] = 0;
+      for (int j = 0; j < n; j++) {
+        out[k + l * stored] +=
+            half[k + j * stored] * mix->c[(row[j] - s->f->row_start[g]) * stored + l];
+      }
+    }
+  }
+}
+
 /* Adds G'KG of a group with rows in the system. */
 BASE_INLINE void add_group(lin_body_space *s, int g, meeting *m) {
   double room[2][LIN_GROUP_MAX * LIN_BLOCK_MAX], Q[LIN_GROUP_MAX * LIN_BLOCK_MAX];
+  double mixed[LCP_STORED_MAX * LCP_STORED_MAX];
+  const lcp_mixture *mix = lin_body_space_mixture(s, g);
   const double *A[2], *K = s->Y + s->at[g];
-  const int n = s->first[g + 1] - s->first[g];
+  int n = s->first[g + 1] - s->first[g];
   meet(s, g, m);
+  const int only = (mix != NULL) ? lin_body_space_only(s, g, mix, n) : -1;
+  if (mix != NULL && only < 0) {
+    mix_both(s, g, mix, n, K, mixed);
+    K = mixed;
+    n = mix->stored;
+  }
   for (int k = 0; k < 2; k++) {
-    const lin_side side = lin_side_of(s->f, s->G, g, k);
-    A[k] = (m->dof[k] > 0) ? lin_body_space_part(s, g, n, &side, room[k]) : NULL;
+    const lin_side side = lin_body_space_side(s, g, k);
+    const double *own = side.jac + ((only > 0) ? (ptrdiff_t)only * side.dof : 0);
+    A[k] = (m->dof[k] == 0) ? NULL
+           : (mix != NULL)  ? own
+                            : lin_body_space_part(s, g, n, &side, room[k]);
   }
   for (int k = 0; k < 2; k++) {
     if (m->dof[k] > 0) {

@@ -9,20 +9,23 @@
  * what Gauss-Seidel methods sweep with. */
 #pragma once
 
-#include "lcp/lcp_problem.h"
+#include "lcp/lcp_mixture.h"
 #include "lcp/linear/blocks.h"
 
 enum { LIN_GROUP_MAX = 96 }; /* rows of a group */
 
-/* Lower Cholesky factors L of the blocks of W (n_weight; a direction without mobility has a zero column), and G = J L
- * (n_jac, as jac is laid out). BASE_EINVAL where a block is not positive semidefinite. */
-base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err);
-
-/* The two apart: L, with the same error, and G of it. */
+/* Lower Cholesky factors L of the blocks of W (n_weight; a direction without mobility has a zero column). BASE_EINVAL where a block
+ * is not positive semidefinite. */
 base_status lin_weigh_bodies(const lcp_factored *f, double *L, base_error *err);
+
+/* G = J L, n_jac: all rows, at jac_start. */
 void lin_weigh_rows(const lcp_factored *f, const double *L, double *G);
 
-/* One side of a group: its rows of J, or of G, rows x dof, row-major. */
+/* G of the rows that jac has, where it has them; its length is lin_stored_length(f). */
+void lin_weigh_stored(const lcp_factored *f, const double *L, double *G);
+size_t lin_stored_length(const lcp_factored *f);
+
+/* One side of a group: its rows of an array that has all of them, rows x dof, row-major. */
 typedef struct lin_side {
   const double *jac;
   int body, dof; /* body < 0: fixed, dof 0 */
@@ -37,11 +40,20 @@ static inline lin_side lin_side_of(const lcp_factored *f, const double *jac, int
                     body[which], (body[which] >= 0) ? dof[body[which] + 1] - dof[body[which]] : 0};
 }
 
+/* The same of the rows that are stored, of J or of G as lin_weigh_stored lays it out. */
+BASE_INLINE lin_side lin_stored_side(const lcp_factored *f, const double *G, int group, int which) {
+  const int first = (which == 1) ? lcp_factored_dof(f, group, 0) : 0;
+  return (lin_side){G + lcp_factored_at(f, group) +
+                        (ptrdiff_t)lcp_factored_stored(f, group) * first,
+                    f->body[2 * (ptrdiff_t)group + which], lcp_factored_dof(f, group, which)};
+}
+
 /* A system over some rows of some groups: T and Y of each group, n x n by columns over its rows in the system. */
 typedef struct lin_body_space {
   lin_blocks blocks;
   const lcp_factored *f; /* of the last begin, as all views: */
-  const double *G;       /* J L */
+  const double *G;       /* J L, */
+  bool stored;           /* of the rows that jac has */
   const double *scale;   /* of every row, or NULL: the system is in s J W J' s */
   int *first, *row;      /* n_group+1, n: rows of the system by group, ascending */
   size_t *at;            /* n_group+1: where T and Y of a group begin */
@@ -65,7 +77,8 @@ base_status lin_body_space_admits(const lcp_factored *f, base_error *err);
 
 /* Takes the rows where member[i] (n), T = Y = 0, of factors that are admitted. BASE_ENOMEM only. */
 base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const double *G,
-                                 const double *scale, const unsigned char *member, base_error *err);
+                                 bool stored, const double *scale, const unsigned char *member,
+                                 base_error *err);
 
 /* Rows of group g in the system; *row: which. */
 static inline int lin_body_space_rows(const lin_body_space *s, int g, const int **row) {

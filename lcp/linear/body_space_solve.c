@@ -39,10 +39,106 @@ BASE_INLINE void block_times(int n, const double *B, const double *x, double *re
   }
 }
 
+/* v += A' x of one side of a group, and y += A v. */
+BASE_INLINE void push_side(lin_body_space *s, const lin_side *a, int n, const double *A,
+                           const double *x) {
+  double *to = s->v + ((a->dof > 0) ? s->f->dof_start[a->body] : 0);
+  if (a->dof == 6) {
+    push(n, 6, A, x, to);
+  } else if (a->dof > 0) {
+    push(n, a->dof, A, x, to);
+  }
+}
+
+BASE_INLINE void pull_side(const lin_body_space *s, const lin_side *a, int n, const double *A,
+                           double *y) {
+  const double *from = s->v + ((a->dof > 0) ? s->f->dof_start[a->body] : 0);
+  if (a->dof == 6) {
+    pull(n, 6, A, from, y);
+  } else if (a->dof > 0) {
+    pull(n, a->dof, A, from, y);
+  }
+}
+
+/* Rows of group g that are mixed: `only` the stored one of them that is the one in the system, or the sum of all stored. */
+BASE_INLINE void push_mixed(lin_body_space *s, int g, const lcp_mixture *m, int n,
+                            const double *x) {
+  const int only = lin_body_space_only(s, g, m, n), *row = s->row + s->first[g];
+  double stored[LCP_STORED_MAX] = {0};
+  for (int i = 0; only < 0 && i < n; i++) {
+    lcp_mixture_add(m->c + (ptrdiff_t)(row[i] - s->f->row_start[g]) * m->stored, m->stored, x[i],
+                    stored);
+  }
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_stored_side(s->f, s->G, g, k);
+    if (only >= 0) {
+      push_side(s, &a, 1, a.jac + (ptrdiff_t)only * a.dof, x);
+    } else if (m->stored == 3) {
+      push_side(s, &a, 3, a.jac, stored);
+    } else {
+      push_side(s, &a, m->stored, a.jac, stored);
+    }
+  }
+}
+
+BASE_INLINE void pull_mixed(const lin_body_space *s, int g, const lcp_mixture *m, int n,
+                            double *y) {
+  const int only = lin_body_space_only(s, g, m, n), *row = s->row + s->first[g];
+  double stored[LCP_STORED_MAX] = {0};
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_stored_side(s->f, s->G, g, k);
+    if (only >= 0) {
+      pull_side(s, &a, 1, a.jac + (ptrdiff_t)only * a.dof, y);
+    } else if (m->stored == 3) {
+      pull_side(s, &a, 3, a.jac, stored);
+    } else {
+      pull_side(s, &a, m->stored, a.jac, stored);
+    }
+  }
+  for (int i = 0; only < 0 && i < n; i++) {
+    const double *c = m->c + (ptrdiff_t)(row[i] - s->f->row_start[g]) * m->stored;
+    y[i] = lcp_mixture_dot(c, m->stored, stored);
+  }
+}
+
+/* v += G' x of the n rows of group g in the system, and y = G v there. */
+BASE_INLINE void push_group(lin_body_space *s, int g, int n, const double *x) {
+  const lcp_mixture *m = lin_body_space_mixture(s, g);
+  double room[LIN_GROUP_MAX * LIN_BLOCK_MAX];
+  if (m != NULL) {
+    push_mixed(s, g, m, n, x);
+    return;
+  }
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_body_space_side(s, g, k);
+    if (a.dof > 0) {
+      push_side(s, &a, n, lin_body_space_part(s, g, n, &a, room), x);
+    }
+  }
+}
+
+BASE_INLINE void pull_group(const lin_body_space *s, int g, int n, double *y) {
+  const lcp_mixture *m = lin_body_space_mixture(s, g);
+  double room[LIN_GROUP_MAX * LIN_BLOCK_MAX];
+  for (int i = 0; i < n; i++) {
+    y[i] = 0;
+  }
+  if (m != NULL) {
+    pull_mixed(s, g, m, n, y);
+    return;
+  }
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_body_space_side(s, g, k);
+    if (a.dof > 0) {
+      pull_side(s, &a, n, lin_body_space_part(s, g, n, &a, room), y);
+    }
+  }
+}
+
 /* Group g, n rows of it in the system: x = T^-1 r there, and v += G' s x. */
 BASE_INLINE void go_down(lin_body_space *s, int g, int n, const double *r, double *x) {
   const int *row = s->row + s->first[g];
-  double room[LIN_GROUP_MAX * LIN_BLOCK_MAX], in[LIN_GROUP_MAX], out[LIN_GROUP_MAX];
+  double in[LIN_GROUP_MAX], out[LIN_GROUP_MAX];
   for (int i = 0; i < n; i++) {
     in[i] = r[row[i]];
   }
@@ -50,33 +146,14 @@ BASE_INLINE void go_down(lin_body_space *s, int g, int n, const double *r, doubl
   for (int i = 0; i < n; i++) {
     x[row[i]] = out[i];
   }
-  for (int k = 0; k < 2; k++) {
-    const lin_side a = lin_side_of(s->f, s->G, g, k);
-    double *to = s->v + ((a.dof > 0) ? s->f->dof_start[a.body] : 0);
-    if (a.dof == 6) {
-      push(n, 6, lin_body_space_part(s, g, n, &a, room), out, to);
-    } else if (a.dof > 0) {
-      push(n, a.dof, lin_body_space_part(s, g, n, &a, room), out, to);
-    }
-  }
+  push_group(s, g, n, out);
 }
 
 /* x -= K s G v there. */
 BASE_INLINE void come_up(const lin_body_space *s, int g, int n, double *x) {
   const int *row = s->row + s->first[g];
-  double room[LIN_GROUP_MAX * LIN_BLOCK_MAX], y[LIN_GROUP_MAX], out[LIN_GROUP_MAX];
-  for (int i = 0; i < n; i++) {
-    y[i] = 0;
-  }
-  for (int k = 0; k < 2; k++) {
-    const lin_side a = lin_side_of(s->f, s->G, g, k);
-    const double *from = s->v + ((a.dof > 0) ? s->f->dof_start[a.body] : 0);
-    if (a.dof == 6) {
-      pull(n, 6, lin_body_space_part(s, g, n, &a, room), from, y);
-    } else if (a.dof > 0) {
-      pull(n, a.dof, lin_body_space_part(s, g, n, &a, room), from, y);
-    }
-  }
+  double y[LIN_GROUP_MAX], out[LIN_GROUP_MAX];
+  pull_group(s, g, n, y);
   block_times(n, s->Y + s->at[g], y, out);
   for (int i = 0; i < n; i++) {
     x[row[i]] -= out[i];
@@ -113,10 +190,16 @@ BASE_CLONES void lin_body_space_solve(lin_body_space *s, const double *r, double
 /* g (I + G'KG)^-1 g' of row r of group g. */
 static double seen_by(const lin_body_space *s, int g, int r) {
   lin_side side[2];
-  double form = 0;
+  double form = 0, mixed[2][LIN_BLOCK_MAX];
+  const lcp_mixture *m = lin_body_space_mixture(s, g);
   for (int k = 0; k < 2; k++) {
-    side[k] = lin_side_of(s->f, s->G, g, k);
-    side[k].jac += (ptrdiff_t)r * side[k].dof;
+    side[k] = lin_body_space_side(s, g, k);
+    if (m != NULL && side[k].dof > 0) {
+      lcp_mixture_row(m, r, side[k].dof, side[k].jac, mixed[k]);
+      side[k].jac = mixed[k];
+    } else {
+      side[k].jac += (ptrdiff_t)r * side[k].dof;
+    }
   }
   for (int k = 0; k < 2; k++) {
     for (int l = 0; l < 2 && side[k].body >= 0; l++) {

@@ -59,25 +59,34 @@ BASE_INLINE void weigh_six(int rows, const double *restrict jac, const double *L
   }
 }
 
-/* G = J L of one group. */
-BASE_INLINE void weigh_group(const lcp_factored *f, int g, const double *L, double *G) {
-  double *out = G + f->jac_start[g];
-  const int rows = f->row_start[g + 1] - f->row_start[g];
+/* out = J L of `rows` rows of group g. */
+BASE_INLINE void weigh_group(const lcp_factored *f, int g, int rows, const double *jac,
+                             const double *L, double *out) {
   for (int k = 0; k < 2; k++) {
-    const lin_side s = lin_side_of(f, f->jac, g, k);
-    const double *own = L + ((s.body >= 0) ? f->weight_start[s.body] : 0);
-    if (s.dof == 6) {
-      weigh_six(rows, s.jac, own, out);
+    const int b = f->body[2 * (ptrdiff_t)g + k], dof = lcp_factored_dof(f, g, k);
+    const double *own = L + ((b >= 0) ? f->weight_start[b] : 0);
+    if (dof == 6) {
+      weigh_six(rows, jac, own, out);
     } else {
-      weigh_rows(rows, s.dof, s.jac, own, out);
+      weigh_rows(rows, dof, jac, own, out);
     }
-    out += rows * s.dof;
+    jac += (ptrdiff_t)rows * dof;
+    out += (ptrdiff_t)rows * dof;
   }
 }
 
 BASE_CLONES static void weigh_groups(const lcp_factored *f, const double *L, double *G) {
   for (int g = 0; g < f->n_group; g++) {
-    weigh_group(f, g, L, G);
+    double room[LCP_MIXED_MAX];
+    const double *jac = lcp_factored_rows(f, g, room);
+    weigh_group(f, g, f->row_start[g + 1] - f->row_start[g], jac, L, G + f->jac_start[g]);
+  }
+}
+
+BASE_CLONES static void weigh_stored(const lcp_factored *f, const double *L, double *G) {
+  for (int g = 0; g < f->n_group; g++) {
+    const int at = lcp_factored_at(f, g);
+    weigh_group(f, g, lcp_factored_stored(f, g), f->jac + at, L, G + at);
   }
 }
 
@@ -95,8 +104,17 @@ void lin_weigh_rows(const lcp_factored *f, const double *L, double *G) {
   weigh_groups(f, L, G);
 }
 
-base_status lin_weigh(const lcp_factored *f, double *L, double *G, base_error *err) {
-  BASE_TRY(lin_weigh_bodies(f, L, err));
-  lin_weigh_rows(f, L, G);
-  return BASE_OK;
+void lin_weigh_stored(const lcp_factored *f, const double *L, double *G) {
+  weigh_stored(f, L, G);
+}
+
+size_t lin_stored_length(const lcp_factored *f) {
+  size_t most = 0;
+  for (int g = 0; g < f->n_group; g++) {
+    const int dof = lcp_factored_dof(f, g, 0) + lcp_factored_dof(f, g, 1);
+    const size_t end =
+        (size_t)lcp_factored_at(f, g) + (size_t)lcp_factored_stored(f, g) * (size_t)dof;
+    most = (end > most) ? end : most;
+  }
+  return most;
 }

@@ -51,8 +51,6 @@ static void layout(lcp_share *s, base_arena *a) {
   s->step = BASE_ARRAY(a, double, n);
   s->anchor = BASE_ARRAY(a, double, n);
   s->diagonal = BASE_ARRAY(a, double, n);
-  s->seen_z = BASE_ARRAY(a, double, n);
-  s->seen_w = BASE_ARRAY(a, double, n);
   s->answer_w = BASE_ARRAY(a, double, n);
   s->answer_size = BASE_ARRAY(a, double, n);
   s->lower = BASE_ARRAY(a, double, n);
@@ -68,9 +66,9 @@ static void layout(lcp_share *s, base_arena *a) {
   lin_anderson_layout(&s->mixed, n, a);
   s->rows.kind = BASE_ARRAY(a, unsigned char, n);
   s->rows.delta = BASE_ARRAY(a, double, n);
-  s->rows.part = BASE_ARRAY(a, int, n);
-  s->rows.part_dim = BASE_ARRAY(a, int, n);
-  s->rows.slips = BASE_ARRAY(a, int, n);
+  s->rows.into = BASE_ARRAY(a, unsigned char, n);
+  s->rows.part_dim = BASE_ARRAY(a, unsigned char, n);
+  s->rows.slips = BASE_ARRAY(a, unsigned char, n);
   s->rows.own = BASE_ARRAY(a, double, n);
   s->rows.pull = BASE_ARRAY(a, double, n);
   s->rows.gain = BASE_ARRAY(a, double, 2 * (size_t)n);
@@ -108,7 +106,7 @@ static void set_delta(lcp_share *s, double most_soft) {
   for (int i = 0; i < s->p->M.n; i++) {
     s->rows.delta[i] = (s->diagonal[i] > 0) ? friction_share * s->delta : 0;
     s->rows.slips[i] = 0;
-    s->rows.part[i] = -1;
+    s->rows.into[i] = 0;
     s->rows.part_dim[i] = 0;
   }
   for (int k = 0; k < s->n_contact; k++) {
@@ -117,11 +115,11 @@ static void set_delta(lcp_share *s, double most_soft) {
     if (b->set != LCP_CONE) {
       continue;
     }
-    s->rows.slips[b->start] = b->start + b->size;
+    s->rows.slips[b->start] = (unsigned char)(b->size - 1);
     for (int part = 0, row = b->start + 1; part < b->n_part; part++) {
       for (int m = 0; m < b->part_dim[part]; m++) {
-        s->rows.part[row + m] = row;
-        s->rows.part_dim[row + m] = b->part_dim[part];
+        s->rows.into[row + m] = (unsigned char)m;
+        s->rows.part_dim[row + m] = (unsigned char)b->part_dim[part];
       }
       row += b->part_dim[part];
     }

@@ -51,7 +51,7 @@ static size_t larger(size_t have, size_t need) {
 
 base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_error *err) {
   const lcp_factored *f = p->M.factored;
-  const size_t weight = (size_t)f->weight_start[f->n_body], jac = (size_t)f->jac_start[f->n_group];
+  const size_t weight = (size_t)f->weight_start[f->n_body], jac = lin_stored_length(f);
   const size_t scratch = lcp_matrix_scratch(&p->M);
   const int dof = f->dof_start[f->n_body];
   s->p = p;
@@ -64,7 +64,9 @@ base_status lcp_share_bodies_begin(share_bodies *s, const lcp_problem *p, base_e
     s->cap_n = (int)larger((size_t)s->cap_n, (size_t)p->M.n);
     BASE_TRY(memory(s, err));
   }
-  return lin_weigh(f, s->L, s->G, err);
+  BASE_TRY(lin_weigh_bodies(f, s->L, err));
+  lin_weigh_stored(f, s->L, s->G);
+  return BASE_OK;
 }
 
 /* ---- products -------------------------------------------------------------------------------- */
@@ -89,27 +91,86 @@ BASE_INLINE void spread(int rows, int dof, const double *A, const double *v, dou
   }
 }
 
+/* G of all rows of group g on one side. */
+BASE_INLINE lin_side made(const lcp_factored *f, const double *G, int g, int which,
+                          double room[LCP_MIXED_MAX]) {
+  const lin_side a = lin_stored_side(f, G, g, which);
+  const lcp_mixture *m = lcp_mixture_of(f, g);
+  if (m == NULL || a.dof == 0) {
+    return a;
+  }
+  lcp_mixture_side(m, a.dof, a.jac, room);
+  return (lin_side){room, a.body, a.dof};
+}
+
+/* |z| of the rows of a group as those that it has stored make it up, and back: |c| in the place of c. */
+static void gather_mixed(const lcp_mixture *m, const double *z, double *stored) {
+  memset(stored, 0, LCP_STORED_MAX * sizeof *stored);
+  for (int i = 0; i < m->rows; i++) {
+    for (int k = 0; k < m->stored && z[i] != 0; k++) {
+      stored[k] += fabs(m->c[i * m->stored + k] * z[i]);
+    }
+  }
+}
+
+static void spread_mixed(const lcp_mixture *m, const double *stored, double *size) {
+  for (int i = 0; i < m->rows; i++) {
+    for (int k = 0; k < m->stored; k++) {
+      size[i] += fabs(m->c[i * m->stored + k]) * stored[k];
+    }
+  }
+}
+
+/* v += |G|' |z| of group g, */
+BASE_INLINE void gather_group(share_bodies *s, int g, const double *z) {
+  const lcp_factored *f = s->p->M.factored;
+  const lcp_mixture *m = lcp_mixture_of(f, g);
+  const int rows = lcp_factored_stored(f, g);
+  double mixed[LCP_STORED_MAX];
+  if (m != NULL) {
+    gather_mixed(m, z, mixed);
+    z = mixed;
+  }
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_stored_side(f, s->G, g, k);
+    double *v = s->v + ((a.dof > 0) ? f->dof_start[a.body] : 0);
+    if (a.dof == 6) {
+      gather(rows, 6, a.jac, z, v);
+    } else {
+      gather(rows, a.dof, a.jac, z, v);
+    }
+  }
+}
+
+/* and size += |G| v. */
+BASE_INLINE void spread_group(const share_bodies *s, int g, double *size) {
+  const lcp_factored *f = s->p->M.factored;
+  const lcp_mixture *m = lcp_mixture_of(f, g);
+  const int rows = lcp_factored_stored(f, g);
+  double mixed[LCP_STORED_MAX] = {0}, *to = (m != NULL) ? mixed : size;
+  for (int k = 0; k < 2; k++) {
+    const lin_side a = lin_stored_side(f, s->G, g, k);
+    const double *v = s->v + ((a.dof > 0) ? f->dof_start[a.body] : 0);
+    if (a.dof == 6) {
+      spread(rows, 6, a.jac, v, to);
+    } else {
+      spread(rows, a.dof, a.jac, v, to);
+    }
+  }
+  if (m != NULL) {
+    spread_mixed(m, mixed, size);
+  }
+}
+
 /* size += |G| |G|' |z|: what the rows are made of at most, by degrees of freedom. */
 BASE_CLONES static void add_sizes(share_bodies *s, const double *z, double *size) {
   const lcp_factored *f = s->p->M.factored;
   memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
-  for (int pass = 0; pass < 2; pass++) {
-    for (int g = 0; g < f->n_group; g++) {
-      const int rows = group_rows(f, g), first = f->row_start[g];
-      for (int k = 0; k < 2; k++) {
-        const lin_side a = lin_side_of(f, s->G, g, k);
-        double *v = s->v + ((a.dof > 0) ? f->dof_start[a.body] : 0);
-        if (pass == 0 && a.dof == 6) {
-          gather(rows, 6, a.jac, z + first, v);
-        } else if (pass == 0) {
-          gather(rows, a.dof, a.jac, z + first, v);
-        } else if (a.dof == 6) {
-          spread(rows, 6, a.jac, v, size + first);
-        } else {
-          spread(rows, a.dof, a.jac, v, size + first);
-        }
-      }
-    }
+  for (int g = 0; g < f->n_group; g++) {
+    gather_group(s, g, z + f->row_start[g]);
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    spread_group(s, g, size + f->row_start[g]);
   }
 }
 
@@ -134,7 +195,8 @@ void lcp_share_bodies_product(share_bodies *s, const double *z, double *w, doubl
 void lcp_share_bodies_diagonal(const share_bodies *s, double *d) {
   const lcp_factored *f = s->p->M.factored;
   for (int g = 0; g < f->n_group; g++) {
-    const lin_side a = lin_side_of(f, s->G, g, 0), b = lin_side_of(f, s->G, g, 1);
+    double room[2][LCP_MIXED_MAX];
+    const lin_side a = made(f, s->G, g, 0, room[0]), b = made(f, s->G, g, 1, room[1]);
     for (int r = 0; r < group_rows(f, g); r++) {
       double sum = 0;
       for (int i = 0; i < a.dof; i++) {
@@ -177,7 +239,7 @@ static void set_active(const group_system *a, const share_rows *r, int k) {
   const int i = a->row[k];
   a->Y[k + k * a->n] = 1;
   a->T[k + k * a->n] += r->delta[i];
-  for (int m = i + 1; m < r->slips[i]; m++) {
+  for (int m = i + 1; m < share_slips(r, i); m++) {
     if (r->kind[m] == SHARE_SLIP) {
       a->T[a->place[m - a->row[0]] + k * a->n] += r->pull[m];
     }
@@ -188,7 +250,7 @@ static void set_slip(const group_system *a, const share_rows *r, int k) {
   const int i = a->row[k];
   a->T[k + k * a->n] += r->own[i];
   for (int m = 0; m < r->part_dim[i] && r->part_dim[i] == 2; m++) {
-    a->Y[k + a->place[r->part[i] + m - a->row[0]] * a->n] = r->gain[2 * i + m];
+    a->Y[k + a->place[share_first(r, i) + m - a->row[0]] * a->n] = r->gain[2 * i + m];
   }
 }
 
@@ -234,7 +296,7 @@ base_status lcp_share_bodies_factor(share_bodies *s, const share_rows *r, bool *
   for (int i = 0; i < s->p->M.n; i++) {
     s->member[i] = r->kind[i] != SHARE_FIXED;
   }
-  BASE_TRY(lin_body_space_begin(&s->space, f, s->G, NULL, s->member, err));
+  BASE_TRY(lin_body_space_begin(&s->space, f, s->G, true, NULL, s->member, err));
   for (int g = 0; g < f->n_group; g++) {
     symmetric = local(s, r, g) && symmetric;
   }

@@ -8,7 +8,7 @@
 typedef struct share_bodies {
   lin_body_space space;
   const lcp_problem *p;  /* of the last begin */
-  double *L, *G;         /* lin_weigh */
+  double *L, *G;         /* lin_weigh_bodies, lin_weigh_stored */
   unsigned char *member; /* cap_n: rows in the system */
   double *scratch, *v;   /* of lcp_matrix_apply; cap_dof */
   size_t cap_weight, cap_jac, cap_scratch;

@@ -38,7 +38,7 @@ static double missing(const lcp_share *s, int i) {
   if (r->kind[i] == SHARE_ACTIVE) {
     return r->delta[i] * (s->anchor[i] - s->z[i]) - s->w[i];
   }
-  const int first = r->part[i];
+  const int first = share_first(r, i);
   const double own = r->own[i] * s->z[i] + r->gain[2 * i] * s->w[first];
   return -((r->part_dim[i] == 2) ? own + r->gain[2 * i + 1] * s->w[first + 1] : own);
 }
@@ -52,7 +52,7 @@ static void correct(lcp_share *s) {
   }
   for (int k = 0; k < y->count && y->slips; k++) {
     const int i = y->unknown[k];
-    for (int m = i + 1; r->kind[i] == SHARE_ACTIVE && m < r->slips[i]; m++) {
+    for (int m = i + 1; r->kind[i] == SHARE_ACTIVE && m < share_slips(r, i); m++) {
       s->right[m] -= (r->kind[m] == SHARE_SLIP) ? r->pull[m] * s->z[i] : 0;
     }
   }
@@ -285,8 +285,7 @@ void lcp_share_restore_answer(lcp_share *s) {
   memcpy(s->z, s->answer, n * sizeof *s->z);
   memcpy(s->w, s->answer_w, n * sizeof *s->w);
   memcpy(s->size, s->answer_size, n * sizeof *s->size);
-  memcpy(s->seen_z, s->z, n * sizeof *s->z);
-  memcpy(s->seen_w, s->w, n * sizeof *s->w);
+  lcp_share_note_product(s);
 }
 
 static void begin(lcp_share *s, const share_search *how) {

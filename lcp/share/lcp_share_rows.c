@@ -24,6 +24,7 @@ static void settle_speed(lcp_share *s, share_facets f, bool moves, double still)
   for (int i = f.first; i < f.first + f.count; i++) {
     s->w[i] += unit * (least - had);
   }
+  s->stale = s->stale || least != had;
   const bool slips = moves && against >= 0 && unit * least > still * s->size[against];
   s->rows.kind[f.speed] = slips ? SHARE_ACTIVE : SHARE_FIXED;
   if (slips) {

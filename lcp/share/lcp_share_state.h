@@ -7,6 +7,8 @@
 #include "lcp/share/lcp_share_bodies.h"
 #include "lcp/share/lcp_share_system.h"
 
+#include <stdint.h>
+
 #define LCP_SHARE_DELTA    1e-7 /* of the diagonal; what M leaves open has 1e-16 over this as noise */
 #define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
 #define LCP_SHARE_ROW_TOL  1e-12 /* w, or z, over its terms: rounding */
@@ -21,9 +23,10 @@ struct lcp_share {
   bool by_bodies, has_joints;
   share_rows rows;
   double *z, *w, *size, *right, *step, *anchor, *diagonal; /* cap_n */
-  double *lower;                        /* cap_n: least value of a normal impulse */
-  lin_anderson mixed;                   /* points of a slow limit */
-  double *seen_z, *seen_w;              /* cap_n: z and w of the last product */
+  double *lower;      /* cap_n: least value of a normal impulse */
+  lin_anderson mixed; /* points of a slow limit */
+  uint64_t seen;      /* of z of the last product, of which w is: sum_of in lcp_share_product.c; */
+  bool stale;         /* but w has been changed since */
   const double *answer;                 /* view: the one that came in, */
   double *answer_w, *answer_size, *had; /* cap_n: its w, its sizes, its |w| where small */
   unsigned char *before;                /* cap_n: kinds of the round before */
@@ -120,7 +123,9 @@ bool lcp_share_settle(lcp_share *s);
 
 /* w = M z + q of s->z; size: the sum of what each row is made of, unless NULL. */
 void lcp_share_product(lcp_share *s, double *size);
-/* The same without sizes, unless neither z nor w has changed since the last time. */
+/* w is that of z. */
+void lcp_share_note_product(lcp_share *s);
+/* The same without sizes, unless z is that of the last time, by a sum of 64 bits over it. */
 void lcp_share_refresh_product(lcp_share *s);
 /* Rows of one contact share their roundings, as do those of one joint. */
 void lcp_share_level_sizes(lcp_share *s);

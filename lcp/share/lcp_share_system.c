@@ -99,7 +99,7 @@ static inline void add_entry(share_system *s, const share_rows *r, int column, i
   if (r->kind[i] == SHARE_ACTIVE) {
     add(s, column, i, v, count);
   } else if (r->kind[i] == SHARE_SLIP && r->part_dim[i] == 2) {
-    const int first = r->part[i];
+    const int first = share_first(r, i);
     for (int k = first; k < first + 2; k++) {
       add(s, column, k, r->gain[2 * k + (i - first)] * v, count);
     }
@@ -127,7 +127,7 @@ static void add_column(share_system *s, const lcp_matrix *M, const share_rows *r
   } else if (r->delta[j] != 0) {
     add(s, column, j, r->delta[j], count);
   }
-  for (int i = j + 1; i < r->slips[j]; i++) {
+  for (int i = j + 1; i < share_slips(r, j); i++) {
     if (r->kind[i] == SHARE_SLIP) {
       add(s, column, i, r->pull[i], count);
     }

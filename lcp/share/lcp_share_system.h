@@ -10,14 +10,24 @@
 enum { SHARE_FIXED, SHARE_ACTIVE, SHARE_SLIP };
 
 typedef struct share_rows {
-  unsigned char *kind; /* n */
-  double *delta;       /* n: added to the diagonal of an active row */
-  int *part;           /* n: first row of the part of a slipping row; of every cone's friction */
-  int *part_dim;       /* n: 1 or 2 */
-  int *slips;          /* n: of a cone's normal: one past its last friction row; else 0 */
-  double *own, *pull;  /* n */
-  double *gain;        /* 2 n */
+  unsigned char *kind;     /* n */
+  double *delta;           /* n: added to the diagonal of an active row */
+  unsigned char *into;     /* n: rows of its part before it, of every cone's friction */
+  unsigned char *part_dim; /* n: of the part, 1 or 2; else 0 */
+  unsigned char *slips;    /* n: of a cone's normal: rows of friction behind it; else 0 */
+  double *own, *pull;      /* n */
+  double *gain;            /* 2 n */
 } share_rows;
+
+/* First row of the part of row i. */
+static inline int share_first(const share_rows *r, int i) {
+  return i - r->into[i];
+}
+
+/* One past the last friction row of the cone whose normal row i is; 0: it is none. */
+static inline int share_slips(const share_rows *r, int i) {
+  return (r->slips[i] > 0) ? i + 1 + r->slips[i] : 0;
+}
 
 typedef struct share_system {
   int count;            /* active and slipping unknowns */

@@ -11,8 +11,9 @@ static void group_velocity(const lcp_loop *loop, const lcp_problem *p, const dou
                            const double *z, double *w, double *size) {
   const lcp_factored *f = p->M.factored;
   const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
+  double room[LCP_MIXED_MAX];
   const double *side[2];
-  lcp_contact_rows(f, g, rows, side);
+  lcp_contact_rows(f, g, rows, room, side);
   *size = 0.0;
   for (int i = 0; i < rows; i++) {
     double sum = p->q[first + i], terms = fabs(sum);

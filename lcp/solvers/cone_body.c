@@ -74,7 +74,7 @@ bool lcp_cone_body_factor(lcp_cone_step *s, const lcp_factored *f, lcp_cone_scal
     lin_weigh_rows(f, s->sweep.L, s->sweep.G);
     s->weighed = true;
   }
-  *status = lin_body_space_begin(&s->body, f, s->sweep.G, c->s, s->active, &unused);
+  *status = lin_body_space_begin(&s->body, f, s->sweep.G, false, c->s, s->active, &unused);
   for (int g = 0; *status == BASE_OK && g < f->n_group; g++) {
     symmetric = local(s, f, c, g, weight) && symmetric;
   }

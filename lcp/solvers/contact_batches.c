@@ -1,6 +1,7 @@
 #include "lcp/solvers/contact_batches.h"
 
 #include "lcp/base/crew.h"
+#include "lcp/lcp_mixture.h"
 
 #include <assert.h>
 #include <string.h>
@@ -91,8 +92,9 @@ bool lcp_contact_rigid(const lcp_factored *f) {
   return true;
 }
 
-void lcp_contact_rows(const lcp_factored *f, int g, int rows, const double *side[2]) {
-  const double *jac = f->jac + f->jac_start[g];
+void lcp_contact_rows(const lcp_factored *f, int g, int rows, double room[LCP_MIXED_MAX],
+                      const double *side[2]) {
+  const double *jac = lcp_factored_rows(f, g, room);
   for (int s = 0; s < 2; s++) {
     side[s] = (f->body[2 * g + s] >= 0) ? jac : NULL;
     jac += (side[s] != NULL) ? 6 * (ptrdiff_t)rows : 0;
@@ -128,14 +130,16 @@ bool lcp_contact_frame_of(const double *const rows[2], lcp_contact_frame *out) {
 }
 
 bool lcp_contact_frame_of_group(const lcp_factored *f, int g, lcp_contact_frame *out) {
+  double room[LCP_MIXED_MAX];
   const double *rows[2];
-  lcp_contact_rows(f, g, 3, rows);
+  lcp_contact_rows(f, g, 3, room, rows);
   return lcp_contact_frame_of(rows, out);
 }
 
 void lcp_contact_block(const lcp_factored *f, int g, const double *body, double A[9]) {
+  double room[LCP_MIXED_MAX];
   const double *side[2];
-  lcp_contact_rows(f, g, 3, side);
+  lcp_contact_rows(f, g, 3, room, side);
   memset(A, 0, 9 * sizeof *A);
   for (int s = 0; s < 2; s++) {
     const double *b = body + 16 * (ptrdiff_t)((side[s] != NULL) ? f->body[2 * g + s] : f->n_body);

@@ -49,7 +49,8 @@ bool lcp_contact_frame_of(const double *const rows[2], lcp_contact_frame *out);
 bool lcp_contact_frame_of_group(const lcp_factored *f, int g, lcp_contact_frame *out);
 
 /* The rows of both sides of a group of `rows` rows. */
-void lcp_contact_rows(const lcp_factored *f, int g, int rows, const double *side[2]);
+void lcp_contact_rows(const lcp_factored *f, int g, int rows, double room[LCP_MIXED_MAX],
+                      const double *side[2]);
 
 /* A = J W J' of group g of three rows, column by column, for the bodies of lcp_contact_bodies. */
 void lcp_contact_block(const lcp_factored *f, int g, const double *body, double A[9]);

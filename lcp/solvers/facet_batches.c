@@ -54,9 +54,9 @@ static bool axes_of(const double *const side[2], axes *out) {
 }
 
 static bool frame_of(const lcp_factored *f, int g, axes *at, lcp_contact_frame *frame) {
-  double turned[2][18];
+  double turned[2][18], room[LCP_MIXED_MAX];
   const double *side[2], *rows[2] = {NULL, NULL};
-  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], side);
+  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], room, side);
   if (!axes_of(side, at)) {
     return false;
   }
@@ -72,8 +72,9 @@ static bool frame_of(const lcp_factored *f, int g, axes *at, lcp_contact_frame *
 /* Facet k of group g in its frame. */
 static void facet_of(const lcp_factored *f, int g, const lcp_contact_frame *frame, int k,
                      double *facet) {
+  double room[LCP_MIXED_MAX];
   const double *side[2];
-  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], side);
+  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], room, side);
   for (int i = 0; i < 2; i++) {
     facet[i] = (side[0] != NULL) ? dot3(side[0] + 6 * (1 + k), frame->d[1 + i])
                                  : -dot3(side[1] + 6 * (1 + k), frame->d[1 + i]);
@@ -83,11 +84,12 @@ static void facet_of(const lcp_factored *f, int g, const lcp_contact_frame *fram
 /* Is row 1 + k of the group the facet (c, s) of the frame, on both sides, and q with it? */
 static bool is_facet(const lcp_problem *p, int g, const axes *at, int k, const double *facet) {
   const lcp_factored *f = p->M.factored;
+  double room[LCP_MIXED_MAX];
   const double *side[2], *q = p->q + f->row_start[g];
   const double q1 = q[1] / at->unit, q2 = (q[2] / at->unit - at->cosine * q1) / at->sine;
   bool good = fabs(q[1 + k] - (facet[0] * q1 + facet[1] * q2)) <=
               rounding * at->unit * (fabs(q1) + fabs(q2));
-  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], side);
+  lcp_contact_rows(f, g, f->row_start[g + 1] - f->row_start[g], room, side);
   for (int s = 0; s < 2 && good; s++) {
     double turned[18], size = 0.0;
     if (side[s] == NULL) {
@@ -109,9 +111,10 @@ static bool is_facet(const lcp_problem *p, int g, const axes *at, int k, const d
 static bool is_slip_row(const lcp_problem *p, int g) {
   const lcp_factored *f = p->M.factored;
   const int rows = f->row_start[g + 1] - f->row_start[g];
+  double room[LCP_MIXED_MAX];
   const double *side[2];
   bool good = p->q[f->row_start[g + 1] - 1] == 0.0;
-  lcp_contact_rows(f, g, rows, side);
+  lcp_contact_rows(f, g, rows, room, side);
   for (int i = 6 * (rows - 1); i < 6 * rows; i++) {
     good = good && (side[0] == NULL || side[0][i] == 0.0) && (side[1] == NULL || side[1][i] == 0.0);
   }

@@ -1,6 +1,7 @@
 #include "lcp/solvers/facet_fold.h"
 
 #include "lcp/lcp_column.h"
+#include "lcp/lcp_mixture.h"
 
 #include <string.h>
 
@@ -10,6 +11,7 @@ static const double same = 1e-12; /* of a facet's row, over the largest entry of
 void lcp_fold_layout(lcp_fold *s, const lcp_capacity *cap, base_arena *a) {
   const size_t n = (cap->n_body > 0) ? (size_t)cap->n_folded : 0; /* factors alone are folded */
   s->block = BASE_ARRAY(a, lcp_block, (n > 0) ? cap->n_block : 0);
+  s->mixture = BASE_ARRAY(a, const lcp_mixture *, (n > 0) ? cap->n_block : 0);
   int **const whole[] = {&s->facets, &s->row_start, &s->jac_start, &s->colptr};
   for (int i = 0; i < BASE_COUNT(whole); i++) {
     *whole[i] = BASE_ARRAY(a, int, n + 1);
@@ -249,7 +251,8 @@ static int fold_blocks(lcp_fold *s, const lcp_problem *p) {
 /* Rows of J of group g, whose blocks are k .. *end-1; NULL where they do not fold. */
 static double *fold_group(lcp_fold *s, const lcp_factored *f, int g, int k, int *end, double *out) {
   const lcp_block *block = s->of->block;
-  const double *jac = f->jac + f->jac_start[g];
+  double room[LCP_MIXED_MAX];
+  const double *jac = lcp_factored_rows(f, g, room);
   for (int side = 0; side < 2; side++) {
     const int body = f->body[2 * (ptrdiff_t)g + side];
     const int dof = (body >= 0) ? f->dof_start[body + 1] - f->dof_start[body] : 0;
@@ -264,6 +267,50 @@ static double *fold_group(lcp_fold *s, const lcp_factored *f, int g, int k, int 
     }
   }
   return out;
+}
+
+/* Rows of a mixture that are those of a normal, of `count` facets of two tangents or of one, and of a sigma that moves nothing. */
+static bool is_regular(const lcp_mixture *m, int count) {
+  const int dim = (count > 2) ? 2 : 1;
+  bool right = m->stored == 1 + dim && m->rows == count + 2;
+  for (int i = 0; i < m->rows && right; i++) {
+    double d[2] = {0};
+    if (i > 0 && i <= count) {
+      direction(count, i - 1, d);
+    }
+    const double want[3] = {(i == 0) ? 1.0 : 0.0, d[0], d[1]};
+    for (int k = 0; k < m->stored; k++) {
+      right = right && fabs(m->c[i * m->stored + k] - want[k]) <= same;
+    }
+  }
+  return right;
+}
+
+/* Where J has the rows of the cones already, it is used as it is: every group a block, whose facets are mixed from them. */
+static bool share_jacobian(lcp_fold *s, const lcp_factored *f) {
+  const lcp_mixture *known = NULL; /* that is regular */
+  const bool possible = f->mixture != NULL && f->n_group == s->of->n_block;
+  int at = 0, n = 0;
+  s->mixed = false;
+  for (int g = 0; g < f->n_group; g++) {
+    const lcp_block *b = possible ? &s->of->block[g] : NULL;
+    const bool facets = possible && is_faceted(b);
+    const lcp_mixture *m = possible ? f->mixture[g] : NULL;
+    if (!possible || b->start != f->row_start[g] || (facets && (m == NULL || b->n_part != 1)) ||
+        (facets && m != known && !is_regular(m, b->part_dim[0]))) {
+      return false;
+    }
+    known = facets ? m : known;
+    s->mixture[g] = facets ? NULL : m;
+    s->mixed = s->mixed || s->mixture[g] != NULL;
+    s->row_start[g] = n;
+    s->jac_start[g] = at;
+    n += s->block[g].size;
+    at += (f->jac_start[g + 1] - f->jac_start[g]) / b->size * s->block[g].size;
+  }
+  s->row_start[f->n_group] = n;
+  s->jac_start[f->n_group] = at;
+  return possible;
 }
 
 static bool fold_jacobian(lcp_fold *s, const lcp_factored *f) {
@@ -295,14 +342,19 @@ void lcp_fold_begin(lcp_fold *s, const lcp_problem *p) {
     any = any || is_faceted(&p->block[k]);
   }
   const int n = any ? fold_blocks(s, p) : -1;
-  if (n < 0 || !fold_jacobian(s, p->M.factored)) {
+  const bool shared = n >= 0 && share_jacobian(s, p->M.factored);
+  if (n < 0 || (!shared && !fold_jacobian(s, p->M.factored))) {
     return;
   }
   s->shift = (lcp_csc){n, n, s->colptr, s->rowind, s->val};
   s->factored = *p->M.factored;
   s->factored.row_start = s->row_start;
   s->factored.jac_start = s->jac_start;
-  s->factored.jac = s->jac;
+  s->factored.mixture = (shared && s->mixed) ? s->mixture : NULL;
+  if (!shared) {
+    s->factored.jac = s->jac;
+    s->factored.stored_start = NULL;
+  }
   s->factored.shift = (s->colptr[n] > 0) ? &s->shift : NULL;
   s->p = (lcp_problem){.M = {.storage = LCP_FACTORED, .n = n, .factored = &s->factored},
                        .q = s->q,

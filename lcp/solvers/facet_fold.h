@@ -23,12 +23,14 @@ typedef struct lcp_fold {
   lcp_block *block; /* n_block */
   int *facets;      /* n, folded rows: facets of the part that begins there, 0 elsewhere */
   const lcp_problem *of;
-  int *row_start;       /* n+1, as all of them of the folded problem */
-  int *jac_start;       /* n+1 */
-  double *jac;          /* n_jac_folded */
-  double *q, *lo, *hi;  /* n */
-  double *unit;         /* n, folded rows: c of the part that begins there */
-  int *colptr, *rowind; /* n+1, nnz: S */
+  int *row_start;              /* n+1, as all of them of the folded problem */
+  int *jac_start;              /* n+1 */
+  double *jac;                 /* n_jac_folded; unused where J has the rows of the cones already */
+  const lcp_mixture **mixture; /* n_block: of rows that stay what they are there, */
+  bool mixed;                  /* some are mixed */
+  double *q, *lo, *hi;         /* n */
+  double *unit;                /* n, folded rows: c of the part that begins there */
+  int *colptr, *rowind;        /* n+1, nnz: S */
   double *val;
 } lcp_fold;
 

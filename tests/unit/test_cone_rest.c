@@ -128,8 +128,8 @@ static void open_lattice(lattice *l, uint64_t seed) {
     }
   }
   assert_true(s.count <= CONTACTS);
-  *f = (lcp_factored){SPHERES,     dof_start, weight_start, weight, s.count,
-                      s.row_start, s.body,    s.jac_start,  s.jac,  NULL};
+  *f = (lcp_factored){SPHERES, dof_start,   weight_start, weight, s.count, s.row_start,
+                      s.body,  s.jac_start, s.jac,        NULL,   NULL,    NULL};
   k->p = (lcp_problem){.M = {.storage = LCP_FACTORED, .n = 3 * s.count, .factored = f},
                        .q = s.q,
                        .block = s.block,

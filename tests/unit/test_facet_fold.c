@@ -312,6 +312,57 @@ static void a_contact_that_sticks_has_no_slip_speed(void **state) {
   assert_true(told > 100);
 }
 
+/* Facets that are mixed of the rows of their cones: these are what is folded to, not a copy, and the rows are those of the copy. Where one
+ * contact has friction that is no mixture, or another mixture, they are copied or not folded. */
+static void mixed_facets_are_not_copied(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(7);
+  int shared = 0;
+  for (int seed = 1; seed <= 40; seed++) {
+    known_lcp k;
+    faceted t;
+    lcp_fold s;
+    base_error err = {0};
+    const int f = 3 + seed % 7;
+    double c[(7 + 9) * 3] = {1};
+    const lcp_mixture facets = {f + 2, 3, c};
+    check_ok(random_cones(&k, (uint64_t)seed, &err), &err);
+    facet(&t, &k.p, f);
+    const lcp_mixture **mixture = room((size_t)t.p.n_block, sizeof(void *));
+    bool all = true;
+    for (int m = 0; m < f; m++) {
+      c[3 * (1 + m) + 1] = cos(2 * pi * m / f);
+      c[3 * (1 + m) + 2] = sin(2 * pi * m / f);
+    }
+    for (int g = 0; g < t.p.n_block; g++) {
+      mixture[g] = (k.p.block[g].n_part == 1) ? &facets : NULL;
+      all = all && k.p.block[g].n_part == 1;
+    }
+    lcp_factored mixed = t.f;
+    mixed.jac = k.p.M.factored->jac;
+    mixed.stored_start = k.p.M.factored->jac_start;
+    mixed.mixture = mixture;
+    lcp_problem p = t.p;
+    p.M.factored = &mixed;
+    if (all) {
+      check_ok(lcp_problem_check(&p, &err), &err);
+      void *mem = open_fold(&s, &p);
+      assert_true(s.done && s.factored.jac == mixed.jac && s.factored.mixture == NULL);
+      check_fold(&s, &k.p, &p, &r);
+      c[4] += 1e-3; /* a facet that is none of the regular ones */
+      lcp_fold_begin(&s, &p);
+      assert_false(s.done);
+      c[4] -= 1e-3;
+      free(mem);
+      shared++;
+    }
+    free((void *)mixture);
+    facet_free(&t);
+    known_lcp_free(&k);
+  }
+  assert_true(shared > 10);
+}
+
 static void products_are_those_of_the_facets(void **state) {
   (void)state;
   base_rng r = base_rng_seeded(6);
@@ -484,6 +535,7 @@ int main(void) {
       cmocka_unit_test(the_nearest_point_of_a_polygon),
       cmocka_unit_test(a_contact_that_sticks_has_no_slip_speed),
       cmocka_unit_test(products_are_those_of_the_facets),
+      cmocka_unit_test(mixed_facets_are_not_copied),
       cmocka_unit_test(faceted_sets_are_solved_folded),
       cmocka_unit_test(what_folds_away_takes_no_room),
       cmocka_unit_test(facets_that_do_not_fold_have_room),

@@ -59,8 +59,8 @@ static void build_on(fixture *x, const int *bodies, lcp_csc shift) {
   }
   x->jac_start[N_GROUP] = used;
   x->shift = shift;
-  x->f = (lcp_factored){N_BODY,    dof_start, weight_start, x->weight, N_GROUP,
-                        row_start, bodies,    x->jac_start, x->jac,    &x->shift};
+  x->f = (lcp_factored){N_BODY, dof_start,    weight_start, x->weight, N_GROUP, row_start,
+                        bodies, x->jac_start, x->jac,       &x->shift, NULL,    NULL};
   x->M = (lcp_matrix){.storage = LCP_FACTORED, .n = N_ROW, .factored = &x->f};
 }
 

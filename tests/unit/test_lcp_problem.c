@@ -118,8 +118,8 @@ static void weights_must_be_symmetric(void **state) {
   const double weight[] = {1, 0.25, 0.5, 1};
   const double jac[] = {1, 1};
   const double q[] = {1};
-  const lcp_factored f = {1,         dof_start, weight_start, weight, 1,
-                          row_start, body,      jac_start,    jac,    NULL};
+  const lcp_factored f = {1,    dof_start, weight_start, weight, 1,    row_start,
+                          body, jac_start, jac,          NULL,   NULL, NULL};
   const lcp_problem p = {.M = {.storage = LCP_FACTORED, .n = 1, .factored = &f}, .q = q};
   base_error err = {0};
   assert_int_equal(lcp_problem_check(&p, &err), BASE_EINVAL);

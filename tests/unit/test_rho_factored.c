@@ -139,8 +139,8 @@ static void a_wide_group_is_summed_in_strips(void **state) {
   }
   x[3] = 0.0;
   const lcp_csc shift = {ROWS, ROWS, colptr, rowind, val};
-  const lcp_factored f = {BODIES,    dof_start, weight_start, weight, 1,
-                          row_start, body,      jac_start,    jac,    &shift};
+  const lcp_factored f = {BODIES, dof_start, weight_start, weight, 1,    row_start,
+                          body,   jac_start, jac,          &shift, NULL, NULL};
   const lcp_problem p = {.M = {.storage = LCP_FACTORED, .n = ROWS, .factored = &f}, .q = q};
   check_ok(lcp_problem_check(&p, &err), &err);
   lcp_matrix_to_dense(&p.M, dense);

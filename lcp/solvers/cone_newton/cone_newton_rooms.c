@@ -12,6 +12,8 @@ static void layout_inner(cone_newton *s, const lcp_capacity *cap, base_arena *a)
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
+  s->step.dz = s->trial; /* a step is made before its trials, and where they have been */
+  s->step.t = s->wt;
 }
 
 static void layout_proof(cone_newton *s, const lcp_capacity *cap, base_arena *a) {
@@ -28,10 +30,16 @@ static void place_proof(cone_newton *s, const lcp_capacity *cap, base_arena *a) 
   layout_proof(s, cap, (measure.used <= room) ? &over : a);
 }
 
-/* What is shown is tested, and taken or not, before the step behind it makes X and Y anew. */
+/* What is shown is tested, and taken or not, before the step behind it makes X and Y anew; so are the scales of the test. */
 static void place_shown(cone_newton *s, const lcp_capacity *cap, base_arena *a) {
-  const bool fits = (size_t)cap->n <= 2 * (size_t)s->n_inner * (size_t)LCP_CONE_MAX;
-  s->shown = fits ? s->eq.X : BASE_ARRAY(a, double, cap->n);
+  const size_t n = (size_t)cap->n;
+  const bool fits = 3 * n <= 2 * (size_t)s->n_inner * (size_t)LCP_CONE_MAX;
+  double *room = fits ? s->eq.X : BASE_ARRAY(a, double, 3 * n);
+  s->shown = room;
+  if (room != NULL) {
+    s->loop.stop.tau = room + n;
+    s->loop.stop.zref = room + 2 * n;
+  }
 }
 
 void lcp_cone_newton_layout(cone_newton *s, const lcp_capacity *cap, base_arena *a) {

@@ -3,6 +3,7 @@
  * d = 1 is to mean what it says. */
 #include "lcp/solvers/lemke/system.h"
 
+#include "lcp/lcp_mixture.h"
 #include "lcp/linear/extended.h"
 
 #include <float.h>
@@ -136,12 +137,14 @@ static int shift_column(lemke_store *m, const lcp_csc *S, int j, int at) {
  * no product of two contacts is ever formed (Lloyd 2005). */
 static int impulse_columns(lemke_store *m, const lcp_factored *f) {
   int at = 0;
+  double room[LCP_MIXED_MAX];
+  const double *all = (m->n > 0) ? lcp_factored_rows(f, 0, room) : NULL;
   for (int j = 0, g = 0; j < m->n; ++j) {
-    while (j == f->row_start[g + 1]) {
+    for (; j == f->row_start[g + 1]; all = lcp_factored_rows(f, g, room)) {
       ++g;
     }
     const int rows = f->row_start[g + 1] - f->row_start[g];
-    const double *jac = f->jac + f->jac_start[g];
+    const double *jac = all;
     m->colptr[j] = at;
     at = shift_column(m, f->shift, j, at);
     for (int k = 0; k < 2; ++k) {
@@ -169,7 +172,8 @@ static void row_entries(lemke_store *m, int row, const double *jac, int size, in
 
 /* Counts the entries of J in group g by column, or stores them where next says. */
 static void group_entries(lemke_store *m, const lcp_factored *f, int g, int *next, bool store) {
-  const double *jac = f->jac + f->jac_start[g];
+  double room[LCP_MIXED_MAX];
+  const double *jac = lcp_factored_rows(f, g, room);
   const int rows = f->row_start[g + 1] - f->row_start[g];
   for (int k = 0; k < 2; ++k) {
     const int body = f->body[2 * g + k];
