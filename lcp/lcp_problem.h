@@ -58,7 +58,9 @@ enum {
 
 /* M = J W J' + S with W block-diagonal (one dense SPD block per body) and every row of J touching
  * at most two bodies. Rows come in groups (a contact) that touch the same bodies.
- * Body k owns velocity dofs dof_start[k] .. dof_start[k+1]-1. */
+ * Body k owns velocity dofs dof_start[k] .. dof_start[k+1]-1.
+ * jac has per group: rows x dofs of side 0 (row-major), then of side 1. Of a group with a mixture it has the stored rows in their place,
+ * so rows of J are read by lcp_factored_rows (lcp_mixture.h). */
 typedef struct lcp_factored {
   int n_body;
   const int *dof_start;    /* n_body+1 */
@@ -67,14 +69,12 @@ typedef struct lcp_factored {
   int n_group;
   const int *row_start; /* n_group+1 */
   const int *body;      /* 2*n_group; -1 where a side is fixed */
-  const int *
-      jac_start; /* n_group+1, offsets of its rows in an array that has them all, as jac mostly is */
-  const double *jac;    /* per group: rows x dofs of side 0 (row-major), then of side 1 */
-  const lcp_csc *shift; /* S, n x n, or NULL for zero; rows of J may be zero where S acts alone */
   const int
-      *stored_start; /* n_group, where jac has a group, laid out the same; NULL: at jac_start */
-  const lcp_mixture *const
-      *mixture; /* n_group, NULL where jac has the rows themselves; NULL: for all */
+      *jac_start; /* n_group+1, offsets into jac, or into an array laid out like it of all rows */
+  const double *jac;
+  const lcp_csc *shift; /* S, n x n, or NULL for zero; rows of J may be zero where S acts alone */
+  const int *stored_start;           /* n_group, offsets into jac; NULL: jac_start */
+  const lcp_mixture *const *mixture; /* n_group; NULL: jac has the rows themselves */
 } lcp_factored;
 
 /* How the rows of group g are mixed; NULL: jac has them. */

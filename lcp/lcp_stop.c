@@ -12,9 +12,9 @@
 void lcp_stop_layout(lcp_stop_state *s, const lcp_capacity *cap, base_arena *a) {
   s->w = BASE_ARRAY(a, double, cap->n);
   s->d = BASE_ARRAY(a, double, cap->n);
+  s->scratch = BASE_ARRAY(a, double, 2 * cap->n_dof);
   s->tau = BASE_ARRAY(a, double, cap->n);
   s->zref = BASE_ARRAY(a, double, cap->n);
-  s->scratch = BASE_ARRAY(a, double, 2 * cap->n_dof);
 }
 
 void lcp_stop_begin(lcp_stop_state *s, const lcp_problem *p) {

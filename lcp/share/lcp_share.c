@@ -63,15 +63,15 @@ static void layout(lcp_share *s, base_arena *a) {
   s->met = BASE_ARRAY(a, int, s->cap_body);
   s->rests = BASE_ARRAY(a, bool, n);
   s->held = BASE_ARRAY(a, bool, n);
-  lin_anderson_layout(&s->mixed, n, a);
   s->rows.kind = BASE_ARRAY(a, unsigned char, n);
   s->rows.delta = BASE_ARRAY(a, double, n);
   s->rows.into = BASE_ARRAY(a, unsigned char, n);
   s->rows.part_dim = BASE_ARRAY(a, unsigned char, n);
   s->rows.slips = BASE_ARRAY(a, unsigned char, n);
-  s->rows.own = BASE_ARRAY(a, double, n);
+  s->rows.own = BASE_ARRAY(a, double, n); /* from here on of cones that slip, and of slow limits */
   s->rows.pull = BASE_ARRAY(a, double, n);
   s->rows.gain = BASE_ARRAY(a, double, 2 * (size_t)n);
+  lin_anderson_layout(&s->mixed, n, a);
 }
 
 static base_status grow(lcp_share *s, int n, int n_body, base_error *err) {

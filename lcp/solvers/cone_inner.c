@@ -4,11 +4,11 @@
 
 void lcp_cone_inner_layout(lcp_cone_inner *s, const lcp_capacity *cap, base_arena *a) {
   lcp_cone_scaled_layout(&s->eq, cap, a);
-  lcp_cone_step_layout(&s->step, cap, a);
   double **const arrays[] = {&s->x, &s->y, &s->center, &s->dx, &s->trial, &s->w};
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
+  lcp_cone_step_layout_beside(&s->step, cap, s->trial, s->w, a);
   s->scratch = BASE_ARRAY(a, double, 2 * (size_t)cap->n_dof);
 }
 

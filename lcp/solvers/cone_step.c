@@ -5,13 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a) {
+void lcp_cone_step_layout_beside(lcp_cone_step *s, const lcp_capacity *cap, double *dz, double *t,
+                                 base_arena *a) {
   lcp_sweep_layout(&s->sweep, cap, a);
   s->active = BASE_ARRAY(a, unsigned char, cap->n);
   s->piece_of = BASE_ARRAY(a, int, cap->n);
-  s->dz = BASE_ARRAY(a, double, cap->n);
-  s->t = BASE_ARRAY(a, double, cap->n);
+  s->dz = dz;
+  s->t = t;
   s->v = BASE_ARRAY(a, double, 2 * (size_t)cap->n_dof);
+}
+
+void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a) {
+  double *dz = BASE_ARRAY(a, double, cap->n), *t = BASE_ARRAY(a, double, cap->n);
+  lcp_cone_step_layout_beside(s, cap, dz, t, a);
 }
 
 void lcp_cone_step_release(lcp_cone_step *s) {

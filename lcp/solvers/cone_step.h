@@ -32,6 +32,9 @@ typedef struct lcp_cone_step {
 } lcp_cone_step;
 
 void lcp_cone_step_layout(lcp_cone_step *s, const lcp_capacity *cap, base_arena *a);
+/* The same beside dz and t, n each, which nobody else needs while a step is made. */
+void lcp_cone_step_layout_beside(lcp_cone_step *s, const lcp_capacity *cap, double *dz, double *t,
+                                 base_arena *a);
 
 /* BASE_EUNSUPPORTED: factored with a cone that spans groups, or with an S that couples groups. */
 base_status lcp_cone_step_prepare(lcp_cone_step *s, const lcp_problem *p, const lcp_cone_scaled *c,

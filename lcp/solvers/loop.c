@@ -8,9 +8,9 @@
 #include <string.h>
 
 void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
-  lcp_stop_layout(&s->stop, cap, a);
-  lcp_rho_factored_layout(&s->factored, cap, a);
   s->scale = BASE_ARRAY(a, double, cap->n);
+  lcp_stop_layout(&s->stop, cap, a);
+  lcp_rho_factored_layout(&s->factored, cap, a); /* what is seldom touched lies together */
   s->seen = BASE_ARRAY(a, double, cap->n);
 }
 

@@ -7,13 +7,11 @@
 static void layout_inner(cone_newton *s, const lcp_capacity *cap, base_arena *a) {
   s->n_inner = cap->n;
   lcp_cone_scaled_layout(&s->eq, cap, a);
-  lcp_cone_step_layout(&s->step, cap, a);
   double **const arrays[] = {&s->x, &s->y, &s->center, &s->dx, &s->trial, &s->wt, &s->inner, &s->w};
   for (int i = 0; i < BASE_COUNT(arrays); i++) {
     *arrays[i] = BASE_ARRAY(a, double, cap->n);
   }
-  s->step.dz = s->trial; /* a step is made before its trials, and where they have been */
-  s->step.t = s->wt;
+  lcp_cone_step_layout_beside(&s->step, cap, s->trial, s->wt, a);
 }
 
 static void layout_proof(cone_newton *s, const lcp_capacity *cap, base_arena *a) {
