@@ -23,15 +23,7 @@ BASE_INLINE void lcp_mixture_row(const lcp_mixture *m, int i, int dof, const dou
                                  double *out) {
   const double *c = m->c + (ptrdiff_t)i * m->stored;
   if (dof == 6 && m->stored == 3) {
-    double sum[6] = {0};
-    for (int k = 0; k < 3; k++) {
-      for (int d = 0; d < 6; d++) {
-        sum[d] += c[k] * stored[k * 6 + d];
-      }
-    }
-    for (int d = 0; d < 6; d++) {
-      out[d] = sum[d];
-    }
+    lcp_mix(c, 3, 6, stored, out);
   } else {
     lcp_mix(c, m->stored, dof, stored, out);
   }
