@@ -289,14 +289,16 @@ static bool is_regular(const lcp_mixture *m, int count) {
 /* Where J has the rows of the cones already, it is used as it is: every group a block, whose facets are mixed from them. */
 static bool share_jacobian(lcp_fold *s, const lcp_factored *f) {
   const lcp_mixture *known = NULL; /* that is regular */
-  const bool possible = f->mixture != NULL && f->n_group == s->of->n_block;
   int at = 0, n = 0;
   s->mixed = false;
+  if (f->mixture == NULL || f->n_group != s->of->n_block) {
+    return false;
+  }
   for (int g = 0; g < f->n_group; g++) {
-    const lcp_block *b = possible ? &s->of->block[g] : NULL;
-    const bool facets = possible && is_faceted(b);
-    const lcp_mixture *m = possible ? f->mixture[g] : NULL;
-    if (!possible || b->start != f->row_start[g] || (facets && (m == NULL || b->n_part != 1)) ||
+    const lcp_block *b = &s->of->block[g];
+    const lcp_mixture *m = f->mixture[g];
+    const bool facets = is_faceted(b);
+    if (b->start != f->row_start[g] || (facets && (m == NULL || b->n_part != 1)) ||
         (facets && m != known && !is_regular(m, b->part_dim[0]))) {
       return false;
     }
@@ -310,7 +312,7 @@ static bool share_jacobian(lcp_fold *s, const lcp_factored *f) {
   }
   s->row_start[f->n_group] = n;
   s->jac_start[f->n_group] = at;
-  return possible;
+  return true;
 }
 
 static bool fold_jacobian(lcp_fold *s, const lcp_factored *f) {
