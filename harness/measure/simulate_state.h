@@ -65,8 +65,7 @@ typedef struct sim {
       alike; /* and whether deviations keep their velocity in it; contacts act alike with them */
   double h;  /* of this step [s] */
   sim_carrying carrying; /* in the last step */
-  double *
-      z; /* z_cap of the answer, as many for the solver's own, and of a start point that nobody has */
+  double *z; /* z_cap of the answer, as many for the solver's own, and of zeros to start from */
   int z_cap;
   const double *started; /* where it did: a view */
   own_answers own;       /* where the next solves of a method that pivots start */
