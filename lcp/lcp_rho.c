@@ -63,19 +63,42 @@ static double rows_of(const lcp_problem *p, const lcp_block *b, const double *z,
   return worst;
 }
 
+/* The blocks of p; without any, an orthant. */
+static const lcp_block *blocks_of(const lcp_problem *p, lcp_block *whole, int *count) {
+  *whole = (lcp_block){.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
+  *count = (p->block != NULL) ? p->n_block : 1;
+  return (p->block != NULL) ? p->block : whole;
+}
+
+static double term(const lcp_problem *p, const lcp_block *b, const double *d, const double *z,
+                   const double *w, const double *zref, const double *tau) {
+  const int at = b->start;
+  return (b->set == LCP_CONE) ? cone(b, d + at, z + at, w + at, tau + at)
+                              : rows_of(p, b, z, w, zref, tau);
+}
+
 double lcp_rho(const lcp_problem *p, const double *d, const double *z, const double *w,
                const double *zref, const double *tau) {
-  const lcp_block whole = {.start = 0, .size = p->M.n, .set = LCP_ORTHANT};
-  const lcp_block *block = (p->block != NULL) ? p->block : &whole;
-  const int n_block = (p->block != NULL) ? p->n_block : 1;
+  lcp_block whole;
+  int count;
+  const lcp_block *block = blocks_of(p, &whole, &count);
   double worst = 0.0;
-  for (int b = 0; b < n_block; b++) {
-    const int at = block[b].start;
-    worst = lcp_rho_worse(worst, (block[b].set == LCP_CONE)
-                                     ? cone(&block[b], d + at, z + at, w + at, tau + at)
-                                     : rows_of(p, &block[b], z, w, zref, tau));
+  for (int b = 0; b < count; b++) {
+    worst = lcp_rho_worse(worst, term(p, &block[b], d, z, w, zref, tau));
   }
   return worst;
+}
+
+bool lcp_rho_within(const lcp_problem *p, double tol, const double *d, const double *z,
+                    const double *w, const double *zref, const double *tau) {
+  lcp_block whole;
+  int count;
+  const lcp_block *block = blocks_of(p, &whole, &count);
+  bool within = true;
+  for (int b = 0; b < count && within; b++) {
+    within = term(p, &block[b], d, z, w, zref, tau) <= tol;
+  }
+  return within;
 }
 
 void lcp_rho_above_tol(const lcp_problem *p, double tol, const double *d, const double *z,
@@ -87,11 +110,9 @@ void lcp_rho_above_tol(const lcp_problem *p, double tol, const double *d, const 
   }
   for (int b = 0; p->block != NULL && b < p->n_block; b++) {
     const lcp_block *k = &p->block[b];
-    const int at = k->start;
-    const double term = (k->set == LCP_CONE) ? cone(k, d + at, z + at, w + at, tau + at)
-                                             : rows_of(p, k, z, w, zref, tau);
-    for (int i = at; i < at + k->size; i++) {
-      above[i] = !(term <= tol);
+    const bool out = !(term(p, k, d, z, w, zref, tau) <= tol);
+    for (int i = k->start; i < k->start + k->size; i++) {
+      above[i] = out;
     }
   }
 }

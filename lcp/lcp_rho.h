@@ -76,6 +76,10 @@ void lcp_rho_references(const lcp_problem *p, const double *d, const double *tau
 double lcp_rho(const lcp_problem *p, const double *d, const double *z, const double *w,
                const double *zref, const double *tau);
 
+/* Is it at most tol? Ends at the first block that is not. */
+bool lcp_rho_within(const lcp_problem *p, double tol, const double *d, const double *z,
+                    const double *w, const double *zref, const double *tau);
+
 /* above[i] (n): the term of row i's block is not within tol. */
 void lcp_rho_above_tol(const lcp_problem *p, double tol, const double *d, const double *z,
                        const double *w, const double *zref, const double *tau,

@@ -8,8 +8,12 @@
 #include "lcp/lcp_problem.h"
 
 typedef struct lcp_rho_factored {
-  double *wj;           /* n_jac: W J' of every side, where jac has J */
-  int *first, *next;    /* groups at every body as lists: 2 group + side, or -1 */
+  double *wj;    /* n_jac: W J' of the sides at every body, velocities x columns, row-major */
+  int *wj_start; /* n_body+1 */
+  int *start;    /* n_body+1, into side */
+  int *side;   /* 2n: 2 group + side of those at a body, where the same body lies beyond together */
+  int *column; /* 2n, by side: its first column at its body */
+  double *by;  /* n, of one body at a time: |x| by columns */
   unsigned char *whole; /* n: rows whose sizes are to be summed over all groups */
   unsigned char *again; /* n: rows whose sizes are to be summed anew */
   bool ready;           /* for the matrix of this solve */
@@ -23,3 +27,6 @@ void lcp_rho_factored_layout(lcp_rho_factored *s, const lcp_capacity *cap, base_
  * the sizes that they have. Clear s->ready when the matrix has changed. */
 void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const unsigned char *some,
                               const unsigned char *whole, const double *x, double *size);
+
+/* Adds to `rows` (n) those of all groups that share a body with a group that has one there. After a product. */
+void lcp_rho_factored_neighbours(lcp_rho_factored *s, const lcp_factored *f, unsigned char *rows);

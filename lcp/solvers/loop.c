@@ -44,7 +44,7 @@ static bool near(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const 
   for (int i = 0; i < p->M.n; i++) {
     t->tau[i] = top;
   }
-  return lcp_rho(p, t->d, z, t->w, t->zref, t->tau) <= 10.0 * stop->tol;
+  return lcp_rho_within(p, 10.0 * stop->tol, t->d, z, t->w, t->zref, t->tau);
 }
 
 /* zref of the tau0 in s->seen; marks the rows where it is another than before. */
@@ -68,33 +68,44 @@ static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z,
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
 }
 
-/* The same where that was just done with no row in `whole`: what has not changed stays. */
-static double rho_of_more_entries(lcp_loop *s, const lcp_problem *p, const double *z,
-                                  const unsigned char *whole) {
+/* The same where that was just done with fewer rows in `whole`: of groups with a row in s->factored.again, what others have stays. */
+static double rho_of_more_entries(lcp_loop *s, const lcp_problem *p, const double *z) {
   lcp_stop_state *t = &s->stop;
-  unsigned char *again = s->factored.again;
-  memcpy(again, whole, (size_t)p->M.n);
-  lcp_rho_factored_product(&s->factored, p, again, whole, z, s->seen);
+  lcp_rho_factored *f = &s->factored;
+  lcp_rho_factored_product(f, p, f->again, f->whole, z, s->seen);
   refer_again(s, p);
-  lcp_rho_factored_product(&s->factored, p, again, whole, t->zref, t->tau);
+  lcp_rho_factored_product(f, p, f->again, f->whole, t->zref, t->tau);
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
 }
 
-/* Entries inside the groups first; then those between groups for the rows that still stand above tol; then all. */
+/* whole |= again; false where that adds nothing. */
+static bool widen(lcp_rho_factored *f, int n) {
+  bool any = false;
+  for (int i = 0; i < n; i++) {
+    any = any || (f->again[i] && !f->whole[i]);
+    f->whole[i] = f->whole[i] || f->again[i];
+  }
+  return any;
+}
+
+/* Entries inside the groups first; then those between groups for the rows that still stand above tol; then for their neighbours
+ * too, whose zref their tau is made of. More would change nothing for a row that is still above: it alone decides. */
 static double rho_by_need(lcp_loop *s, double tol, const lcp_problem *p, const double *z,
                           lcp_result *res) {
   lcp_stop_state *t = &s->stop;
-  unsigned char *whole = s->factored.whole;
-  memset(whole, 0, (size_t)p->M.n);
-  double rho = rho_of_entries(s, p, z, whole);
+  lcp_rho_factored *f = &s->factored;
+  memset(f->whole, 0, (size_t)p->M.n);
+  double rho = rho_of_entries(s, p, z, f->whole);
   res->work.matvecs += 2;
-  if (!(rho <= tol)) {
-    lcp_rho_above_tol(p, tol, t->d, z, t->w, t->zref, t->tau, whole);
-    rho = rho_of_more_entries(s, p, z, whole);
-    res->work.matvecs += 2;
-  }
-  if (!(rho <= tol)) {
-    rho = rho_of_entries(s, p, z, NULL);
+  for (int more = 0; more < 2 && !(rho <= tol); more++) {
+    lcp_rho_above_tol(p, tol, t->d, z, t->w, t->zref, t->tau, f->again);
+    if (more > 0) {
+      lcp_rho_factored_neighbours(f, p->M.factored, f->again);
+    }
+    if (!widen(f, p->M.n)) {
+      break;
+    }
+    rho = rho_of_more_entries(s, p, z);
     res->work.matvecs += 2;
   }
   return rho;

@@ -43,6 +43,40 @@ static void some_are_summed_again(base_rng *r, lcp_rho_factored *s, const lcp_pr
   free(other);
 }
 
+static bool share_a_body(const lcp_factored *f, int g, int h) {
+  bool any = false;
+  for (int e = 0; e < 4; e++) {
+    const int b = f->body[2 * g + e / 2];
+    any = any || (b >= 0 && b == f->body[2 * h + e % 2]);
+  }
+  return any;
+}
+
+/* After a product: with some groups those that share a body with them, and no others. */
+static void neighbours_share_a_body(base_rng *r, lcp_rho_factored *s, const lcp_factored *f) {
+  unsigned char *rows = s->again;
+  bool *asked = calloc((size_t)f->n_group, sizeof *asked);
+  assert_non_null(asked);
+  for (int g = 0; g < f->n_group; g++) {
+    asked[g] = base_rng_uniform(r) < 0.05;
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      rows[i] = asked[g] && i == f->row_start[g + 1] - 1; /* one row stands for its group */
+    }
+  }
+  lcp_rho_factored_neighbours(s, f, rows);
+  for (int g = 0; g < f->n_group; g++) {
+    bool near = false;
+    for (int h = 0; h < f->n_group; h++) {
+      near = near || (asked[h] && share_a_body(f, g, h));
+    }
+    for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++) {
+      const bool own = asked[g] && i == f->row_start[g + 1] - 1;
+      assert_int_equal(rows[i], near || own);
+    }
+  }
+  free(asked);
+}
+
 /* |q| + |M||x| against the dense matrix; S inside the groups. */
 static void sizes_are_those_of_the_entries(void **state) {
   (void)state;
@@ -101,6 +135,7 @@ static void sizes_are_those_of_the_entries(void **state) {
       }
     }
     some_are_summed_again(&r, &s, &p, x, size);
+    neighbours_share_a_body(&r, &s, &f);
     free(mem);
     free(colptr);
     free(rowind);
