@@ -29,6 +29,7 @@ void lcp_share_close(lcp_share *s) {
     lcp_share_system_close(&s->system);
     lcp_share_bodies_close(&s->bodies);
     lcp_csc_free(&s->copy);
+    free(s->count.touches);
     free(s->mem);
     free(s);
   }
@@ -149,8 +150,43 @@ static void hold_joints(lcp_share *s, double delta) {
   }
 }
 
-/* Joints kept as free rows, which are rigid; what their own rows say twice leaves no normal impulse open, and is held. */
-static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, base_error *err) {
+static bool touches(const lcp_share *s, int k) {
+  return lcp_share_touches(s, lcp_share_block(s, k)->start);
+}
+
+/* The same contacts touch as when too many were last counted. */
+static bool touch_as_counted(const lcp_share *s) {
+  bool same = s->count.deficit > 0 && s->count.n == s->n_contact;
+  for (int k = 0; k < s->n_contact && same; k++) {
+    same = s->count.touches[k] == touches(s, k);
+  }
+  return same;
+}
+
+static base_status note_count(lcp_share *s, int deficit, base_error *err) {
+  share_count *c = &s->count;
+  if (c->cap < s->n_contact) {
+    free(c->touches);
+    *c = (share_count){.cap = base_room(s->n_contact)};
+    c->touches = base_alloc((size_t)c->cap * sizeof *c->touches);
+    if (c->touches == NULL) {
+      *c = (share_count){0};
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory to count the rank of %d contacts",
+                       s->n_contact);
+    }
+  }
+  c->deficit = deficit;
+  c->n = s->n_contact;
+  for (int k = 0; k < s->n_contact; k++) {
+    c->touches[k] = touches(s, k);
+  }
+  return BASE_OK;
+}
+
+/* Joints kept as free rows, which are rigid; what their own rows say twice leaves no normal impulse open, and is held. Their rank is
+ * told where `ranked`. */
+static base_status begin_with_joints(lcp_share *s, bool ranked, int *count, int *deficit,
+                                     base_error *err) {
   for (int k = 0; k < s->p->n_block; k++) {
     *count += (s->p->block[k].set == LCP_FREE) ? s->p->block[k].size : 0;
   }
@@ -162,7 +198,7 @@ static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, bas
     return BASE_OK;
   }
   hold_joints(s, s->by_bodies ? body_joint_share * s->delta : 0);
-  if (!s->counted) {
+  if (!ranked) {
     return BASE_OK;
   }
   BASE_TRY(rank_of_active(s, *count, deficit, err));
@@ -172,23 +208,29 @@ static base_status begin_with_joints(lcp_share *s, int *count, int *deficit, bas
   return BASE_OK;
 }
 
-/* Step 1: the touching normal rows, with joints where M has them. */
-static base_status rank_of_normals(lcp_share *s, lcp_share_result *out, base_error *err) {
+/* Step 1: the touching normal rows, with joints where M has them. Counting them costs more than all that is left where a last step's
+ * choice is at hand: not done again while the same contacts touch. */
+static base_status rank_of_normals(lcp_share *s, bool recalls, lcp_share_result *out,
+                                   base_error *err) {
+  const bool same = recalls && s->by_bodies && touch_as_counted(s);
   int free_rows = 0, free_deficit = 0, count = 0;
-  BASE_TRY(begin_with_joints(s, &free_rows, &free_deficit, err));
+  BASE_TRY(begin_with_joints(s, !same, &free_rows, &free_deficit, err));
   for (int k = 0; k < s->n_contact; k++) {
-    const int i = lcp_share_block(s, k)->start;
-    if (lcp_share_touches(s, i)) {
-      s->rows.kind[i] = SHARE_ACTIVE;
+    if (touches(s, k)) {
+      s->rows.kind[lcp_share_block(s, k)->start] = SHARE_ACTIVE;
       count++;
     }
+  }
+  if (same) {
+    out->deficit = s->count.deficit;
+    return lcp_share_factor(s, &s->normals_regular, err);
   }
   if (count < 2) {
     return BASE_OK;
   }
   BASE_TRY(rank_of_active(s, free_rows + count, &out->deficit, err));
   out->deficit -= free_deficit;
-  return BASE_OK;
+  return s->by_bodies ? note_count(s, out->deficit, err) : BASE_OK;
 }
 
 /* A contact of a resting island was held up by its friction in `start`. */
@@ -349,10 +391,10 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *st
   set_delta(s, most_soft);
   s->counted = !(s->by_bodies && s->n_contact > most_counted);
   if (s->counted) {
-    BASE_TRY(rank_of_normals(s, out, err));
+    BASE_TRY(rank_of_normals(s, known(s, start) != NULL, out, err));
   } else {
     int joints = 0;
-    BASE_TRY(begin_with_joints(s, &joints, &out->deficit, err));
+    BASE_TRY(begin_with_joints(s, false, &joints, &out->deficit, err));
     s->normals_regular = false;
     out->deficit = LCP_SHARE_UNCOUNTED;
   }

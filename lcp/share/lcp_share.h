@@ -18,8 +18,9 @@
  *      the limit and not near it.
  *
  * Of M = J W J' + S in factors all three are done in the body velocities (lcp_share_bodies.h): nothing grows with the square
- * of the contacts, and the rank is counted, not guessed from pivots. Of more than 2000 contacts it is not counted: the choice is
- * made from the contacts that carry, and z is unique where the choice is z to 1e-8.
+ * of the contacts, and the rank is counted, not guessed from pivots: not again while the same contacts touch and the last choice is at
+ * hand. Of more than 2000 contacts it is not counted: the choice is made from the contacts that carry, and z is unique where the
+ * choice is z to 1e-8.
  *
  * Where active rows are not found, or the result does not solve the problem, z stays as it was and the outcome is
  * LCP_SHARE_MISSED. */
@@ -37,7 +38,8 @@ enum { LCP_SHARE_UNCOUNTED = -1 };
 
 typedef struct lcp_share_result {
   lcp_share_outcome outcome;
-  int deficit; /* touching normal rows less their rank, or LCP_SHARE_UNCOUNTED */
+  int deficit; /* touching normal rows less their rank, or LCP_SHARE_UNCOUNTED; with `start` that of the last count while the same
+                  contacts touch */
   int rounds;  /* changes of active rows, Newton steps of cones included */
   long factorizations, backsolves;
 } lcp_share_result;

@@ -17,7 +17,14 @@
 /* Owner of a row that belongs to no contact; a joint's rows have smaller ones. */
 enum { LCP_SHARE_NOBODY = -1 };
 
+/* How many touching normals were too many when that was last counted, and which contacts touched. */
+typedef struct share_count {
+  int deficit, n, cap;
+  bool *touches; /* cap; owned */
+} share_count;
+
 struct lcp_share {
+  share_count count;
   share_system system;
   share_bodies bodies; /* in its place where M is held in factors */
   bool by_bodies, has_joints;

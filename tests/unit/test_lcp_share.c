@@ -5,6 +5,7 @@
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "lcp/share/lcp_share.h"
+#include "lcp/share/lcp_share_state.h"
 #include "tests/support/random_cones.h"
 
 #include <stdlib.h>
@@ -462,12 +463,53 @@ static void cones_are_shared_alike(void **state) {
   assert_true(missed <= 0);
 }
 
+/* The rank is counted once while the same contacts touch and the last choice is at hand: a number that was put in the count's place comes
+ * out there, and nowhere else. The choice is the same bits. */
+static void the_rank_is_counted_once(void **state) {
+  (void)state;
+  enum { PLANTED = 77 };
+  base_error err = {0};
+  plate t = grid();
+  plate_in_factors k;
+  lcp_share *s;
+  lcp_share_result r;
+  double first[MOST] = {0}, z[MOST],
+         solver[MOST] = {1, 0, 1, 0, 0, 0, 1, 0, 1}; /* 4 kg m/s on the corners */
+  pose(&t, (double[]){-2, 0, 0});
+  pose_in_factors(&t, &k);
+  check_ok(lcp_share_open(&s, &err), &err);
+  memcpy(first, solver, sizeof first);
+  check_ok(lcp_share_apply(s, &k.p, NULL, first, &r, &err), &err);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_int_equal(r.deficit, 6);
+  assert_true(s->by_bodies);
+  s->count.deficit = PLANTED;
+  memcpy(z, solver, sizeof z);
+  check_ok(lcp_share_apply(s, &k.p, first, z, &r, &err), &err);
+  assert_int_equal(r.deficit, PLANTED);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  memcpy(z, solver, sizeof z);
+  check_ok(lcp_share_apply(s, &k.p, NULL, z, &r, &err), &err); /* no step before */
+  assert_int_equal(r.deficit, 6);
+  assert_memory_equal(z, first, sizeof z);
+  s->count.deficit = PLANTED;
+  double q[MOST];
+  memcpy(q, k.p.q, sizeof q);
+  q[4] += 1; /* the middle one parts */
+  k.p.q = q;
+  memcpy(z, solver, sizeof z);
+  check_ok(lcp_share_apply(s, &k.p, first, z, &r, &err), &err);
+  assert_int_equal(r.deficit, 5);
+  lcp_share_close(s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(corners_share_a_weight),
       cmocka_unit_test(softer_contacts_carry_less),
       cmocka_unit_test(tension_carries_nothing),
       cmocka_unit_test(the_last_step_is_a_start),
+      cmocka_unit_test(the_rank_is_counted_once),
       cmocka_unit_test(a_rest_changes_nothing),
       cmocka_unit_test(a_wrong_start_is_left),
       cmocka_unit_test(sliding_contacts_follow_the_plate),
