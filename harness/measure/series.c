@@ -141,7 +141,8 @@ static void record_pair(series *s, const world *w, const contact_set *c, const d
     const char *a;
     const char *b;
     world_contact_pair(w, c->id[i], &a, &b);
-    if (same_pair(a, b, p->a, p->b)) {
+    const bool any = strcmp(p->b, SPEC_ANY) == 0 && (strcmp(a, p->a) == 0 || strcmp(b, p->a) == 0);
+    if (any || same_pair(a, b, p->a, p->b)) {
       add_force(c, impulse, i, &normal, tangent);
     }
   }

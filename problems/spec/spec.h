@@ -20,6 +20,8 @@ enum {
   SPEC_COPIES = 256 /* of a contact point */
 };
 
+#define SPEC_ANY "*" /* in a pair of a check; no name of a body */
+
 typedef enum spec_shape_kind {
   SPEC_POINT,
   SPEC_SPHERE, /* disc in 2D; r */
@@ -180,7 +182,7 @@ typedef struct spec_check {
   char form[SPEC_FORMS][SPEC_NAME];
   int nd; /* facets this check was made for; 0: any */
   int n_pair;
-  spec_pair pair[SPEC_PAIRS]; /* contact pairs, value unused */
+  spec_pair pair[SPEC_PAIRS]; /* contact pairs, value unused; b = SPEC_ANY: all that touch a */
   bool tangential;            /* component of the force */
   spec_event event;
   double threshold;

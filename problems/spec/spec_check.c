@@ -9,13 +9,14 @@
 
 /* ---- names ---------------------------------------------------------------------------------- */
 
-/* Refuses empty names, and such as are used twice. */
+/* Refuses empty names, such as are used twice, and the one that stands for any. */
 static base_status check_names(const scene_spec *s, const name_index *k, base_error *err) {
   for (int i = 0; i < k->n; i++) {
     const char *name = k->entry[i].name;
-    if (name[0] == '\0' || strchr(name, '.') != NULL) {
-      return BAD("scene '%s': body or static %d named '%s': need a name without '.'", s->id,
-                 k->entry[i].side, name);
+    if (name[0] == '\0' || strchr(name, '.') != NULL || strcmp(name, SPEC_ANY) == 0) {
+      return BAD(
+          "scene '%s': body or static %d named '%s': need a name without '.' that is not '*'",
+          s->id, k->entry[i].side, name);
     }
     if (i > 0 && strcmp(name, k->entry[i - 1].name) == 0) {
       return BAD("scene '%s': the name '%s' is used twice", s->id, name);
@@ -206,7 +207,11 @@ static base_status check_check(const scene_spec *s, const name_index *k, const s
     return BAD("scene '%s': check %s needs a pair", s->id, kind);
   }
   for (int i = 0; i < c->n_pair; i++) {
-    BASE_TRY(check_pair(s, k, kind, &c->pair[i], err));
+    spec_pair pair = c->pair[i];
+    if (strcmp(pair.b, SPEC_ANY) == 0) {
+      memcpy(pair.b, pair.a, sizeof pair.b);
+    }
+    BASE_TRY(check_pair(s, k, kind, &pair, err));
   }
   return BASE_OK;
 }
