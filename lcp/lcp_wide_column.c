@@ -1,39 +1,16 @@
-#include "lcp/lcp_wide_column.h"
-
-#include "lcp/base/clones.h"
 #include "lcp/base/crew.h"
+#include "lcp/lcp_wide_inside.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* A group beside another one, with its stored rows of J on the bodies of that; NULL: not there. */
-typedef struct lcp_wide_neighbour {
-  int group, first, rows;
-  const double *jac[2];
-} lcp_wide_neighbour;
-
-/* Where one group is summed. */
-typedef struct lcp_wide_scratch {
-  double *entry, *weighed;  /* per row; W J' */
-  lcp_wide_neighbour *near; /* n_group: the groups at its bodies */
-} lcp_wide_scratch;
-
-enum {
-  LANES = 4, /* columns that are summed side by side */
-  SHARE = 64 /* groups of one part of the work */
-};
-
-static int padded(int rows) {
-  return (rows + LANES - 1) / LANES * LANES;
-}
 
 /* Entries of J of the group that has most, its rows padded. */
 static int largest_jac(const lcp_factored *f) {
   int most = 0;
   for (int g = 0; g < f->n_group; g++) {
     const int rows = f->row_start[g + 1] - f->row_start[g];
-    const int here = (f->jac_start[g + 1] - f->jac_start[g]) / rows * padded(rows);
+    const int here = (f->jac_start[g + 1] - f->jac_start[g]) / rows * lcp_wide_padded(rows);
     most = (here > most) ? here : most;
   }
   return most;
@@ -56,7 +33,7 @@ static void carve(lcp_wide_columns *c, base_arena *a) {
     lcp_wide_scratch *of = BASE_ARRAY(a, lcp_wide_scratch, c->hands), unused;
     for (int h = 0; h < c->hands; h++) {
       lcp_wide_scratch *own = (of != NULL) ? &of[h] : &unused;
-      own->entry = BASE_ARRAY(a, double, n + LANES);
+      own->entry = BASE_ARRAY(a, double, n + LCP_WIDE_LANES);
       own->weighed = BASE_ARRAY(a, double, largest_jac(f));
       own->near = BASE_ARRAY(a, lcp_wide_neighbour, f->n_group);
     }
@@ -114,8 +91,7 @@ void lcp_wide_columns_close(lcp_wide_columns *c) {
   *c = (lcp_wide_columns){0};
 }
 
-/* First of the rows of group g on body b (which g touches) that are stored. */
-static const double *stored_on(const lcp_factored *f, int g, int b) {
+const double *lcp_wide_stored_on(const lcp_factored *f, int g, int b) {
   const double *jac = f->jac + lcp_factored_at(f, g);
   const bool first = f->body[2 * (ptrdiff_t)g] == b;
   return first ? jac : jac + (ptrdiff_t)lcp_factored_stored(f, g) * lcp_factored_dof(f, g, 0);
@@ -134,7 +110,7 @@ static void mix_row(const lcp_mixture *m, int i, int n, const double *stored, do
 
 /* The rows themselves, made in `room` where they are mixed. */
 static const double *rows_on(const lcp_factored *f, int g, int b, double *room) {
-  const double *stored = stored_on(f, g, b);
+  const double *stored = lcp_wide_stored_on(f, g, b);
   const lcp_mixture *m = lcp_mixture_of(f, g);
   if (m == NULL) {
     return stored;
@@ -146,13 +122,12 @@ static const double *rows_on(const lcp_factored *f, int g, int b, double *room) 
   return room;
 }
 
-/* Row j of J on body b; NULL where it is zero. */
-static const double *moved_by(const lcp_wide_columns *c, int j, int b, double *room) {
+const double *lcp_wide_moved_by(const lcp_wide_columns *c, int j, int b, double *room) {
   const lcp_factored *f = c->M->factored;
   const int d = f->dof_start[b + 1] - f->dof_start[b];
   const int g = c->group_of[j], r = j - f->row_start[g];
   const lcp_mixture *m = lcp_mixture_of(f, g);
-  const double *jj = stored_on(f, g, b);
+  const double *jj = lcp_wide_stored_on(f, g, b);
   if (m != NULL) {
     mix_row(m, r, d, jj, room);
     jj = room;
@@ -199,7 +174,7 @@ static void sort_rows(lcp_wide_columns *c, int count, bool mixed) {
 static void groups_of(const lcp_wide_columns *c, int j, int side, const int **at, const int **end) {
   const int b = c->M->factored->body[2 * c->group_of[j] + side];
   double room[LCP_MIXED_MAX];
-  const bool moves = b >= 0 && moved_by(c, j, b, room) != NULL;
+  const bool moves = b >= 0 && lcp_wide_moved_by(c, j, b, room) != NULL;
   *at = moves ? c->group + c->group_start[b] : NULL;
   *end = moves ? c->group + c->group_start[b + 1] : NULL;
 }
@@ -235,7 +210,7 @@ static void add_body(lcp_wide_columns *c, int j, int b) {
   const lcp_factored *f = c->M->factored;
   const int d = f->dof_start[b + 1] - f->dof_start[b];
   double room[2][LCP_MIXED_MAX];
-  const double *jj = moved_by(c, j, b, room[0]);
+  const double *jj = lcp_wide_moved_by(c, j, b, room[0]);
   const double *w = f->weight + f->weight_start[b];
   for (int k = 0; jj != NULL && k < d; k++) {
     c->wj[k] = 0;
@@ -295,406 +270,4 @@ lcp_wide_column lcp_wide_columns_at(lcp_wide_columns *c, int j) {
     }
   }
   return (lcp_wide_column){count, c->row, c->val};
-}
-
-/* ---- sums over all columns ------------------------------------------------------------------- */
-
-static int dofs(const lcp_factored *f, int b) {
-  return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
-}
-
-/* Rows of J of group g on one of its sides, and the dofs there. */
-static const double *side_of(const lcp_factored *f, int g, int side, int *n, int *dof,
-                             double *room) {
-  const int b = f->body[2 * g + side];
-  *n = dofs(f, b);
-  *dof = (b >= 0) ? f->dof_start[b] : 0;
-  return (b >= 0) ? rows_on(f, g, b, room) : NULL;
-}
-
-/* force += J_g' z. */
-static void push(lcp_wide_columns *c, int g, const double *z) {
-  const lcp_factored *f = c->M->factored;
-  for (int side = 0; side < 2; side++) {
-    int n, dof;
-    double room[LCP_MIXED_MAX];
-    const double *J = side_of(f, g, side, &n, &dof, room);
-    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
-      for (int k = 0; k < n && z[i] != 0; k++) {
-        c->force[dof + k] += (long double)J[k] * z[i];
-      }
-    }
-  }
-}
-
-/* w += J_g of what is in force. */
-static void pull(const lcp_wide_columns *c, int g, long double *w) {
-  const lcp_factored *f = c->M->factored;
-  for (int side = 0; side < 2; side++) {
-    int n, dof;
-    double room[LCP_MIXED_MAX];
-    const double *J = side_of(f, g, side, &n, &dof, room);
-    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
-      for (int k = 0; k < n; k++) {
-        w[i] += J[k] * c->force[dof + k];
-      }
-    }
-  }
-}
-
-/* force = W force. */
-static void weigh_all(lcp_wide_columns *c) {
-  const lcp_factored *f = c->M->factored;
-  for (int b = 0; b < f->n_body; b++) {
-    const int n = dofs(f, b);
-    long double *force = c->force + f->dof_start[b];
-    const double *W = f->weight + f->weight_start[b];
-    for (int k = 0; k < n; k++) {
-      c->wj[k] = 0;
-      for (int l = 0; l < n; l++) {
-        c->wj[k] += W[(ptrdiff_t)l * n + k] * force[l];
-      }
-    }
-    memcpy(force, c->wj, (size_t)n * sizeof *force);
-  }
-}
-
-void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double *w) {
-  const lcp_factored *f = c->M->factored;
-  const lcp_csc *S = f->shift;
-  for (int d = 0; d < f->dof_start[f->n_body]; d++) {
-    c->force[d] = 0;
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    push(c, g, z);
-  }
-  weigh_all(c);
-  for (int g = 0; g < f->n_group; g++) {
-    pull(c, g, w);
-  }
-  for (int j = 0; S != NULL && j < c->M->n; j++) {
-    for (int k = S->colptr[j]; k < S->colptr[j + 1]; k++) {
-      w[S->rowind[k]] += (long double)S->val[k] * z[j];
-    }
-  }
-}
-
-/* The groups at the bodies of group g, each once, and g itself where it has none; returns how many. */
-static int neighbours(const lcp_wide_columns *c, int g, lcp_wide_neighbour *to) {
-  const lcp_factored *f = c->M->factored;
-  const int *at[2], *end[2];
-  int count = 0;
-  for (int side = 0; side < 2; side++) {
-    const int b = f->body[2 * g + side];
-    at[side] = (b >= 0) ? c->group + c->group_start[b] : NULL;
-    end[side] = (b >= 0) ? c->group + c->group_start[b + 1] : NULL;
-  }
-  while (at[0] < end[0] || at[1] < end[1]) {
-    const int h = (at[1] >= end[1] || (at[0] < end[0] && *at[0] <= *at[1])) ? *at[0] : *at[1];
-    lcp_wide_neighbour *near = &to[count++];
-    *near = (lcp_wide_neighbour){
-        .group = h, .first = f->row_start[h], .rows = f->row_start[h + 1] - f->row_start[h]};
-    for (int side = 0; side < 2; side++) {
-      for (; at[side] < end[side] && *at[side] == h; at[side]++) {
-        near->jac[side] = stored_on(f, h, f->body[2 * g + side]);
-      }
-    }
-  }
-  if (count == 0) { /* S acts alone */
-    to[count++] = (lcp_wide_neighbour){
-        .group = g, .first = f->row_start[g], .rows = f->row_start[g + 1] - f->row_start[g]};
-  }
-  return count;
-}
-
-static double dot(const double *x, const double *y, int n) {
-  double sum = 0;
-  for (int k = 0; k < n; k++) {
-    sum += x[k] * y[k];
-  }
-  return sum;
-}
-
-/* W J' of the stored rows of group g, padded with zeros: dofs of both sides x rows, row-major. */
-static void weigh_group(const lcp_factored *f, int g, double *out) {
-  const int rows = lcp_factored_stored(f, g), stride = padded(rows);
-  for (int side = 0; side < 2; side++) {
-    const int b = f->body[2 * (ptrdiff_t)g + side], n = dofs(f, b);
-    const double *J = (b >= 0) ? stored_on(f, g, b) : NULL;
-    const double *W = (b >= 0) ? f->weight + f->weight_start[b] : NULL;
-    for (int k = 0; k < n; k++, out += stride) {
-      for (int j = 0; j < stride; j++) {
-        out[j] = (j < rows) ? dot(W + (ptrdiff_t)k * n, J + (ptrdiff_t)j * n, n) : 0;
-      }
-    }
-  }
-}
-
-/* entry += J_i wj for LANES columns of wj. */
-static inline void add_entries(const double *ji, const double *wj, int n, int stride,
-                               double entry[LANES]) {
-  for (int k = 0; k < n; k++, wj += stride) {
-    for (int j = 0; j < LANES; j++) {
-      entry[j] += ji[k] * wj[j];
-    }
-  }
-}
-
-/* entry += S of column i, where it lies in the rows from `first` on. */
-static void add_shift(const lcp_csc *S, int i, int first, double entry[LANES]) {
-  for (int k = S->colptr[i]; k < S->colptr[i + 1]; k++) {
-    const int j = S->rowind[k] - first;
-    if (j >= 0 && j < LANES) {
-      entry[j] += S->val[k];
-    }
-  }
-}
-
-/* Entries of stored row k with LANES stored columns of the group, whose W J' begins at wj and has this stride. */
-BASE_INLINE void stored_entries(const double *const jac[2], const int dof[2], int k,
-                                const double *wj, int stride, double entry[LANES]) {
-  double sum[LANES] = {0};
-  for (int side = 0; side < 2; side++, wj += (ptrdiff_t)dof[0] * stride) {
-    const int n = dof[side];
-    if (jac[side] != NULL && n == 6) {
-      add_entries(jac[side] + (ptrdiff_t)k * 6, wj, 6, stride, sum);
-    } else if (jac[side] != NULL) {
-      add_entries(jac[side] + (ptrdiff_t)k * n, wj, n, stride, sum);
-    }
-  }
-  for (int j = 0; j < LANES; j++) {
-    entry[j] = sum[j];
-  }
-}
-
-/* The same of row i, mixed of those of `part`. */
-BASE_INLINE void mixed_entries(const lcp_mixture *m, int i, double part[][LANES],
-                               double entry[LANES]) {
-  double sum[LANES] = {0};
-  for (int k = 0; k < m->stored; k++) {
-    const double c = m->c[i * m->stored + k];
-    for (int j = 0; j < LANES; j++) {
-      sum[j] += c * part[k][j];
-    }
-  }
-  for (int j = 0; j < LANES; j++) {
-    entry[j] = sum[j];
-  }
-}
-
-enum { MIXED_PADDED = (LCP_MIXED_ROWS + LANES - 1) / LANES * LANES };
-
-/* How the rows of a group are mixed, one stored row after the other, padded with zeros. */
-typedef struct mixed_rows {
-  int rows, stored; /* rows 0: they are not */
-  double c[LCP_STORED_MAX][MIXED_PADDED];
-} mixed_rows;
-
-static void turn_mixture(const lcp_mixture *m, mixed_rows *to) {
-  to->rows = (m != NULL) ? m->rows : 0;
-  to->stored = (m != NULL) ? m->stored : 0;
-  for (int l = 0; l < to->stored; l++) {
-    for (int j = 0; j < padded(to->rows); j++) {
-      to->c[l][j] = (j < to->rows) ? m->c[j * to->stored + l] : 0;
-    }
-  }
-}
-
-/* size_j += |M_ji| x of row i over the rows j of a group that are mixed, of the entries of those stored. S: of that group, or NULL. */
-BASE_INLINE void add_mixed(const mixed_rows *m, const double entry[LANES], const lcp_csc *S, int i,
-                           int first, double x, double *restrict size) {
-  double all[MIXED_PADDED];
-  for (int from = 0; from < m->rows; from += LANES) {
-    double sum[LANES] = {0};
-    for (int l = 0; l < m->stored; l++) {
-      for (int j = 0; j < LANES; j++) {
-        sum[j] += m->c[l][from + j] * entry[l];
-      }
-    }
-    for (int j = 0; j < LANES; j++) {
-      all[from + j] = sum[j];
-    }
-  }
-  for (int k = (S != NULL) ? S->colptr[i] : 0; S != NULL && k < S->colptr[i + 1]; k++) {
-    const int j = S->rowind[k] - first;
-    if (j >= 0 && j < m->rows) {
-      all[j] += S->val[k];
-    }
-  }
-  for (int from = 0; from < m->rows; from += LANES) {
-    for (int j = from; j < from + LANES; j++) {
-      size[j] += fabs(all[j]) * x;
-    }
-  }
-}
-
-_Static_assert((int)LCP_STORED_MAX <= (int)LANES,
-               "stored rows of a group that is mixed lie side by side");
-
-/* size_j += |M_ji| x_i over the rows j of group g and the rows i of a neighbour, J W J' being symmetric; S is added inside a
- * group, where all of it is. Rows that are not mixed, */
-static void add_sizes(const lcp_wide_columns *c, int g, const lcp_wide_neighbour *near,
-                      const double *weighed, double *restrict size) {
-  const lcp_factored *f = c->M->factored;
-  const int first = f->row_start[g], stride = padded(f->row_start[g + 1] - first);
-  const int n[2] = {lcp_factored_dof(f, g, 0), lcp_factored_dof(f, g, 1)};
-  const bool own = f->shift != NULL && near->first == first;
-  for (int i = 0; i < near->rows; i++) {
-    for (int from = 0; from < stride && c->x[near->first + i] != 0; from += LANES) {
-      double entry[LANES] = {0};
-      const double *wj = weighed + from;
-      for (int side = 0; side < 2; side++, wj += (ptrdiff_t)n[0] * stride) {
-        if (near->jac[side] != NULL) {
-          add_entries(near->jac[side] + (ptrdiff_t)i * n[side], wj, n[side], stride, entry);
-        }
-      }
-      if (own) {
-        add_shift(f->shift, near->first + i, first + from, entry);
-      }
-      for (int j = 0; j < LANES; j++) {
-        size[from + j] += fabs(entry[j]) * c->x[near->first + i];
-      }
-    }
-  }
-}
-
-/* and those of which a side is. */
-BASE_CLONES static void add_mixed_sizes(const lcp_wide_columns *c, int g,
-                                        const lcp_wide_neighbour *near, const double *weighed,
-                                        const mixed_rows *own, double *restrict size) {
-  const lcp_factored *f = c->M->factored;
-  const int first = f->row_start[g], stride = padded(lcp_factored_stored(f, g));
-  const lcp_csc *S = (near->first == first) ? f->shift : NULL;
-  double part[LCP_STORED_MAX][LANES], entry[LANES];
-  const int n[2] = {lcp_factored_dof(f, g, 0), lcp_factored_dof(f, g, 1)};
-  const lcp_mixture *m = lcp_mixture_of(f, near->group);
-  for (int from = 0; from < stride; from += LANES) {
-    for (int k = 0; m != NULL && k < m->stored; k++) {
-      stored_entries(near->jac, n, k, weighed + from, stride, part[k]);
-    }
-    for (int i = 0; i < near->rows; i++) {
-      const double x = c->x[near->first + i];
-      if (x == 0) {
-        continue;
-      }
-      if (m != NULL) {
-        mixed_entries(m, i, part, entry);
-      } else {
-        stored_entries(near->jac, n, i, weighed + from, stride, entry);
-      }
-      if (own->rows > 0) {
-        add_mixed(own, entry, S, near->first + i, first, x, size);
-        continue;
-      }
-      if (S != NULL) {
-        add_shift(S, near->first + i, first + from, entry);
-      }
-      for (int j = 0; j < LANES; j++) {
-        size[from + j] += fabs(entry[j]) * x;
-      }
-    }
-  }
-}
-
-/* x into c->x; false where double has no room for sums with it, or S couples rows of several groups. */
-static bool fits(lcp_wide_columns *c, const long double *x) {
-  const lcp_csc *S = c->M->factored->shift;
-  for (int j = 0; j < c->M->n; j++) {
-    c->x[j] = (double)x[j];
-    if (!(x[j] == 0 || (x[j] > 1e-200L && x[j] < 1e200L))) {
-      return false;
-    }
-    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
-      if (c->group_of[S->rowind[k]] != c->group_of[j]) {
-        return false;
-      }
-    }
-  }
-  return true;
-}
-
-/* Groups from .. end-1. */
-BASE_CLONES static void sizes_by_groups(const lcp_wide_columns *c, const lcp_wide_scratch *own,
-                                        int from, int end, long double *size) {
-  const lcp_factored *f = c->M->factored;
-  for (int g = from; g < end; g++) {
-    const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
-    const int count = neighbours(c, g, own->near);
-    mixed_rows mixed;
-    turn_mixture(lcp_mixture_of(f, g), &mixed);
-    weigh_group(f, g, own->weighed);
-    memset(own->entry, 0, (size_t)padded(rows) * sizeof *own->entry);
-    for (int k = 0; k < count; k++) {
-      if (f->mixture == NULL) {
-        add_sizes(c, g, &own->near[k], own->weighed, own->entry);
-      } else {
-        add_mixed_sizes(c, g, &own->near[k], own->weighed, &mixed, own->entry);
-      }
-    }
-    for (int j = 0; j < rows; j++) {
-      size[first + j] += own->entry[j];
-    }
-  }
-}
-
-typedef struct sums {
-  lcp_wide_columns *c;
-  long double *size;
-  double *d;
-} sums;
-
-static void share_sizes(void *of, int part, int hand) {
-  const sums *s = of;
-  const int from = part * SHARE, n = s->c->M->factored->n_group;
-  sizes_by_groups(s->c, &s->c->of[hand], from, (from + SHARE < n) ? from + SHARE : n, s->size);
-}
-
-static int shares(const lcp_factored *f) {
-  return (f->n_group + SHARE - 1) / SHARE;
-}
-
-void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size) {
-  if (fits(c, x)) {
-    sums s = {.c = c, .size = size};
-    base_share(shares(c->M->factored), share_sizes, &s);
-    return;
-  }
-  for (int j = 0; j < c->M->n; j++) {
-    const lcp_wide_column col = lcp_wide_columns_at(c, j);
-    for (int k = 0; k < col.count; k++) {
-      size[col.row[k]] += fabsl(col.val[k]) * x[j];
-    }
-  }
-}
-
-/* Of the rows of some groups. */
-static void share_diagonal(void *of, int part, int hand) {
-  const lcp_wide_columns *c = ((const sums *)of)->c;
-  double *d = ((const sums *)of)->d;
-  const lcp_factored *f = c->M->factored;
-  const lcp_csc *S = f->shift;
-  const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
-  (void)hand;
-  for (int j = f->row_start[from]; j < f->row_start[end]; j++) {
-    long double sum = 0;
-    for (int side = 0; side < 2; side++) {
-      const int b = f->body[2 * c->group_of[j] + side];
-      double room[LCP_MIXED_MAX];
-      const double *jj = (b >= 0) ? moved_by(c, j, b, room) : NULL;
-      const int n = (jj != NULL) ? dofs(f, b) : 0;
-      for (int k = 0; k < n * n; k++) {
-        sum += (long double)jj[k / n] * f->weight[f->weight_start[b] + k] * jj[k % n];
-      }
-    }
-    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
-      sum += (S->rowind[k] == j) ? S->val[k] : 0;
-    }
-    d[j] = (double)sum;
-  }
-}
-
-void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
-  sums s = {.c = c};
-  s.d = d;
-  base_share(shares(c->M->factored), share_diagonal, &s);
 }

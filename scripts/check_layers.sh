@@ -19,9 +19,9 @@ deny 'tests/|problems/|formulations/|lcp/solvers/|harness/(util|plan|cell|campai
 # rounding of a factored M to entries and the geometry of its cone.
 judges() { # pattern of the includes that they may have
   grep -n '#include "' lcp/lcp_judge.c lcp/lcp_judge.h lcp/lcp_verify.c lcp/lcp_certificate.h \
-    lcp/lcp_wide_column.c lcp/lcp_wide_column.h | grep -vE "$1"
+    lcp/lcp_wide_column.c lcp/lcp_wide_column.h lcp/lcp_wide_inside.h lcp/lcp_wide_sums.c | grep -vE "$1"
 }
-theirs='judge|certificate|wide_column'
+theirs='judge|certificate|wide_column|wide_inside'
 if judges "\"lcp/(base/[a-z]+|lcp_($theirs|problem|outcome|cone))\.h\""; then bad=1; fi
 deny "lcp/lcp_($theirs)" lcp/solvers lcp/linear lcp/lcp_rho.c lcp/lcp_rho.h lcp/lcp_stop.c \
   lcp/lcp_farkas.c lcp/lcp_solver.h

@@ -126,6 +126,9 @@ static const struct {
           " \"mass\": 2, \"pos\": [0, 0]}]}",
      "JSON"},
     {HEAD "\"bodies\": [" BALL ", " BALL "]}", "'a' is used twice"},
+    {HEAD "\"bodies\": [{\"name\": \"*\", \"shape\": {\"type\": \"disc\", \"r\": 1},"
+          " \"mass\": 2, \"pos\": [0, 0]}]}",
+     "that is not '*'"},
     {HEAD BODIES ", \"loads\": [{\"body\": \"z\", \"type\": \"constant_force\"}]}",
      "no body named 'z'"},
     {HEAD BODIES ", \"friction\": {\"pairs\": [[\"a\", \"q\", 1]]}}", "'q'"},
