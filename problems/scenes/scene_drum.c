@@ -98,7 +98,8 @@ static base_status add_blocks(const drum *p, double omega, scene_spec *s, base_e
   for (int i = 0, n = 0; i < FACES; i++) {
     for (int at = 0; at < p->columns * p->layers; at++) {
       const double along = (at % p->columns - 0.5 * (p->columns - 1)) * l.cell;
-      const double depth = p->radius - (2 * (at / p->columns) + 1) * l.half_height;
+      const int layer = at / p->columns;
+      const double depth = p->radius - (2 * layer + 1) * l.half_height;
       char name[SPEC_NAME];
       double pos[3], spin[3];
       spec_body *b;

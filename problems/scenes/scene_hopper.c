@@ -68,25 +68,25 @@ static base_status add_walls(const hopper *p, scene_spec *s, double *rise, base_
   return BASE_OK;
 }
 
-static base_status add_spheres(const hopper *p, scene_spec *s, base_error *err) {
-  double edge[3][3];
-  const double d = 2.0 * p->radius;
-  int n = 0;
-  (void)edges_of(p->dim, edge);
-  for (int k = p->outlet; k < p->outlet + p->layers; k++) {
-    for (int i = 0; i <= k; i++) {
-      for (int j = 0; j <= ((p->dim == 2) ? 0 : k - i); j++) {
-        const int steps[3] = {i, (p->dim == 2) ? k - i : j, (p->dim == 2) ? 0 : k - i - j};
-        double pos[3] = {0.0, 0.0, 0.0};
-        char name[SPEC_NAME];
-        for (int e = 0; e < p->dim; e++) {
-          for (int c = 0; c < 3; c++) {
-            pos[c] += d * steps[e] * edge[e][c];
-          }
-        }
-        kit_name(name, "s", n++);
-        BASE_TRY(kit_ball(s, name, p->mass, p->radius, pos, NULL, err));
-      }
+/* So many steps of a diameter along each edge from the tip. */
+static base_status add_sphere(const hopper *p, const int *steps, scene_spec *s, base_error *err) {
+  double edge[3][3], pos[3] = {0.0, 0.0, 0.0};
+  char name[SPEC_NAME];
+  const int n = edges_of(p->dim, edge);
+  for (int e = 0; e < n; e++) {
+    for (int c = 0; c < 3; c++) {
+      pos[c] += 2.0 * p->radius * steps[e] * edge[e][c];
+    }
+  }
+  kit_name(name, "s", s->n_body);
+  return kit_ball(s, name, p->mass, p->radius, pos, NULL, err);
+}
+
+/* Layer k: all ways to go up k steps. */
+static base_status add_layer(const hopper *p, int k, scene_spec *s, base_error *err) {
+  for (int i = 0; i <= k; i++) {
+    for (int j = (p->dim == 2) ? k - i : 0; j <= k - i; j++) {
+      BASE_TRY(add_sphere(p, (const int[]){i, j, k - i - j}, s, err));
     }
   }
   return BASE_OK;
@@ -120,7 +120,9 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
     return BASE_FAIL(err, BASE_EINVAL, "layers = %d: %g spheres, need at most 2e6", p->layers, n);
   }
   kit_world(s, p->dim, p->gravity, p->duration, 0.005);
-  BASE_TRY(add_spheres(p, s, err));
+  for (int k = p->outlet; k < p->outlet + p->layers; k++) {
+    BASE_TRY(add_layer(p, k, s, err));
+  }
   BASE_TRY(add_walls(p, s, &rise, err));
   s->friction.dflt = p->mu;
   s->effects = EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION;
