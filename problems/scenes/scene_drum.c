@@ -3,6 +3,7 @@
 #include "problems/vec.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { FACES = 8 };
 
@@ -92,24 +93,24 @@ static base_status add_drum(const drum *p, double omega, double wide, scene_spec
 
 static base_status add_blocks(const drum *p, double omega, scene_spec *s, base_error *err) {
   const lattice l = lattice_of(p);
-  double half[3], axis[3];
+  double half[3], axis[3], spin[3];
   half_of(s, l.half, l.half_height, l.half, half);
   axis_of(s, axis);
+  for (int k = 0; k < 3; k++) {
+    spin[k] = omega * axis[k];
+  }
   for (int i = 0, n = 0; i < FACES; i++) {
     for (int at = 0; at < p->columns * p->layers; at++) {
       const double along = (at % p->columns - 0.5 * (p->columns - 1)) * l.cell;
       const int layer = at / p->columns;
       const double depth = p->radius - (2 * layer + 1) * l.half_height;
       char name[SPEC_NAME];
-      double pos[3], spin[3];
+      double pos[3];
       spec_body *b;
       place(s, i, along, depth, pos);
       kit_name(name, "b", n++);
       BASE_TRY(kit_box(s, name, p->mass, half, pos, &b, err));
-      for (int k = 0; k < 3; k++) {
-        spin[k] = omega * axis[k];
-        b->omega[k] = spin[k];
-      }
+      memcpy(b->omega, spin, sizeof spin);
       v3_cross(spin, pos, b->vel);
       if (s->dim == 2) {
         b->angle = i * 2.0 * KIT_PI / FACES;
@@ -164,7 +165,8 @@ static base_status build(const void *param, scene_spec *s, base_error *err) {
 }
 
 KIT_SCENE(drum, "blocks in a turning drum", "mellmann2001",
-          "A barrel of eight sides turns with blocks on all of them. They ride round with it, one "
-          "turn like the other, for omega^2 R/g of at least sqrt(1 + 1/mu^2) and slip, fall and "
-          "tumble below: centrifuging and cascading, from 8 blocks to thousands.",
+          "A barrel of eight sides turns with blocks on all of them. They ride round with it "
+          "where omega^2 r/g is at least sqrt(1 + 1/mu^2) for the innermost, in the middle of a "
+          "face and too low to tip, and slip, fall and tumble below: centrifuging and cascading, "
+          "from 8 blocks to thousands.",
           .situation = SITUATION_SLIDING);
