@@ -399,7 +399,8 @@ void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const u
   }
 }
 
-void lcp_rho_factored_neighbours(lcp_rho_factored *s, const lcp_factored *f, unsigned char *rows) {
+void lcp_rho_factored_neighbours(const lcp_rho_factored *s, const lcp_factored *f,
+                                 unsigned char *rows) {
   enum { ASKED = 1, BESIDE = 2 };
   for (int b = 0; b < f->n_body; b++) {
     bool asked = false;

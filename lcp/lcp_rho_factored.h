@@ -29,4 +29,5 @@ void lcp_rho_factored_product(lcp_rho_factored *s, const lcp_problem *p, const u
                               const unsigned char *whole, const double *x, double *size);
 
 /* Adds to `rows` (n) those of all groups that share a body with a group that has one there. After a product. */
-void lcp_rho_factored_neighbours(lcp_rho_factored *s, const lcp_factored *f, unsigned char *rows);
+void lcp_rho_factored_neighbours(const lcp_rho_factored *s, const lcp_factored *f,
+                                 unsigned char *rows);

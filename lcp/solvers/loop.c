@@ -57,14 +57,14 @@ static void refer_again(lcp_loop *s, const lcp_problem *p) {
   }
 }
 
-/* rho with the scales that entries of J W J' + S give, those between groups only of rows in `whole`, NULL for all:
- * a bound from above, or rho. tau0 is left in s->seen. */
-static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z,
-                             const unsigned char *whole) {
+/* rho with the scales that entries of J W J' + S give, those between groups only of rows in s->factored.whole: a
+ * bound from above, or rho. tau0 is left in s->seen. */
+static double rho_of_entries(lcp_loop *s, const lcp_problem *p, const double *z) {
   lcp_stop_state *t = &s->stop;
-  lcp_rho_factored_product(&s->factored, p, NULL, whole, z, s->seen);
+  lcp_rho_factored *f = &s->factored;
+  lcp_rho_factored_product(f, p, NULL, f->whole, z, s->seen);
   lcp_rho_references(p, t->d, s->seen, t->zref);
-  lcp_rho_factored_product(&s->factored, p, NULL, whole, t->zref, t->tau);
+  lcp_rho_factored_product(f, p, NULL, f->whole, t->zref, t->tau);
   return lcp_rho(p, t->d, z, t->w, t->zref, t->tau);
 }
 
@@ -95,7 +95,7 @@ static double rho_by_need(lcp_loop *s, double tol, const lcp_problem *p, const d
   lcp_stop_state *t = &s->stop;
   lcp_rho_factored *f = &s->factored;
   memset(f->whole, 0, (size_t)p->M.n);
-  double rho = rho_of_entries(s, p, z, f->whole);
+  double rho = rho_of_entries(s, p, z);
   res->work.matvecs += 2;
   for (int more = 0; more < 2 && !(rho <= tol); more++) {
     lcp_rho_above_tol(p, tol, t->d, z, t->w, t->zref, t->tau, f->again);
