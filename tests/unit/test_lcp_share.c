@@ -488,6 +488,7 @@ static void the_rank_is_counted_once(void **state) {
   check_ok(lcp_share_apply(s, &k.p, first, z, &r, &err), &err);
   assert_int_equal(r.deficit, PLANTED);
   assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_memory_equal(z, first, sizeof z);
   memcpy(z, solver, sizeof z);
   check_ok(lcp_share_apply(s, &k.p, NULL, z, &r, &err), &err); /* no step before */
   assert_int_equal(r.deficit, 6);
