@@ -133,6 +133,14 @@ static void add_force(const contact_set *c, const double *impulse, int i, double
   }
 }
 
+/* A contact of bodies a and b is one of the pair's. */
+static bool covers(const series_pair *p, const char *a, const char *b) {
+  if (strcmp(p->b, SPEC_ANY) == 0) {
+    return strcmp(a, p->a) == 0 || strcmp(b, p->a) == 0;
+  }
+  return same_pair(a, b, p->a, p->b);
+}
+
 static void record_pair(series *s, const world *w, const contact_set *c, const double *impulse,
                         const series_pair *p) {
   double normal = 0.0;
@@ -141,8 +149,7 @@ static void record_pair(series *s, const world *w, const contact_set *c, const d
     const char *a;
     const char *b;
     world_contact_pair(w, c->id[i], &a, &b);
-    const bool any = strcmp(p->b, SPEC_ANY) == 0 && (strcmp(a, p->a) == 0 || strcmp(b, p->a) == 0);
-    if (any || same_pair(a, b, p->a, p->b)) {
+    if (covers(p, a, b)) {
       add_force(c, impulse, i, &normal, tangent);
     }
   }
