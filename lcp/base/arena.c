@@ -5,7 +5,7 @@
 #include <string.h>
 #include <sys/mman.h>
 
-enum { HUGE_PAGE = 1 << 21, LARGE = 4 * HUGE_PAGE }; /* [bytes] */
+enum { HUGE_PAGE = 1 << 21, LARGE = 16 * HUGE_PAGE }; /* [bytes] */
 
 base_arena base_arena_measuring(void) {
   return (base_arena){.cap = SIZE_MAX};
