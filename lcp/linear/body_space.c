@@ -30,6 +30,7 @@ static void layout(lin_body_space *s, base_arena *a) {
   s->joined = BASE_ARRAY(a, unsigned char, s->cap_group);
   s->row = BASE_ARRAY(a, int, s->cap_n);
   s->v = BASE_ARRAY(a, double, s->cap_dof);
+  s->seen = BASE_ARRAY(a, int, s->cap_body + 1);
 }
 
 static void layout_matrices(lin_body_space *s, base_arena *a) {
@@ -84,15 +85,69 @@ base_status lin_body_space_admits(const lcp_factored *f, base_error *err) {
   return BASE_OK;
 }
 
+/* The last of `dof` velocities that n rows see, and one more. */
+static int last_seen(const double *A, int n, int dof) {
+  int last = 0;
+  for (int r = 0; r < n; r++) {
+    for (int i = dof; i > last; i--) {
+      last = (A[r * dof + i - 1] != 0.0) ? i : last;
+    }
+  }
+  return last;
+}
+
+/* How many velocities the rows of group g in the system see of one side. */
+static int seen_by_group(const lin_body_space *s, int g, const lin_side *a) {
+  const lcp_mixture *mix = lin_body_space_mixture(s, g);
+  const int *row;
+  const int n = lin_body_space_rows(s, g, &row);
+  const int only = (mix != NULL) ? lin_body_space_only(s, g, mix, n) : -1;
+  if (mix != NULL) {
+    return last_seen(a->jac + (ptrdiff_t)((only > 0) ? only : 0) * a->dof,
+                     (only >= 0) ? 1 : mix->stored, a->dof);
+  }
+  int last = 0;
+  for (int k = 0; k < n && last < a->dof; k++) {
+    const int own =
+        last_seen(a->jac + (ptrdiff_t)(row[k] - s->f->row_start[g]) * a->dof, 1, a->dof);
+    last = (own > last) ? own : last;
+  }
+  return last;
+}
+
+/* Of a body that nothing meets one velocity stays, for a block has a row. */
+static void find_seen(lin_body_space *s) {
+  const lcp_factored *f = s->f;
+  int *count = s->seen + 1;
+  for (int b = 0; b < f->n_body; b++) {
+    count[b] = f->dof_start[b + 1] > f->dof_start[b];
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    for (int k = 0; k < 2 && s->joined[g]; k++) {
+      const lin_side a = lin_body_space_side(s, g, k);
+      if (a.dof > 0 && count[a.body] < a.dof) {
+        const int seen = seen_by_group(s, g, &a);
+        count[a.body] = (seen > count[a.body]) ? seen : count[a.body];
+      }
+    }
+  }
+  s->seen[0] = 0;
+  for (int b = 0; b < f->n_body; b++) {
+    s->seen[b + 1] += s->seen[b];
+  }
+}
+
 base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const double *G,
                                  bool stored, const double *scale, const unsigned char *member,
                                  base_error *err) {
   const int n = f->row_start[f->n_group], dof = f->dof_start[f->n_body];
   assert(lin_body_space_admits(f, NULL) == BASE_OK);
-  if (s->mem == NULL || f->n_group > s->cap_group || n > s->cap_n || dof > s->cap_dof) {
+  if (s->mem == NULL || f->n_group > s->cap_group || n > s->cap_n || dof > s->cap_dof ||
+      f->n_body > s->cap_body) {
     s->cap_group = (f->n_group > s->cap_group) ? base_room(f->n_group) : s->cap_group;
     s->cap_n = (n > s->cap_n) ? base_room(n) : s->cap_n;
     s->cap_dof = (dof > s->cap_dof) ? base_room(dof) : s->cap_dof;
+    s->cap_body = (f->n_body > s->cap_body) ? base_room(f->n_body) : s->cap_body;
     BASE_TRY(memory(&s->mem, s, layout, err));
   }
   s->f = f;
@@ -115,6 +170,7 @@ base_status lin_body_space_begin(lin_body_space *s, const lcp_factored *f, const
   }
   s->first[f->n_group] = count;
   s->at[f->n_group] = at;
+  find_seen(s);
   if (s->matrix_mem == NULL || at > s->cap_matrices) {
     s->cap_matrices = base_room_of(at);
     BASE_TRY(memory(&s->matrix_mem, s, layout_matrices, err));
@@ -291,7 +347,7 @@ static void meet(lin_body_space *s, int g, meeting *m) {
   end_meeting(s, m);
   m->body = body;
   for (int k = 0; k < 2; k++) {
-    m->dof[k] = (body[k] >= 0) ? s->f->dof_start[body[k] + 1] - s->f->dof_start[body[k]] : 0;
+    m->dof[k] = lin_body_space_seen(s, body[k]);
   }
   for (int k = 0; k < 2; k++) {
     for (int l = 0; l < 2; l++) {
@@ -300,14 +356,22 @@ static void meet(lin_body_space *s, int g, meeting *m) {
   }
 }
 
+const double *lin_body_space_copy(const lin_side *a, int first, int n, int seen, double *room) {
+  for (int m = 0; m < n; m++) {
+    memcpy(room + (ptrdiff_t)m * seen, a->jac + (ptrdiff_t)(first + m) * a->dof,
+           (size_t)seen * sizeof *room);
+  }
+  return room;
+}
+
 const double *lin_body_space_gather(const lin_body_space *s, int g, const lin_side *a,
                                     double *room) {
   const int *row;
-  const int n = lin_body_space_rows(s, g, &row);
+  const int n = lin_body_space_rows(s, g, &row), seen = lin_body_space_seen(s, a->body);
   for (int m = 0; m < n; m++) {
     const double *G = a->jac + (ptrdiff_t)(row[m] - s->f->row_start[g]) * a->dof;
-    for (int i = 0; i < a->dof; i++) {
-      room[m * a->dof + i] = ((s->scale != NULL) ? s->scale[row[m]] : 1) * G[i];
+    for (int i = 0; i < seen; i++) {
+      room[m * seen + i] = ((s->scale != NULL) ? s->scale[row[m]] : 1) * G[i];
     }
   }
   return room;
@@ -353,9 +417,9 @@ BASE_INLINE void add_group(lin_body_space *s, int g, meeting *m) {
   }
   for (int k = 0; k < 2; k++) {
     const lin_side side = lin_body_space_side(s, g, k);
-    const double *own = side.jac + ((only > 0) ? (ptrdiff_t)only * side.dof : 0);
+    const int from = (only > 0) ? only : 0;
     A[k] = (m->dof[k] == 0) ? NULL
-           : (mix != NULL)  ? own
+           : (mix != NULL)  ? lin_body_space_rows_of(&side, from, n, m->dof[k], room[k])
                             : lin_body_space_part(s, g, n, &side, room[k]);
   }
   for (int k = 0; k < 2; k++) {
@@ -400,10 +464,9 @@ static size_t find_pairs(lin_body_space *s) {
 }
 
 static void add_one(lin_body_space *s) {
-  const lcp_factored *f = s->f;
-  for (int b = 0; b < f->n_body; b++) {
+  for (int b = 0; b < s->f->n_body; b++) {
     double one[LIN_BLOCK_MAX * LIN_BLOCK_MAX] = {0};
-    const int n = f->dof_start[b + 1] - f->dof_start[b];
+    const int n = lin_body_space_seen(s, b);
     for (int k = 0; k < n; k++) {
       one[k + k * n] = 1;
     }
@@ -424,7 +487,7 @@ base_status lin_body_space_factor(lin_body_space *s, bool symmetric, bool *regul
       mirror(n, s->Y + s->at[g]);
     }
   }
-  BASE_TRY(lin_blocks_plan(&s->blocks, f->n_body, f->dof_start, s->pair, find_pairs(s), err));
+  BASE_TRY(lin_blocks_plan(&s->blocks, f->n_body, s->seen, s->pair, find_pairs(s), err));
   lin_blocks_clear(&s->blocks, symmetric);
   add_one(s);
   add_groups(s);

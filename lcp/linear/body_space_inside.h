@@ -27,16 +27,32 @@ static inline int lin_body_space_only(const lin_body_space *s, int g, const lcp_
   return only ? which : -1;
 }
 
+/* How many velocities of a body the system has; 0: it is fixed. */
+BASE_INLINE int lin_body_space_seen(const lin_body_space *s, int body) {
+  return (body >= 0) ? s->seen[body + 1] - s->seen[body] : 0;
+}
+
+/* Rows first .. first+n-1 of one side, over the velocities that are seen; copied to `room` only where these are fewer. */
+const double *lin_body_space_copy(const lin_side *a, int first, int n, int seen, double *room);
+
+BASE_INLINE const double *lin_body_space_rows_of(const lin_side *a, int first, int n, int seen,
+                                                 double *room) {
+  return (seen < a->dof) ? lin_body_space_copy(a, first, n, seen, room)
+                         : a->jac + (ptrdiff_t)first * a->dof;
+}
+
 /* A copy of what lin_body_space_part gives. */
 const double *lin_body_space_gather(const lin_body_space *s, int g, const lin_side *a,
                                     double *room);
 
-/* s G of the n > 0 rows of group g, none of them mixed, in the system, of one side; copied to `room` only where these have gaps or a scale. */
+/* s G of the n > 0 rows of group g, none of them mixed, in the system, of one side, over the velocities that are seen; copied to `room`
+ * only where these are fewer or the rows have gaps or a scale. */
 BASE_INLINE const double *lin_body_space_part(const lin_body_space *s, int g, int n,
                                               const lin_side *a, double *room) {
   const int *row = s->row + s->first[g];
   if (s->scale != NULL || row[n - 1] - row[0] + 1 != n) {
     return lin_body_space_gather(s, g, a, room);
   }
-  return a->jac + (ptrdiff_t)(row[0] - s->f->row_start[g]) * a->dof;
+  return lin_body_space_rows_of(a, row[0] - s->f->row_start[g], n, lin_body_space_seen(s, a->body),
+                                room);
 }

@@ -39,44 +39,56 @@ BASE_INLINE void block_times(int n, const double *B, const double *x, double *re
   }
 }
 
-/* v += A' x of one side of a group, and y += A v. */
-BASE_INLINE void push_side(lin_body_space *s, const lin_side *a, int n, const double *A,
-                           const double *x) {
-  double *to = s->v + ((a->dof > 0) ? s->f->dof_start[a->body] : 0);
-  if (a->dof == 6) {
+/* v += A' x of one body, and y += A v; A of n rows over what is seen of it. */
+BASE_INLINE void push_side(lin_body_space *s, int body, int n, const double *A, const double *x) {
+  const int dof = lin_body_space_seen(s, body);
+  double *to = s->v + ((dof > 0) ? s->seen[body] : 0);
+  if (dof == 6) {
     push(n, 6, A, x, to);
-  } else if (a->dof > 0) {
-    push(n, a->dof, A, x, to);
+  } else if (dof == 3) {
+    push(n, 3, A, x, to);
+  } else if (dof > 0) {
+    push(n, dof, A, x, to);
   }
 }
 
-BASE_INLINE void pull_side(const lin_body_space *s, const lin_side *a, int n, const double *A,
-                           double *y) {
-  const double *from = s->v + ((a->dof > 0) ? s->f->dof_start[a->body] : 0);
-  if (a->dof == 6) {
+BASE_INLINE void pull_side(const lin_body_space *s, int body, int n, const double *A, double *y) {
+  const int dof = lin_body_space_seen(s, body);
+  const double *from = s->v + ((dof > 0) ? s->seen[body] : 0);
+  if (dof == 6) {
     pull(n, 6, A, from, y);
-  } else if (a->dof > 0) {
-    pull(n, a->dof, A, from, y);
+  } else if (dof == 3) {
+    pull(n, 3, A, from, y);
+  } else if (dof > 0) {
+    pull(n, dof, A, from, y);
   }
+}
+
+/* Of the rows that a mixed group has stored: `only` that one, or all. */
+BASE_INLINE const double *stored_rows(const lin_body_space *s, const lin_side *a, int only, int n,
+                                      double *room) {
+  return lin_body_space_rows_of(a, (only >= 0) ? only : 0, (only >= 0) ? 1 : n,
+                                lin_body_space_seen(s, a->body), room);
 }
 
 /* Rows of group g that are mixed: `only` the stored one of them that is the one in the system, or the sum of all stored. */
 BASE_INLINE void push_mixed(lin_body_space *s, int g, const lcp_mixture *m, int n,
                             const double *x) {
   const int only = lin_body_space_only(s, g, m, n), *row = s->row + s->first[g];
-  double stored[LCP_STORED_MAX] = {0};
+  double stored[LCP_STORED_MAX] = {0}, room[LCP_MIXED_MAX];
   for (int i = 0; only < 0 && i < n; i++) {
     lcp_mixture_add(m->c + (ptrdiff_t)(row[i] - s->f->row_start[g]) * m->stored, m->stored, x[i],
                     stored);
   }
   for (int k = 0; k < 2; k++) {
     const lin_side a = lin_stored_side(s->f, s->G, g, k);
+    const double *A = stored_rows(s, &a, only, m->stored, room);
     if (only >= 0) {
-      push_side(s, &a, 1, a.jac + (ptrdiff_t)only * a.dof, x);
+      push_side(s, a.body, 1, A, x);
     } else if (m->stored == 3) {
-      push_side(s, &a, 3, a.jac, stored);
+      push_side(s, a.body, 3, A, stored);
     } else {
-      push_side(s, &a, m->stored, a.jac, stored);
+      push_side(s, a.body, m->stored, A, stored);
     }
   }
 }
@@ -84,15 +96,16 @@ BASE_INLINE void push_mixed(lin_body_space *s, int g, const lcp_mixture *m, int 
 BASE_INLINE void pull_mixed(const lin_body_space *s, int g, const lcp_mixture *m, int n,
                             double *y) {
   const int only = lin_body_space_only(s, g, m, n), *row = s->row + s->first[g];
-  double stored[LCP_STORED_MAX] = {0};
+  double stored[LCP_STORED_MAX] = {0}, room[LCP_MIXED_MAX];
   for (int k = 0; k < 2; k++) {
     const lin_side a = lin_stored_side(s->f, s->G, g, k);
+    const double *A = stored_rows(s, &a, only, m->stored, room);
     if (only >= 0) {
-      pull_side(s, &a, 1, a.jac + (ptrdiff_t)only * a.dof, y);
+      pull_side(s, a.body, 1, A, y);
     } else if (m->stored == 3) {
-      pull_side(s, &a, 3, a.jac, stored);
+      pull_side(s, a.body, 3, A, stored);
     } else {
-      pull_side(s, &a, m->stored, a.jac, stored);
+      pull_side(s, a.body, m->stored, A, stored);
     }
   }
   for (int i = 0; only < 0 && i < n; i++) {
@@ -112,7 +125,7 @@ BASE_INLINE void push_group(lin_body_space *s, int g, int n, const double *x) {
   for (int k = 0; k < 2; k++) {
     const lin_side a = lin_body_space_side(s, g, k);
     if (a.dof > 0) {
-      push_side(s, &a, n, lin_body_space_part(s, g, n, &a, room), x);
+      push_side(s, a.body, n, lin_body_space_part(s, g, n, &a, room), x);
     }
   }
 }
@@ -130,7 +143,7 @@ BASE_INLINE void pull_group(const lin_body_space *s, int g, int n, double *y) {
   for (int k = 0; k < 2; k++) {
     const lin_side a = lin_body_space_side(s, g, k);
     if (a.dof > 0) {
-      pull_side(s, &a, n, lin_body_space_part(s, g, n, &a, room), y);
+      pull_side(s, a.body, n, lin_body_space_part(s, g, n, &a, room), y);
     }
   }
 }
@@ -162,7 +175,7 @@ BASE_INLINE void come_up(const lin_body_space *s, int g, int n, double *x) {
 
 BASE_CLONES void lin_body_space_solve(lin_body_space *s, const double *r, double *x) {
   const lcp_factored *f = s->f;
-  memset(s->v, 0, (size_t)f->dof_start[f->n_body] * sizeof *s->v);
+  memset(s->v, 0, (size_t)s->seen[f->n_body] * sizeof *s->v);
   memset(x, 0, (size_t)f->row_start[f->n_group] * sizeof *x);
   for (int g = 0; g < f->n_group; g++) {
     const int n = s->first[g + 1] - s->first[g];
