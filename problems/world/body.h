@@ -20,6 +20,7 @@ typedef struct body {
   unsigned char n_dof, axis[6];
   bool driven; /* some axis follows driven_v0 + driven_a t */
   bool spins;  /* the orientation can change: some rotational axis is free or driven */
+  bool round;  /* a ball about the centre of mass: no normal force turns it */
   double driven_v0[6], driven_a[6];
 } body;
 

@@ -57,6 +57,11 @@ static base_status open_tables(world *w, base_error *err) {
   return status;
 }
 
+static bool is_centred_ball(const piece *p) {
+  return p->kind == PIECE_POINT && p->vertex[0] == 0.0 && p->vertex[1] == 0.0 &&
+         p->vertex[2] == 0.0;
+}
+
 static base_status open_pieces(world *w, base_error *err) {
   int n_vertex = 0;
   w->n_piece = 0;
@@ -73,6 +78,7 @@ static base_status open_pieces(world *w, base_error *err) {
     b->first_piece = first;
     b->n_piece = shape_pieces(&w->spec.body[i].shape);
     shape_split(&w->spec.body[i].shape, w->dim, w->piece + first, &vertex);
+    b->round = b->n_piece == 1 && is_centred_ball(&w->piece[first]);
     b->bound = 0.0;
     for (int k = 0; k < b->n_piece; k++) {
       b->bound = fmax(b->bound, piece_bound(&w->piece[first + k]));

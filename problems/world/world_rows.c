@@ -100,6 +100,17 @@ static void write_row(world *w, row_at *r, const double *d, bool angular) {
   r->row++;
 }
 
+/* The arm of a ball lies along the normal: its moment is zero, and not what rounding leaves of it. */
+static void write_normal(world *w, row_at *r, const double *n, const double *at) {
+  for (int k = 0; k < 2; k++) {
+    if (r->body[k] != NULL && r->body[k]->round) {
+      v3_scale(0.0, r->arm[k], r->arm[k]);
+    }
+  }
+  write_row(w, r, n, false);
+  felt_at(r, at, at);
+}
+
 /* Without the spatial effect all motion is in a plane: one tangent, one rolling axis. */
 static bool in_plane(const world *w) {
   return w->dim == 2 || !world_has(w, EFFECT_SPATIAL);
@@ -193,7 +204,7 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
   const int first = s->row_start[i];
   row_at at = rows_of_group(w, i, side, h);
   felt_at(&at, c->x, c->x);
-  write_row(w, &at, frame, false);
+  write_normal(w, &at, frame, c->x);
   for (int k = 0; k < r.tangent; k++) {
     write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, false);
   }
