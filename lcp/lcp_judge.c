@@ -14,33 +14,30 @@
 typedef struct judge {
   const lcp_problem *p;
   const double *z;
-  lcp_wide_columns columns; /* of M, in long double; a factored M is never formed */
-  long double *w, *tau0, *tau,
-      *zref; /* n; tau and zref of tiny entries leave the range of double */
-  double *d; /* n */
+  lcp_wide_columns columns;    /* of M, in long double; a factored M is never formed */
+  long double *w, *tau, *zref; /* n; tau and zref of tiny entries leave the range of double */
+  double *d;                   /* n */
 } judge;
 
 static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
   const size_t n = (size_t)p->M.n + 1;
   *j = (judge){.p = p, .z = z};
   j->w = calloc(n, sizeof *j->w);
-  j->tau0 = calloc(n, sizeof *j->tau0);
   j->tau = calloc(n, sizeof *j->tau);
   j->zref = calloc(n, sizeof *j->zref);
   j->d = calloc(n, sizeof *j->d);
-  return j->w != NULL && j->tau0 != NULL && j->tau != NULL && j->zref != NULL && j->d != NULL;
+  return j->w != NULL && j->tau != NULL && j->zref != NULL && j->d != NULL;
 }
 
 static void judge_close(judge *j) {
   lcp_wide_columns_close(&j->columns);
   free(j->w);
-  free(j->tau0);
   free(j->tau);
   free(j->zref);
   free(j->d);
 }
 
-/* w += M z, tau0 += |M| |z|, the diagonal. */
+/* w += M z, tau += |M| |z|, the diagonal. */
 static void add_products(judge *j) {
   const int n = j->p->M.n;
   if (j->p->M.storage == LCP_FACTORED) {
@@ -48,7 +45,7 @@ static void add_products(judge *j) {
       j->zref[i] = fabs(j->z[i]);
     }
     lcp_wide_factored_product(&j->columns, j->z, j->w);
-    lcp_wide_factored_sizes(&j->columns, j->zref, j->tau0);
+    lcp_wide_factored_sizes(&j->columns, j->zref, j->tau);
     lcp_wide_factored_diagonal(&j->columns, j->d);
     return;
   }
@@ -57,7 +54,7 @@ static void add_products(judge *j) {
     for (int k = 0; k < col.count; k++) {
       const long double term = col.val[k] * j->z[c];
       j->w[col.row[k]] += term;
-      j->tau0[col.row[k]] += fabsl(term);
+      j->tau[col.row[k]] += fabsl(term);
       if (col.row[k] == c) {
         j->d[c] = (double)col.val[k];
       }
@@ -65,10 +62,10 @@ static void add_products(judge *j) {
   }
 }
 
-/* zref of a variable: what moves its own row by tau0, or where that has none of it the first other one; 1 where none has. */
+/* zref of a variable: what moves its own row by |M| |z| + |q|, which is in tau, or where that has none of it the first other one; 1 where none has. */
 static long double reference(judge *j, int c) {
   if (j->d[c] != 0.0) {
-    return j->tau0[c] / fabsl((long double)j->d[c]);
+    return j->tau[c] / fabsl((long double)j->d[c]);
   }
   const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
   long double ref = 0.0L;
@@ -76,23 +73,30 @@ static long double reference(judge *j, int c) {
   for (int k = 0; k < col.count; k++) {
     if (col.val[k] != 0.0L) {
       empty = false;
-      ref = fmaxl(ref, j->tau0[col.row[k]] / fabsl(col.val[k]));
+      ref = fmaxl(ref, j->tau[col.row[k]] / fabsl(col.val[k]));
     }
   }
   return empty ? 1.0L : ref;
 }
 
-/* w = M z + q, tau0, the diagonal, zref, tau: two passes over M. */
+static void begin_sizes(judge *j) {
+  for (int i = 0; i < j->p->M.n; i++) {
+    j->tau[i] = fabsl((long double)j->p->q[i]);
+  }
+}
+
+/* w = M z + q, the diagonal, zref, tau = |M| zref + |q|: two passes over M. */
 static void measure(judge *j) {
   const int n = j->p->M.n;
   for (int i = 0; i < n; i++) {
     j->w[i] = j->p->q[i];
-    j->tau0[i] = j->tau[i] = fabsl((long double)j->p->q[i]);
   }
+  begin_sizes(j);
   add_products(j);
   for (int c = 0; c < n; c++) {
     j->zref[c] = reference(j, c);
   }
+  begin_sizes(j);
   if (j->p->M.storage == LCP_FACTORED) {
     lcp_wide_factored_sizes(&j->columns, j->zref, j->tau);
     return;
