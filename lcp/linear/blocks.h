@@ -99,3 +99,6 @@ base_status lin_blocks_invert(lin_blocks *s, base_error *err);
 /* x' A^-1 y of one entry each: x lives on block a, y on block b, which are one block or were given as a pair. After
  * lin_blocks_invert. */
 double lin_blocks_inverse_form(const lin_blocks *s, int a, const double *x, int b, const double *y);
+
+/* Gives the memory of A^-1 back. */
+void lin_blocks_drop_inverse(lin_blocks *s);

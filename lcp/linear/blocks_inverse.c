@@ -2,6 +2,7 @@
 #include "lcp/linear/blocks_inside.h"
 
 #include <assert.h>
+#include <stdlib.h>
 #include <string.h>
 
 static void layout_inverse(lin_blocks *s, base_arena *a) {
@@ -132,4 +133,9 @@ double lin_blocks_inverse_form(const lin_blocks *s, int a, const double *x, int 
       (i == j) ? s->inverse_diag + s->at_diag[i] : s->inverse_low + s->at[lin_blocks_find(s, i, j)];
   const int m = lin_blocks_rows(s, i), n = lin_blocks_rows(s, j);
   return (m == 6 && n == 6) ? form(6, 6, Z, left, right) : form(m, n, Z, left, right);
+}
+
+void lin_blocks_drop_inverse(lin_blocks *s) {
+  free(s->inverse_mem);
+  s->inverse_mem = NULL;
 }

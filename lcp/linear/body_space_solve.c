@@ -238,6 +238,7 @@ base_status lin_body_space_deficit(lin_body_space *s, int *deficit, base_error *
       left += 1 - s->Y[s->at[g] + (size_t)(k + k * n)] * unit * unit * form;
     }
   }
+  lin_blocks_drop_inverse(&s->blocks);
   *deficit = (int)lround(left);
   return BASE_OK;
 }
