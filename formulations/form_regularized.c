@@ -59,10 +59,11 @@ static long dimension(int dim, int p, const void *opt) {
 static void layout_groups(void *state, base_arena *m) {
   regularized *s = state;
   const int p = s->cap_contact;
-  s->part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
-  s->best_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
-  s->base_part = BASE_ARRAY(m, reg_part, REG_KINDS * (size_t)p);
-  s->pairs = BASE_ARRAY(m, reg_pairs, REG_KINDS * (size_t)p);
+  const int iterated = (s->opt.pose == REG_CONE) ? 0 : s->cap_part; /* their modes */
+  s->part = BASE_ARRAY(m, reg_part, s->cap_part);
+  s->best_part = BASE_ARRAY(m, reg_part, s->cap_part);
+  s->base_part = BASE_ARRAY(m, reg_part, iterated);
+  s->pairs = BASE_ARRAY(m, reg_pairs, iterated);
   s->part_start = BASE_ARRAY(m, int, p + 1);
   s->sharers = BASE_ARRAY(m, int, p);
   s->bodies = BASE_ARRAY(m, form_bristle_key, p);
@@ -91,10 +92,21 @@ static size_t larger(size_t have, size_t need) {
   return (need > have) ? base_room_of(need) : have;
 }
 
+static int count_parts(const contact_set *c) {
+  int n = 0;
+  for (int i = 0; i < c->n_contact; i++) {
+    const contact_rows r = c->rows[i];
+    n += (r.tangent > 0) + (r.torsion > 0) + (r.rolling > 0);
+  }
+  return n;
+}
+
 static base_status grow(regularized *s, base_error *err) {
   const contact_set *c = s->a.set;
+  const int n_part = count_parts(c);
   if (s->mem == NULL || c->n_contact > s->cap_contact || c->n_group > s->cap_group ||
-      c->n_row > s->cap_row) {
+      c->n_row > s->cap_row || n_part > s->cap_part) {
+    s->cap_part = (int)larger((size_t)s->cap_part, (size_t)n_part);
     s->cap_contact = (int)larger((size_t)s->cap_contact, (size_t)c->n_contact);
     s->cap_group = (int)larger((size_t)s->cap_group, (size_t)c->n_group);
     s->cap_row = (int)larger((size_t)s->cap_row, (size_t)c->n_row);

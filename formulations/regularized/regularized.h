@@ -212,7 +212,7 @@ typedef struct regularized {
   double fastest; /* free velocity of a row of a contact [m/s] */
   formulation_answer answer;
 
-  int cap_contact, cap_group, cap_row;
+  int cap_contact, cap_group, cap_row, cap_part;
   size_t cap_sigma, cap_xyc, cap_A;
   void *mem, *dense_mem; /* owned */
 } regularized;
