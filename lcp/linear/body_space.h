@@ -59,9 +59,7 @@ typedef struct lin_body_space {
   size_t *at;            /* n_group+1: where T and Y of a group begin */
   double *T, *Y;         /* after the factorisation T^-1 and K */
   double *v;             /* of the bodies, as the blocks have them */
-  int *
-      seen; /* n_body+1: where those of a body begin in v. Velocities behind the last that a row of the system
-                            sees have none: spheres without friction do not turn */
+  int *seen;             /* n_body+1: a body's first in v; a half that no row sees is left out */
   int *pair;             /* of the groups in the system */
   unsigned char *joined; /* n_group */
   int cap_group, cap_n, cap_dof, cap_body;
