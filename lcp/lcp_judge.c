@@ -62,7 +62,8 @@ static void add_products(judge *j) {
   }
 }
 
-/* zref of a variable: what moves its own row by |M| |z| + |q|, which is in tau, or where that has none of it the first other one; 1 where none has. */
+/* zref of a variable: what moves its own row by |M| |z| + |q|, which is in tau, or where that has none of it the first
+ * other one; 1 where none has. */
 static long double reference(judge *j, int c) {
   if (j->d[c] != 0.0) {
     return j->tau[c] / fabsl((long double)j->d[c]);

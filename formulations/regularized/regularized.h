@@ -180,7 +180,7 @@ typedef struct regularized {
   reg_part *part, *best_part,
       *base_part;   /* n_part; base: where a trial of Newton's began; REG_PLAIN:
                                              a state that the loop has been in */
-  reg_pairs *pairs; /* n_part; touched by secants alone */
+  reg_pairs *pairs; /* n_part; touched by secants alone. None of pose=cone, like base_part */
   int n_part;
   int *part_start; /* n_contact+1: parts of each active contact */
   int *sharers;    /* n_contact: active contacts that share its stiffness, itself included */

@@ -425,7 +425,7 @@ BASE_INLINE void add_group(lin_body_space *s, int g, meeting *m) {
     const lin_side side = lin_body_space_side(s, g, k);
     const int from = (only > 0) ? only : 0;
     A[k] = (m->dof[k] == 0) ? NULL
-           : (mix != NULL)  ? lin_body_space_rows_of(&side, from, n, m->dof[k], room[k])
+           : (mix != NULL)  ? lin_body_space_narrowed(&side, from, n, m->dof[k], room[k])
                             : lin_body_space_part(s, g, n, &side, room[k]);
   }
   for (int k = 0; k < 2; k++) {

@@ -35,8 +35,8 @@ BASE_INLINE int lin_body_space_seen(const lin_body_space *s, int body) {
 /* Rows first .. first+n-1 of one side, over the velocities that are seen; copied to `room` only where these are fewer. */
 const double *lin_body_space_copy(const lin_side *a, int first, int n, int seen, double *room);
 
-BASE_INLINE const double *lin_body_space_rows_of(const lin_side *a, int first, int n, int seen,
-                                                 double *room) {
+BASE_INLINE const double *lin_body_space_narrowed(const lin_side *a, int first, int n, int seen,
+                                                  double *room) {
   return (seen < a->dof) ? lin_body_space_copy(a, first, n, seen, room)
                          : a->jac + (ptrdiff_t)first * a->dof;
 }
@@ -53,6 +53,6 @@ BASE_INLINE const double *lin_body_space_part(const lin_body_space *s, int g, in
   if (s->scale != NULL || row[n - 1] - row[0] + 1 != n) {
     return lin_body_space_gather(s, g, a, room);
   }
-  return lin_body_space_rows_of(a, row[0] - s->f->row_start[g], n, lin_body_space_seen(s, a->body),
-                                room);
+  return lin_body_space_narrowed(a, row[0] - s->f->row_start[g], n, lin_body_space_seen(s, a->body),
+                                 room);
 }

@@ -67,8 +67,8 @@ BASE_INLINE void pull_side(const lin_body_space *s, int body, int n, const doubl
 /* Of the rows that a mixed group has stored: `only` that one, or all. */
 BASE_INLINE const double *stored_rows(const lin_body_space *s, const lin_side *a, int only, int n,
                                       double *room) {
-  return lin_body_space_rows_of(a, (only >= 0) ? only : 0, (only >= 0) ? 1 : n,
-                                lin_body_space_seen(s, a->body), room);
+  return lin_body_space_narrowed(a, (only >= 0) ? only : 0, (only >= 0) ? 1 : n,
+                                 lin_body_space_seen(s, a->body), room);
 }
 
 /* Rows of group g that are mixed: `only` the stored one of them that is the one in the system, or the sum of all stored. */
