@@ -215,15 +215,15 @@ static base_status rank_of_normals(lcp_share *s, bool recalls, lcp_share_result 
   const bool same = recalls && s->by_bodies && touch_as_counted(s);
   int free_rows = 0, free_deficit = 0, count = 0;
   BASE_TRY(begin_with_joints(s, !same, &free_rows, &free_deficit, err));
+  if (same) {
+    out->deficit = s->count.deficit;
+    return BASE_OK;
+  }
   for (int k = 0; k < s->n_contact; k++) {
     if (touches(s, k)) {
       s->rows.kind[lcp_share_block(s, k)->start] = SHARE_ACTIVE;
       count++;
     }
-  }
-  if (same) {
-    out->deficit = s->count.deficit;
-    return lcp_share_factor(s, &s->normals_regular, err);
   }
   if (count < 2) {
     return BASE_OK;
@@ -389,13 +389,13 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *st
   lcp_share_product(s, s->size);
   lcp_share_level_sizes(s);
   set_delta(s, most_soft);
+  s->normals_regular = false;
   s->counted = !(s->by_bodies && s->n_contact > most_counted);
   if (s->counted) {
     BASE_TRY(rank_of_normals(s, known(s, start) != NULL, out, err));
   } else {
     int joints = 0;
     BASE_TRY(begin_with_joints(s, false, &joints, &out->deficit, err));
-    s->normals_regular = false;
     out->deficit = LCP_SHARE_UNCOUNTED;
   }
   if (out->deficit != 0) {
