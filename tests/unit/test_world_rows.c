@@ -87,10 +87,9 @@ static void a_normal_does_not_turn_a_ball(void **state) {
     s.friction.dflt = 0.5;
     static const double away[3] = {0.1234567, -0.0777, 0.2}, pos[3] = {12.3, -4.56, 7.89};
     const double far = v3_norm(away);
-    spec_body *a = add_body(&s, "a", SPEC_SPHERE, 0.6 * far),
-              *b = add_body(&s, "b", (kind == 0) ? SPEC_SPHERE : SPEC_BOX, 0.4 * far);
-    v3_copy(pos, a->pos);
-    v3_add_scaled(pos, 1.0, away, b->pos);
+    v3_copy(pos, add_body(&s, "a", SPEC_SPHERE, 0.6 * far)->pos);
+    v3_add_scaled(pos, 1.0, away,
+                  add_body(&s, "b", (kind == 0) ? SPEC_SPHERE : SPEC_BOX, 0.4 * far)->pos);
     check_ok(world_open(&w, &s, ~0u, &err), &err);
     check_ok(world_contacts(w, 0.01, 1.0, &c, &err), &err);
     assert_true(c.n_contact >= 1);
