@@ -101,14 +101,16 @@ static void write_row(world *w, row_at *r, const double *d, bool angular) {
 }
 
 /* The arm of a ball lies along the normal: its moment is zero, and not what rounding leaves of it. */
-static void write_normal(world *w, row_at *r, const double *n, const double *at) {
+static void write_normal(world *w, row_at *r, const double *n) {
+  double arm[2][3];
+  memcpy(arm, r->arm, sizeof arm);
   for (int k = 0; k < 2; k++) {
     if (r->body[k] != NULL && r->body[k]->round) {
       v3_scale(0.0, r->arm[k], r->arm[k]);
     }
   }
   write_row(w, r, n, false);
-  felt_at(r, at, at);
+  memcpy(r->arm, arm, sizeof arm);
 }
 
 /* Without the spatial effect all motion is in a plane: one tangent, one rolling axis. */
@@ -204,7 +206,7 @@ static void fill_contact(world *w, const contact_item *c, int i, double h) {
   const int first = s->row_start[i];
   row_at at = rows_of_group(w, i, side, h);
   felt_at(&at, c->x, c->x);
-  write_normal(w, &at, frame, c->x);
+  write_normal(w, &at, frame);
   for (int k = 0; k < r.tangent; k++) {
     write_row(w, &at, frame + 3 + 3 * (ptrdiff_t)k, false);
   }
