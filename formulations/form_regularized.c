@@ -35,7 +35,8 @@ static const base_field fields[] = {
     BASE_FIELD_CHOICE(options, bound, "current|previous", 0, "once: normal impulse of this step"),
     BASE_FIELD_CHOICE(options, integration, "implicit|explicit", 0, "once: force of the bristle"),
     BASE_FIELD_CHOICE(options, bristle, "saturated|reset", 0, "once: deflection while it slides"),
-    BASE_FIELD_CHOICE(options, pose, "reduced|cone", 0, "normal impulses alone, or with friction"),
+    BASE_FIELD_CHOICE(options, pose, "auto|reduced|cone", 0,
+                      "normal impulses alone, or with friction"),
     FORM_STORAGE_FIELD(options),
     BASE_FIELD_CHOICE(options, form, "auto|contact|mass", 0, "where the springs are eliminated"),
     BASE_FIELD_CHOICE(options, factor, "auto|envelope|cholmod", 0, "of form=mass"),
@@ -59,11 +60,10 @@ static long dimension(int dim, int p, const void *opt) {
 static void layout_groups(void *state, base_arena *m) {
   regularized *s = state;
   const int p = s->cap_contact;
-  const int iterated = (s->opt.pose == REG_CONE) ? 0 : s->cap_part; /* their modes */
   s->part = BASE_ARRAY(m, reg_part, s->cap_part);
   s->best_part = BASE_ARRAY(m, reg_part, s->cap_part);
-  s->base_part = BASE_ARRAY(m, reg_part, iterated);
-  s->pairs = BASE_ARRAY(m, reg_pairs, iterated);
+  s->base_part = BASE_ARRAY(m, reg_part, s->cap_iterated);
+  s->pairs = BASE_ARRAY(m, reg_pairs, s->cap_iterated);
   s->part_start = BASE_ARRAY(m, int, p + 1);
   s->sharers = BASE_ARRAY(m, int, p);
   s->bodies = BASE_ARRAY(m, form_bristle_key, p);
@@ -104,9 +104,11 @@ static int count_parts(const contact_set *c) {
 static base_status grow(regularized *s, base_error *err) {
   const contact_set *c = s->a.set;
   const int n_part = count_parts(c);
+  const int iterated = (s->opt.pose == REG_CONE) ? 0 : n_part; /* their modes */
   if (s->mem == NULL || c->n_contact > s->cap_contact || c->n_group > s->cap_group ||
-      c->n_row > s->cap_row || n_part > s->cap_part) {
+      c->n_row > s->cap_row || n_part > s->cap_part || iterated > s->cap_iterated) {
     s->cap_part = (int)larger((size_t)s->cap_part, (size_t)n_part);
+    s->cap_iterated = (int)larger((size_t)s->cap_iterated, (size_t)iterated);
     s->cap_contact = (int)larger((size_t)s->cap_contact, (size_t)c->n_contact);
     s->cap_group = (int)larger((size_t)s->cap_group, (size_t)c->n_group);
     s->cap_row = (int)larger((size_t)s->cap_row, (size_t)c->n_row);
@@ -180,6 +182,17 @@ static void choose_form(regularized *s, const contact_set *c) {
   s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
 }
 
+/* The reduced matrix is full however few bodies meet. Up to so many contacts it costs no more than the cone problem, whose matrix has the
+ * pattern of the contact graph: at 100 they take the same time, at 225 the cone a third (README, formulations). */
+static const int reduced_most = 128;
+
+static bool takes_cone(const regularized *s, const contact_set *c) {
+  const reg_options *o = &s->opt;
+  return o->pose == REG_CONE ||
+         (o->pose == REG_BY_SIZE && c->n_contact > reduced_most && o->storage == ROW_AUTO &&
+          (s->reader.sets >> LCP_CONE & 1u) != 0 && reg_cone_admits(o, NULL) == BASE_OK);
+}
+
 double reg_start_impulse(const regularized *s, int i) {
   const double *past = contact_memory_old(&s->memory, s->a.group[i]);
   const double ratio = (s->memory.h_old > 0) ? s->a.set->h / s->memory.h_old : 0;
@@ -206,7 +219,7 @@ static base_status collect(regularized *s, const contact_set *c, base_error *err
   if (s->opt.pose == REG_CONE) {
     s->by_mass = false;
     s->cone.storage = (int)row_storage_of((row_storage)s->opt.storage, c);
-    if (s->opt.storage == ROW_AUTO && form_factors_alone(c, s->by_factors)) {
+    if (s->opt.storage == ROW_AUTO && form_factors_alone(c, s->reader.by_factors)) {
       s->cone.storage = ROW_FACTORED;
     }
     s->cone.storage = form_storage_without_joints(s->cone.storage, ROW_FACTORED, c);
@@ -269,6 +282,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
                          formulation_start start, base_error *err) {
   regularized *s = state;
   s->opt = *(const options *)opt;
+  s->opt.pose = takes_cone(s, c) ? REG_CONE : REG_REDUCED;
   s->start = start;
   BASE_TRY(collect(s, c, err));
   BASE_TRY(grow(s, err));
@@ -466,7 +480,7 @@ const formulation form_regularized = {
     .options_size = sizeof(options),
     .state_size = sizeof(regularized),
     .memory = offsetof(regularized, memory),
-    .by_factors = offsetof(regularized, by_factors),
+    .reader = offsetof(regularized, reader),
     .dimension = dimension,
     .open = open,
     .close = close,

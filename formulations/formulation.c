@@ -70,9 +70,9 @@ base_status formulation_open(formulation_run **out, const formulation *f, const 
   return BASE_OK;
 }
 
-void formulation_by_factors(formulation_run *r, bool reads) {
-  if (r->form->by_factors != 0) {
-    *(bool *)((char *)r->state + r->form->by_factors) = reads;
+void formulation_read_by(formulation_run *r, formulation_reader reader) {
+  if (r->form->reader != 0) {
+    *(formulation_reader *)((char *)r->state + r->form->reader) = reader;
   }
 }
 

@@ -91,6 +91,12 @@ typedef struct formulation_solver {
   void *ctx;
 } formulation_solver;
 
+/* What the solver of a run reads, by which an option that is `auto` chooses how a large problem is posed. */
+typedef struct formulation_reader {
+  unsigned sets;   /* lcp_solver.sets; 0: those of the formulation alone are known of */
+  bool by_factors; /* lcp_solver.by_factors: with storage=auto no matrix is stored beside them */
+} formulation_reader;
+
 typedef struct formulation formulation;
 
 /* One formulation with its options and state over a run; opaque, owns its arrays, grows them when
@@ -115,7 +121,7 @@ struct formulation {
       memory; /* where in the state its contact_memory lies: all that survives a step. 0: it has none, or keeps more
                     than that, and no run of it can come back to an earlier step */
   size_t
-      by_factors; /* where in the state a bool lies that formulation_by_factors sets; 0: it has none */
+      reader; /* where in the state a formulation_reader lies that formulation_read_by sets; 0: it has none */
 
   /* LCP dimension in closed form: p active contacts, of which all have friction. */
   long (*dimension)(int dim, int p, const void *opt);
@@ -149,9 +155,9 @@ const formulation *formulation_find(const char *name);
 
 base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
                              base_error *err);
-/* The solver reads factors wherever a matrix has them (lcp_solver.by_factors): with storage=auto no matrix is stored beside
- * them. Before the first step. */
-void formulation_by_factors(formulation_run *r, bool reads);
+/* Before the first step: who solves what the run poses. Where nobody is named, as where a problem is exported, it is a solver of no
+ * more than the formulation's own sets that reads no factors. */
+void formulation_read_by(formulation_run *r, formulation_reader reader);
 void formulation_close(formulation_run *r);
 /* Refuses a world in which something occurs that f lacks, so that no motion without it is reported as the scene's:
  * BASE_EUNSUPPORTED names what. To be asked before the first step; begin and step refuse what they see of it in

@@ -227,7 +227,8 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
                           .repair = opt->repair};
   s->opt = *opt;
   s->rows = rows;
-  if (opt->storage == POLY_AUTO && is_faceted(s, c) && form_factors_alone(c, s->by_factors)) {
+  if (opt->storage == POLY_AUTO && is_faceted(s, c) &&
+      form_factors_alone(c, s->reader.by_factors)) {
     s->opt.storage = POLY_FACTORED;
   }
   if (opt->joints == 0) {

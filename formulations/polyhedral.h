@@ -87,8 +87,8 @@ typedef struct polyhedral {
   poly_options opt;
   form_rows rows;
   formulation_start start;
-  bool by_factors; /* formulation_by_factors */
-  int n;           /* unknowns */
+  formulation_reader reader;
+  int n; /* unknowns */
   poly_phase phase;
   const poly_shape **shape_of; /* n_group */
   int *first;                  /* n_group+1: first unknown of each group */
@@ -136,5 +136,5 @@ void poly_close(void *state);
 #define POLY_FORM_PARTS                                                                            \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
   .state_size = sizeof(polyhedral), .memory = offsetof(polyhedral, memory),                        \
-  .by_factors = offsetof(polyhedral, by_factors), .close = poly_close, .begin = begin,             \
+  .reader = offsetof(polyhedral, reader), .close = poly_close, .begin = begin,                     \
   .assemble = poly_assemble, .rows = poly_rows, .recover = poly_recover, .answer = poly_answer

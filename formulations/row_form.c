@@ -85,7 +85,7 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
                           .gives = opt->restitution == 0,
                           .repair = opt->repair};
   s->opt = *opt;
-  if (opt->storage == ROW_AUTO && form_factors_alone(c, s->by_factors)) {
+  if (opt->storage == ROW_AUTO && form_factors_alone(c, s->reader.by_factors)) {
     s->opt.storage = ROW_FACTORED;
   }
   if (opt->joints == 0) {

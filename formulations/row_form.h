@@ -23,7 +23,7 @@ struct row_form {
   row_matrix matrix;
   row_options opt;
   formulation_start start;
-  bool by_factors;                   /* formulation_by_factors */
+  formulation_reader reader;
   double *q, *z0, *lambda, *lo, *hi; /* n_row */
   double *normal;                    /* n_contact: lambda_n behind the bounds [N s] */
   double *move; /* boxed: how far the answer's lambda_n is from them; n_contact */
@@ -56,7 +56,7 @@ void row_form_close(void *state);
 #define ROW_FORM_PARTS                                                                             \
   .fields = fields, .n_fields = BASE_COUNT(fields), .options_size = sizeof(options),               \
   .state_size = sizeof(row_form), .memory = offsetof(row_form, memory),                            \
-  .by_factors = offsetof(row_form, by_factors), .dimension = dimension, .close = row_form_close,   \
+  .reader = offsetof(row_form, reader), .dimension = dimension, .close = row_form_close,           \
   .begin = begin, .assemble = assemble, .rows = row_form_rows, .recover = recover,                 \
   .answer = row_form_answer
 

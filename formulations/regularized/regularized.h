@@ -28,7 +28,7 @@ enum { REG_PAIRS = 8 };    /* steps that the secant iteration remembers */
 typedef enum reg_mode { REG_STICK, REG_SLIP, REG_SECANT, REG_GIVEN } reg_mode;
 typedef enum reg_model { REG_BRISTLE, REG_VISCOUS, REG_LUGRE } reg_model;
 typedef enum reg_modes { REG_NEWTON, REG_PLAIN, REG_SECANT_ONLY, REG_ONCE } reg_modes;
-typedef enum reg_pose { REG_REDUCED, REG_CONE } reg_pose;
+typedef enum reg_pose { REG_BY_SIZE, REG_REDUCED, REG_CONE } reg_pose;
 /* Readings of what the paper leaves open, with modes decided once a step (MATHEMATICS 2.3.13). */
 enum { REG_BOUND_CURRENT, REG_BOUND_PREVIOUS };
 enum { REG_IMPLICIT, REG_EXPLICIT };
@@ -59,7 +59,7 @@ typedef struct reg_options {
       bristle;      /* of REG_ONCE: the normal impulse behind the friction, the bristle's force, and
                                       what is left of it while it slides */
   int distribution; /* form_distribution */
-  int pose;         /* reg_pose */
+  int pose;         /* reg_pose; of a step never REG_BY_SIZE */
   int storage;      /* row_storage, of pose=cone */
   int form;         /* 0 by size, 1 contact space, 2 mass matrix */
   int factor;       /* of the mass matrix: 0 by width, 1 envelope, 2 CHOLMOD */
@@ -175,7 +175,7 @@ typedef struct regularized {
   contact_memory memory;
   reg_options opt;
   formulation_start start;
-  bool by_factors; /* formulation_by_factors */
+  formulation_reader reader;
 
   reg_part *part, *best_part,
       *base_part;   /* n_part; base: where a trial of Newton's began; REG_PLAIN:
@@ -212,7 +212,7 @@ typedef struct regularized {
   double fastest; /* free velocity of a row of a contact [m/s] */
   formulation_answer answer;
 
-  int cap_contact, cap_group, cap_row, cap_part;
+  int cap_contact, cap_group, cap_row, cap_part, cap_iterated;
   size_t cap_sigma, cap_xyc, cap_A;
   void *mem, *dense_mem; /* owned */
 } regularized;

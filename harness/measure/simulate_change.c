@@ -17,7 +17,8 @@ static base_status open_formulation(sim *s, base_error *err) {
   formulation_close(s->form);
   s->form = NULL;
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
-  formulation_by_factors(s->form, q->solver->solver->by_factors);
+  formulation_read_by(s->form,
+                      (formulation_reader){q->solver->solver->sets, q->solver->solver->by_factors});
   return BASE_OK;
 }
 

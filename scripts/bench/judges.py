@@ -94,8 +94,11 @@ def worst(words: list[str]) -> str:
 
 
 def dimension(cells: pd.DataFrame, ask: dict) -> Found:
-    """p unknowns against p(nd + 2), where both pose the same contacts."""
-    p = pairs(cells, against(cells, ask))
+    """p unknowns against p(nd + 2), where both pose the same contacts. What a solver of cones was
+    given over cones, as many contacts are, is the same law in another form and tells nothing of
+    p."""
+    over_cones = cells["solver"].map(registry.reads_cones) & (cells["lcp_dim"] > cells["n_active"])
+    p = pairs(cells[~(cells["mine"] & over_cones)], against(cells, ask))
     p = p[(p["lcp_dim"] > 0) & (p["lcp_dim_other"] > 0)]
     if p.empty:
         return None

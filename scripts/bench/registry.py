@@ -69,6 +69,10 @@ def uses_solver(formulation: str) -> bool:
     return listed("formulations").get(formulation, {}).get("solver", True)
 
 
+def reads_cones(solver: str) -> bool:
+    return "cone" in listed("solvers").get(solver, {}).get("sets", [])
+
+
 def apart(formulation: str) -> list[str]:
     """The options of a formulation of which every value is a curve of its own in figures."""
     return listed("formulations").get(formulation, {}).get("apart", [])

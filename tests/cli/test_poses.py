@@ -1,5 +1,10 @@
 """`regularized` posed twice: normal impulses alone with a loop of modes, and all impulses at once
-over cones with a compliance. One law, so one motion; an option that one pose lacks, it refuses."""
+over cones with a compliance. One law, so one motion; an option that one pose lacks, it refuses.
+By default many contacts are posed to a solver of cones as cones."""
+
+import json
+import pathlib
+import tempfile
 
 from support import SANITIZED, one_line_error, run_json, tap
 
@@ -17,8 +22,10 @@ LAWS = ("", "model=viscous,", "stiffness=fixed,k=1e5,c=300,")
 
 
 def observables(scene, formulation, solver, start):
+    """scene: its name, or that and further options"""
+    scene = (scene,) if isinstance(scene, (str, pathlib.Path)) else scene
     o = run_json(
-        *("simulate", scene, "--formulation", formulation, "--solver", solver, "--start", start)
+        *("simulate", *scene, "--formulation", formulation, "--solver", solver, "--start", start)
     )
     assert o["status"] == "ok", f"{scene} {formulation}: {o['note']}"
     assert o["verified"], f"{scene} {formulation}"
@@ -59,6 +66,74 @@ def unknowns_are_told(_):
         assert cone["n_solves"] == cone["steps"], "one solve a step"
 
 
+def bouncing(folder):
+    """144 balls that land one after the other and rebound: the contacts pass 128 up and down."""
+    scene = pathlib.Path(folder) / "bouncing.json"
+    bodies = [
+        {
+            "name": f"b{k}",
+            "shape": {"type": "sphere", "r": 0.1},
+            "mass": 1,
+            "pos": [0.25 * (k % 12), 0.25 * (k // 12), 0.1 + 0.002 * (7 * k % 23)],
+            "vel": [0.5, 0.1, 0],
+        }
+        for k in range(144)
+    ]
+    spec = {
+        "id": "bouncing",
+        "dim": 3,
+        "T": 0.25,
+        "gravity": [0, 0, -9.81],
+        "bodies": bodies,
+        "static": [{"name": "floor", "normal": [0, 0, 1], "offset": 0}],
+        "friction": {"default": 0.3},
+        "restitution": {"default": 0.4},
+        "observe": ["b0.x", "b77.x", "b77.z", "b143.z"],
+    }
+    scene.write_text(json.dumps(spec))
+    return scene
+
+
+def many_contacts_are_posed_as_cones(_):
+    def posed(scene, pose, solver):
+        formulation = f"regularized{pose}"
+        return observables(scene, formulation, solver, "previous")[1]
+
+    still = ("silo:side=4,layers=4", "--step", "0.01", "--duration", "0.02")
+    for scene, solver, as_cones in (
+        ("stack:n=3", "cone_newton", False),
+        (still, "cone_newton", True),
+        (still, "nsgs", True),
+        (still, "lemke", False),
+    ):
+        chosen = posed(scene, "", solver)
+        given = posed(scene, f":pose={'cone' if as_cones else 'reduced'}", solver)
+        assert chosen["solution_hash"] == given["solution_hash"], (scene, solver)
+        times = 3 if as_cones else 1
+        assert chosen["lcp_dim_max"] == times * chosen["n_contact_max"], (scene, solver)
+
+
+def options_of_one_pose_choose_it(_):
+    still = ("silo:side=4,layers=4", "--step", "0.01", "--duration", "0.01")
+    for option in ("model=lugre", "ellipse=0.5", "modes=secant", "form=mass", "storage=dense"):
+        _, o = observables(still, f"regularized:{option}", "cone_newton", "cold")
+        assert o["lcp_dim_max"] == o["n_contact_max"], option
+
+
+def a_run_goes_from_pose_to_pose(_):
+    with tempfile.TemporaryDirectory() as folder:
+        scene = bouncing(folder)
+        of = {
+            pose: observables(scene, f"regularized{pose}", "cone_newton", "previous")
+            for pose in ("", ":pose=reduced", ":pose=cone")
+        }
+        hashes = {o["solution_hash"] for _, o in of.values()}
+        assert len(hashes) == 3, "steps of both poses"
+        for pose in (":pose=reduced", ":pose=cone"):
+            for name, value in of[""][0].items():
+                assert abs(of[pose][0][name] - value) <= 1e-7 * max(1, abs(value)), (pose, name)
+
+
 def what_it_has_not_is_refused(_):
     for option, name in (
         ("model=lugre", "lugre"),
@@ -81,4 +156,14 @@ def what_it_has_not_is_refused(_):
     )
 
 
-tap([one_motion_of_both, other_solvers_of_cones, unknowns_are_told, what_it_has_not_is_refused])
+tap(
+    [
+        one_motion_of_both,
+        other_solvers_of_cones,
+        unknowns_are_told,
+        many_contacts_are_posed_as_cones,
+        options_of_one_pose_choose_it,
+        a_run_goes_from_pose_to_pose,
+        what_it_has_not_is_refused,
+    ]
+)

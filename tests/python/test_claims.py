@@ -107,6 +107,10 @@ class Size(Judge):
         wrong = [{**r, "problem": "stack"} for r in two(8)]
         self.word(judges.dimension, two(4) + wrong, AGAINST, EXCEPT)
         self.assertIsNone(judges.dimension(frame(row(MINE)), AGAINST))
+        cones = next(n for n, s in registry.listed("solvers").items() if "cone" in s["sets"])
+        posed = [{**r, "solver": cones} for r in two(12)]
+        self.word(judges.dimension, two(4) + posed, AGAINST, HOLDS)
+        self.assertIsNone(judges.dimension(frame(*posed), AGAINST))
 
 
 class Time(Judge):
