@@ -311,6 +311,10 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   for (int k = 1; k < out->combinations.n; k++) {
     BASE_TRY(parts_of(t, out->combinations.span[k].solver.solver, q, err));
   }
+  if (given(t->memory) && strcmp(t->memory, "usual") != 0 && strcmp(t->memory, "least") != 0) {
+    return BASE_FAIL(err, BASE_EINVAL, "--memory %s: need usual or least", t->memory);
+  }
+  q->least_memory = given(t->memory) && strcmp(t->memory, "least") == 0;
   return parts_of(t, q->solver->solver, q, err);
 }
 

@@ -11,7 +11,7 @@ enum { CHOICE_TRIES = 4 };
 typedef struct simulation_texts {
   const char *scene, *formulation, *solver, *tol;
   const char *step, *duration, *effects, *start, *contact_order;
-  const char *islands, *threads;
+  const char *islands, *threads, *memory;
   const char *error, *work; /* --error E, and its limit of steps */
   const char *steps;        /* a file of step lengths */
   const char

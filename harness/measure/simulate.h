@@ -60,8 +60,10 @@ typedef struct sim_request {
   dump *dump;                   /* NULL: none; the problems of chosen steps are written as files */
   const sim_listener *listener; /* NULL: nobody */
   answers *store;               /* NULL: none; every answer is written here */
-  bool islands;    /* a problem that falls into parts is solved part by part (lcp_islands.h) */
-  int threads;     /* that share the work; 0 counts as 1 */
+  bool islands; /* a problem that falls into parts is solved part by part (lcp_islands.h) */
+  int threads;  /* that share the work; 0 counts as 1 */
+  bool
+      least_memory; /* solver, judge and choice have their workspaces one after another, however few unknowns */
   answers *replay; /* NULL: the solver solves; otherwise its answers are taken from here */
 } sim_request;
 

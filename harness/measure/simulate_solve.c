@@ -7,9 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-  LARGE = 1 << 15
-}; /* unknowns from which on solver, judge and choice have their workspaces one after another */
+enum { LARGE = 1 << 15 };
+
+/* Solver, judge and choice have their workspaces one after another, which costs page faults in every step. */
+static bool takes_turns(const sim *s, const lcp_problem *p) {
+  return s->q->least_memory || p->M.n >= LARGE;
+}
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text) {
@@ -240,7 +243,7 @@ static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *
   }
   const double *start = (s->q->start == FORM_PREVIOUS) ? s->started : NULL;
   BASE_TRY(lcp_share_apply(s->share, p, start, s->z, &made, err));
-  if (p->M.n >= LARGE) {
+  if (takes_turns(s, p)) {
     lcp_share_rest(s->share);
   }
   s->out->time.share += base_seconds() - from;
@@ -298,7 +301,7 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
   lcp_result claim = {.outcome = LCP_NUMERICAL};
   solved k;
   BASE_TRY(answer(s, p, &claim, err));
-  if (s->instance != NULL && p->M.n >= LARGE && claim.outcome == LCP_SOLVED) {
+  if (s->instance != NULL && takes_turns(s, p) && claim.outcome == LCP_SOLVED) {
     lcp_instance_rest(s->instance);
   }
   BASE_TRY(judge(s, p, &claim, &k, err));
