@@ -64,14 +64,15 @@ def power(smaller: list[Cost], large: Cost) -> str:
 
 def line(scene: str, way: tuple[str, str], smaller: list[Cost], of: dict, base: float) -> str:
     usual, least = (of[m] for m in MEMORY)
-    told = usual.told
-    words = f"| `{scene}` | {told['n_active_max']} | `{way[0]} + {way[1]}` | {told['lcp_dim_max']} |"
+    told, n = usual.told, contacts(usual)
+    words = f"| `{scene}` | {n} | `{way[0]} + {way[1]}` | {told['lcp_dim_max']} |"
     if told["status"] != "ok" or not told["verified"]:
         return f"{words} {told['status']} | | | | | | | |"
-    kB = [(of[m].memory - base) / 1024 / told["n_active_max"] for m in MEMORY]
+    kB = [(of[m].memory - base) / 1024 / n for m in MEMORY]
+    powers = f"{power(smaller[-1:], usual)} | {power(smaller[:1], usual)}"
     return (
-        f"{words} {told['rho_max']:.0e} | {usual.warm:.3g} | {usual.whole:.3g} |"
-        f" {power(smaller[-1:], usual)} | {power(smaller[:1], usual)} | {kB[0]:.2f} | {kB[1]:.2f} | {least.whole / usual.whole:.2f} |"
+        f"{words} {told['rho_max']:.0e} | {usual.warm:.3g} | {usual.whole:.3g} | {powers} |"
+        f" {kB[0]:.2f} | {kB[1]:.2f} | {least.whole / usual.whole:.2f} |"
     )
 
 
