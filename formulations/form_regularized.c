@@ -182,15 +182,15 @@ static void choose_form(regularized *s, const contact_set *c) {
   s->by_mass = s->opt.form == 2 || (s->opt.form == 0 && !joints && !stiff && c->n_contact > 2);
 }
 
-/* The reduced matrix is full however few bodies meet. Up to so many contacts it costs no more than the cone problem, whose matrix has the
- * pattern of the contact graph: at 100 they take the same time, at 225 the cone a third (README, formulations). */
+/* The reduced matrix is full however few bodies meet. Up to about so many contacts it costs Newton's methods no more than the cone problem,
+ * whose matrix has the pattern of the contact graph; methods of first order solve less of what is posed over cones (README.md). */
 static const int reduced_most = 128;
 
 static bool takes_cone(const regularized *s, const contact_set *c) {
   const reg_options *o = &s->opt;
-  return o->pose == REG_CONE ||
-         (o->pose == REG_BY_SIZE && c->n_contact > reduced_most && o->storage == ROW_AUTO &&
-          (s->reader.sets >> LCP_CONE & 1u) != 0 && reg_cone_admits(o, NULL) == BASE_OK);
+  return o->pose == REG_CONE || (o->pose == REG_BY_SIZE && c->n_contact > reduced_most &&
+                                 o->storage == ROW_AUTO && (s->reader.sets >> LCP_CONE & 1u) != 0 &&
+                                 s->reader.newton && reg_cone_admits(o, NULL) == BASE_OK);
 }
 
 double reg_start_impulse(const regularized *s, int i) {

@@ -95,6 +95,7 @@ typedef struct formulation_solver {
 typedef struct formulation_reader {
   unsigned sets;   /* lcp_solver.sets; 0: those of the formulation alone are known of */
   bool by_factors; /* lcp_solver.by_factors: with storage=auto no matrix is stored beside them */
+  bool newton;     /* lcp_solver.newton */
 } formulation_reader;
 
 typedef struct formulation formulation;

@@ -67,11 +67,13 @@ typedef struct lcp_solver {
   unsigned sets;     /* 1u << lcp_set it solves */
   unsigned storages; /* 1u << lcp_storage it reads natively */
   bool by_factors;   /* reads the factors of a matrix that has them beside a sparse storage */
-  unsigned needs;    /* lcp_trait bits a problem must have */
-  bool exact;        /* a direct method: judged at LCP_VERIFY_EXACT */
-  bool warm;         /* uses the start point z on entry */
-  bool allocates;    /* true only for wrappers whose library calls malloc */
-  bool peer;         /* another project's code */
+  bool
+      newton; /* takes Newton's steps on the whole problem: more unknowns cost more a step, hardly more steps */
+  unsigned needs; /* lcp_trait bits a problem must have */
+  bool exact;     /* a direct method: judged at LCP_VERIFY_EXACT */
+  bool warm;      /* uses the start point z on entry */
+  bool allocates; /* true only for wrappers whose library calls malloc */
+  bool peer;      /* another project's code */
 
   const base_field *fields; /* of the options struct */
   int n_fields;

@@ -416,9 +416,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
   BASE_TRY(sim_check_times(q->h, q->duration, err));
   s->effects = (q->plan != NULL) ? effects_plan_at(q->plan, 0) : q->effects;
   BASE_TRY(world_open_over(&s->w, q->spec, s->effects, err));
-  BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
-  formulation_read_by(s->form,
-                      (formulation_reader){q->solver->solver->sets, q->solver->solver->by_factors});
+  BASE_TRY(sim_open_formulation(s, err));
   out->steps_planned =
       (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
   BASE_TRY(series_open(record, q->spec, (int)out->steps_planned, err));

@@ -11,14 +11,13 @@ void sim_ask_admission(sim *s) {
   }
 }
 
-/* The formulation of the request begins anew. */
-static base_status open_formulation(sim *s, base_error *err) {
+base_status sim_open_formulation(sim *s, base_error *err) {
   const sim_request *q = s->q;
+  const lcp_solver *by = q->solver->solver;
   formulation_close(s->form);
   s->form = NULL;
   BASE_TRY(formulation_open(&s->form, q->form->form, q->form->opt, err));
-  formulation_read_by(s->form,
-                      (formulation_reader){q->solver->solver->sets, q->solver->solver->by_factors});
+  formulation_read_by(s->form, (formulation_reader){by->sets, by->by_factors, by->newton});
   return BASE_OK;
 }
 
@@ -60,7 +59,7 @@ base_status sim_change_combination(sim *s, const formulation_choice *form,
   s->changed.solver = solver;
   s->q = &s->changed;
   s->iterates = (form->form->model & FORM_NO_LCP) == 0;
-  BASE_TRY(open_formulation(s, err));
+  BASE_TRY(sim_open_formulation(s, err));
   BASE_TRY(formulation_take_over(s->form, s->past_of, &s->past, err));
   sim_ask_admission(s);
   return BASE_OK;

@@ -98,6 +98,8 @@ base_status sim_change_combination(sim *s, const formulation_choice *form,
 base_status sim_follow_plans(sim *s, base_error *err);
 /* Does the formulation take the world as it is now? Otherwise the run's status says so. */
 void sim_ask_admission(sim *s);
+/* The formulation of the request begins anew, and is told of its solver. */
+base_status sim_open_formulation(sim *s, base_error *err);
 void sim_finish(sim *s, series *record);
 void sim_close(sim *s);
 

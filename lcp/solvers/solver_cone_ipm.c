@@ -230,6 +230,7 @@ const lcp_solver lcp_solver_cone_ipm = {
     .when = "The round cone, to hold an interior point against Newton steps on the boundary.",
     .sets = (1u << LCP_CONE) | (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
+    .newton = true,
     .by_factors = true,
     .allocates = true,
     .prepare = prepare,

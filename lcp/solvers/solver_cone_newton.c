@@ -296,6 +296,7 @@ const lcp_solver lcp_solver_cone_newton = {
     .when = "The round cone: stacks, redundant contacts, tight tolerances.",
     .sets = (1u << LCP_CONE) | (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC) | (1u << LCP_FACTORED),
+    .newton = true,
     .by_factors = true,
     .warm = true,
     .allocates = true,

@@ -222,6 +222,7 @@ const lcp_solver lcp_solver_interior_point = {
     .when = "Redundant contacts and large problems without a start.",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
+    .newton = true,
     .allocates = true,
     .prepare = prepare,
     LCP_SOLVER_PARTS(state),

@@ -266,6 +266,7 @@ const lcp_solver lcp_solver_newton = {
     .when = "Problems of middle size with a good start.",
     .sets = (1u << LCP_ORTHANT) | (1u << LCP_BOX) | (1u << LCP_FREE),
     .storages = (1u << LCP_DENSE) | (1u << LCP_CSC),
+    .newton = true,
     .warm = true,
     .allocates = true,
     .prepare = prepare,
