@@ -95,10 +95,10 @@ def worst(words: list[str]) -> str:
 
 def dimension(cells: pd.DataFrame, ask: dict) -> Found:
     """p unknowns against p(nd + 2), where both pose the same contacts. What a solver of cones was
-    given over cones, as many contacts are, is the same law in another form and tells nothing of
-    p."""
-    over_cones = cells["solver"].map(registry.reads_cones) & (cells["lcp_dim"] > cells["n_active"])
-    p = pairs(cells[~(cells["mine"] & over_cones)], against(cells, ask))
+    given over cones, as many contacts are, is the same law in another form: it is counted apart."""
+    over_cones = cells["mine"] & cells["solver"].map(registry.reads_cones)
+    over_cones &= cells["lcp_dim"] > cells["n_active"]
+    p = pairs(cells[~over_cones], against(cells, ask))
     p = p[(p["lcp_dim"] > 0) & (p["lcp_dim_other"] > 0)]
     if p.empty:
         return None
@@ -115,7 +115,8 @@ def dimension(cells: pd.DataFrame, ask: dict) -> Found:
         word,
         f"{int(fits[same].sum())} of {int(same.sum())} pairs of cells have p against p(nd+2)"
         f" unknowns; it has more in {int((p['lcp_dim'] > p['lcp_dim_other']).sum())}"
-        + (f"; {unlike} more have other contacts at the end" if unlike else ""),
+        + (f"; {unlike} more have other contacts at the end" if unlike else "")
+        + (f"; {int(over_cones.sum())} cells were posed over cones" if over_cones.any() else ""),
         span(p),
     )
 

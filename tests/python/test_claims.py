@@ -109,7 +109,7 @@ class Size(Judge):
         self.assertIsNone(judges.dimension(frame(row(MINE)), AGAINST))
         cones = next(n for n, s in registry.listed("solvers").items() if "cone" in s["sets"])
         posed = [{**r, "solver": cones} for r in two(12)]
-        self.word(judges.dimension, two(4) + posed, AGAINST, HOLDS)
+        self.word(judges.dimension, two(4) + posed, AGAINST, HOLDS, "1 cells were posed over cones")
         self.assertIsNone(judges.dimension(frame(*posed), AGAINST))
 
 
