@@ -23,7 +23,7 @@ typedef struct lcp_wide_columns {
   int *row;                    /* n: rows of the column at hand */
   long double *val;            /* n */
   long double *sum;            /* per row: the column being gathered */
-  long double *wj;             /* W J_j' of one body */
+  long double *wj;             /* per dof: W J' z, or W J_j' of one body from 0 on */
   long double *force;          /* per dof */
   double *x;                   /* sums in double, per row */
   struct lcp_wide_scratch *of; /* per hand of the crew that it was opened with */

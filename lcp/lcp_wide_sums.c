@@ -6,81 +6,105 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = LCP_WIDE_LANES, SHARE = 64 /* groups of one part of the work */ };
+enum { LANES = LCP_WIDE_LANES, SHARE = 64 /* bodies or groups of one part of the work */ };
 
 static int dofs(const lcp_factored *f, int b) {
   return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
 }
 
-/* Rows of J of group g on one of its sides, and the dofs there. */
-static const double *side_of(const lcp_factored *f, int g, int side, int *n, int *dof,
-                             double *room) {
-  const int b = f->body[2 * g + side];
-  *n = dofs(f, b);
-  *dof = (b >= 0) ? f->dof_start[b] : 0;
-  return (b >= 0) ? lcp_wide_factored_rows(f, g, side, room) : NULL;
+static int shares(int count) {
+  return (count + SHARE - 1) / SHARE;
 }
 
-/* force += J_g' z. */
-static void push(lcp_wide_columns *c, int g, const double *z) {
-  const lcp_factored *f = c->M->factored;
-  for (int side = 0; side < 2; side++) {
-    int n, dof;
-    double room[LCP_MIXED_MAX];
-    const double *J = side_of(f, g, side, &n, &dof, room);
-    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
-      for (int k = 0; k < n && z[i] != 0; k++) {
-        c->force[dof + k] += (long double)J[k] * z[i];
-      }
+static int end_of(int part, int count) {
+  const int end = (part + 1) * SHARE;
+  return (end < count) ? end : count;
+}
+
+/* Of all columns. */
+typedef struct sums {
+  lcp_wide_columns *c;
+  const double *z;
+  long double *w, *size;
+  double *d;
+} sums;
+
+/* force += J_g' z on the body of one side, */
+static void push(const lcp_factored *f, int g, int side, const double *z, long double *force) {
+  const int n = dofs(f, f->body[2 * (ptrdiff_t)g + side]);
+  double room[LCP_MIXED_MAX];
+  const double *J = lcp_wide_factored_rows(f, g, side, room);
+  for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, J += n) {
+    for (int k = 0; k < n && z[i] != 0; k++) {
+      force[k] += (long double)J[k] * z[i];
     }
   }
 }
 
-/* w += J_g of what is in force. */
-static void pull(const lcp_wide_columns *c, int g, long double *w) {
-  const lcp_factored *f = c->M->factored;
-  for (int side = 0; side < 2; side++) {
-    int n, dof;
-    double room[LCP_MIXED_MAX];
-    const double *J = side_of(f, g, side, &n, &dof, room);
-    for (int i = f->row_start[g]; n > 0 && i < f->row_start[g + 1]; i++, J += n) {
-      for (int k = 0; k < n; k++) {
-        w[i] += J[k] * c->force[dof + k];
-      }
-    }
-  }
-}
-
-/* force = W force. */
-static void weigh_all(lcp_wide_columns *c) {
-  const lcp_factored *f = c->M->factored;
-  for (int b = 0; b < f->n_body; b++) {
-    const int n = dofs(f, b);
-    long double *force = c->force + f->dof_start[b];
-    const double *W = f->weight + f->weight_start[b];
+/* w += J_g of the force there, */
+static void pull(const lcp_factored *f, int g, int side, const long double *force, long double *w) {
+  const int n = dofs(f, f->body[2 * (ptrdiff_t)g + side]);
+  double room[LCP_MIXED_MAX];
+  const double *J = lcp_wide_factored_rows(f, g, side, room);
+  for (int i = f->row_start[g]; i < f->row_start[g + 1]; i++, J += n) {
     for (int k = 0; k < n; k++) {
-      c->wj[k] = 0;
-      for (int l = 0; l < n; l++) {
-        c->wj[k] += W[(ptrdiff_t)l * n + k] * force[l];
+      w[i] += J[k] * force[k];
+    }
+  }
+}
+
+/* and out = W force on body b. */
+static void weigh(const lcp_factored *f, int b, const long double *force, long double *out) {
+  const int n = dofs(f, b);
+  const double *W = f->weight + f->weight_start[b];
+  for (int k = 0; k < n; k++) {
+    out[k] = 0;
+    for (int l = 0; l < n; l++) {
+      out[k] += W[(ptrdiff_t)l * n + k] * force[l];
+    }
+  }
+}
+
+/* wj = W J' z of some bodies. */
+static void share_forces(void *of, int part, int hand) {
+  const sums *s = of;
+  const lcp_wide_columns *c = s->c;
+  const lcp_factored *f = c->M->factored;
+  (void)hand;
+  for (int b = part * SHARE; b < end_of(part, f->n_body); b++) {
+    long double *force = c->force + f->dof_start[b];
+    for (int k = 0; k < dofs(f, b); k++) {
+      force[k] = 0;
+    }
+    for (int k = c->group_start[b]; k < c->group_start[b + 1]; k++) {
+      const int g = c->group[k];
+      push(f, g, (f->body[2 * (ptrdiff_t)g] == b) ? 0 : 1, s->z, force);
+    }
+    weigh(f, b, force, c->wj + f->dof_start[b]);
+  }
+}
+
+/* w += J wj of some groups. */
+static void share_product(void *of, int part, int hand) {
+  const sums *s = of;
+  const lcp_factored *f = s->c->M->factored;
+  (void)hand;
+  for (int g = part * SHARE; g < end_of(part, f->n_group); g++) {
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * (ptrdiff_t)g + side];
+      if (b >= 0) {
+        pull(f, g, side, s->c->wj + f->dof_start[b], s->w);
       }
     }
-    memcpy(force, c->wj, (size_t)n * sizeof *force);
   }
 }
 
 void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double *w) {
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
-  for (int d = 0; d < f->dof_start[f->n_body]; d++) {
-    c->force[d] = 0;
-  }
-  for (int g = 0; g < f->n_group; g++) {
-    push(c, g, z);
-  }
-  weigh_all(c);
-  for (int g = 0; g < f->n_group; g++) {
-    pull(c, g, w);
-  }
+  sums s = {.c = c, .z = z, .w = w};
+  base_share(shares(f->n_body), share_forces, &s);
+  base_share(shares(f->n_group), share_product, &s);
   for (int j = 0; S != NULL && j < c->M->n; j++) {
     for (int k = S->colptr[j]; k < S->colptr[j + 1]; k++) {
       w[S->rowind[k]] += (long double)S->val[k] * z[j];
@@ -305,21 +329,14 @@ BASE_CLONES static void add_mixed_sizes(const lcp_wide_columns *c, int g,
   }
 }
 
-/* x into c->x; false where double has no room for sums with it, or S couples rows of several groups. */
-static bool fits(lcp_wide_columns *c, const long double *x) {
+/* Can column j be summed in double, group by group? Not where x has no room there, or S couples rows of several groups. */
+static bool fits(const lcp_wide_columns *c, const long double *x, int j) {
   const lcp_csc *S = c->M->factored->shift;
-  for (int j = 0; j < c->M->n; j++) {
-    c->x[j] = (double)x[j];
-    if (!(x[j] == 0 || (x[j] > 1e-200L && x[j] < 1e200L))) {
-      return false;
-    }
-    for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && k < S->colptr[j + 1]; k++) {
-      if (c->group_of[S->rowind[k]] != c->group_of[j]) {
-        return false;
-      }
-    }
+  bool fit = x[j] == 0 || (x[j] > 1e-200L && x[j] < 1e200L);
+  for (int k = (S != NULL) ? S->colptr[j] : 0; S != NULL && fit && k < S->colptr[j + 1]; k++) {
+    fit = c->group_of[S->rowind[k]] == c->group_of[j];
   }
-  return true;
+  return fit;
 }
 
 /* Groups from .. end-1. */
@@ -346,29 +363,25 @@ BASE_CLONES static void sizes_by_groups(const lcp_wide_columns *c, const lcp_wid
   }
 }
 
-typedef struct sums {
-  lcp_wide_columns *c;
-  long double *size;
-  double *d;
-} sums;
-
 static void share_sizes(void *of, int part, int hand) {
   const sums *s = of;
-  const int from = part * SHARE, n = s->c->M->factored->n_group;
-  sizes_by_groups(s->c, &s->c->of[hand], from, (from + SHARE < n) ? from + SHARE : n, s->size);
-}
-
-static int shares(const lcp_factored *f) {
-  return (f->n_group + SHARE - 1) / SHARE;
+  sizes_by_groups(s->c, &s->c->of[hand], part * SHARE, end_of(part, s->c->M->factored->n_group),
+                  s->size);
 }
 
 void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size) {
-  if (fits(c, x)) {
-    sums s = {.c = c, .size = size};
-    base_share(shares(c->M->factored), share_sizes, &s);
-    return;
-  }
+  sums s = {.c = c, .size = size};
+  bool all = true;
   for (int j = 0; j < c->M->n; j++) {
+    const bool fit = fits(c, x, j);
+    c->x[j] = fit ? (double)x[j] : 0;
+    all = all && fit;
+  }
+  base_share(shares(c->M->factored->n_group), share_sizes, &s);
+  for (int j = 0; !all && j < c->M->n; j++) {
+    if (x[j] == 0 || fits(c, x, j)) {
+      continue;
+    }
     const lcp_wide_column col = lcp_wide_columns_at(c, j);
     for (int k = 0; k < col.count; k++) {
       size[col.row[k]] += fabsl(col.val[k]) * x[j];
@@ -382,7 +395,7 @@ static void share_diagonal(void *of, int part, int hand) {
   double *d = ((const sums *)of)->d;
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
-  const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
+  const int from = part * SHARE, end = end_of(part, f->n_group);
   (void)hand;
   for (int j = f->row_start[from]; j < f->row_start[end]; j++) {
     long double sum = 0;
@@ -403,7 +416,6 @@ static void share_diagonal(void *of, int part, int hand) {
 }
 
 void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
-  sums s = {.c = c};
-  s.d = d;
-  base_share(shares(c->M->factored), share_diagonal, &s);
+  sums s = {.c = c, .d = d};
+  base_share(shares(c->M->factored->n_group), share_diagonal, &s);
 }

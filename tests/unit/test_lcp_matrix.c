@@ -160,15 +160,16 @@ static void rho_ignores_scaling(void **state) {
   assert_true(a.rho == b.rho);
 }
 
-/* The sums over a factored matrix against its columns, and the verdict on it against that on its dense copy. */
-static void judge_factors(const fixture *x) {
+/* The sums over a factored matrix against its columns, and the verdict on it against that on its dense copy. Every `few`th entry of
+ * z is `tiny` times as large. */
+static void judge_factors(const fixture *x, int few, double tiny) {
   base_error err = {0};
   lcp_wide_columns c;
   double dense[N_ROW * N_ROW], z[N_ROW], q[N_ROW], d[N_ROW];
   long double size_of[N_ROW], w[N_ROW] = {0}, size[N_ROW] = {0};
   long double want[N_ROW] = {0}, sizes[N_ROW] = {0};
   for (int i = 0; i < N_ROW; i++) {
-    z[i] = (i % 3 == 2) ? 0.0 : 0.3 * i - 1.1;
+    z[i] = ((i % 3 == 2) ? 0.0 : 0.3 * i - 1.1) * ((i % few == 0) ? tiny : 1.0);
     q[i] = 0.7 - 0.2 * i;
     size_of[i] = fabs(z[i]);
   }
@@ -201,13 +202,21 @@ static void judge_factors(const fixture *x) {
   check_close(a.comp, b.comp, 1e-14);
 }
 
+/* With entries that sums in double have no room for, some of them or all. */
 static void judge_reads_factors(void **state) {
+  static const struct {
+    int few;
+    double tiny;
+  } given[] = {{1, 1.0}, {5, 1e-230}, {2, 1e-310}, {1, 1e-250}};
+  const lcp_csc own = {N_ROW, N_ROW, own_ptr, own_row, own_val};
   (void)state;
-  fixture x;
-  build(&x);
-  judge_factors(&x);
-  build_on(&x, alone, (lcp_csc){N_ROW, N_ROW, own_ptr, own_row, own_val});
-  judge_factors(&x);
+  for (int k = 0; k < BASE_COUNT(given); k++) {
+    fixture x;
+    build(&x);
+    judge_factors(&x, given[k].few, given[k].tiny);
+    build_on(&x, alone, own);
+    judge_factors(&x, given[k].few, given[k].tiny);
+  }
 }
 
 /* tau0 / d is beyond double: z = 0 leaves w = q, which solves q = 1 and not q = -1, whose row has the scale 1 + 1. */
