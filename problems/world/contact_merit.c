@@ -1,5 +1,7 @@
 #include "problems/world/contact_merit.h"
 
+#include "lcp/base/crew.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -221,39 +223,76 @@ static void judge_joints(const contact_set *c, const double *v_next, const doubl
   out->joint_rel = (speed > 0) ? beyond / speed : 0;
 }
 
-base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
-                             const double *bias, contact_merit *out, base_error *err) {
-  *out = (contact_merit){0};
-  const size_t rows = (size_t)c->n_row;
-  double *u = malloc((2 * rows + (size_t)c->n_dof + 1) * sizeof *u);
-  if (u == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "physical residual: no memory for %zu rows", rows);
-  }
-  double *u_free = u + rows;
-  contact_relative_velocity(c, v_next, c->u_drift, u);
-  contact_relative_velocity(c, c->v_free, c->u_drift, u_free);
-  double speed = 0;
-  double strongest = 0; /* largest mu l_n, or l_n where there is torsion or rolling only */
-  for (int i = 0; i < c->n_contact; i++) {
+/* Of CONTACT_SHARE contacts. */
+typedef struct merit_part {
+  contact_merit at;
+  double speed, strongest; /* largest mu l_n, or l_n where there is torsion or rolling only */
+} merit_part;
+
+typedef struct merits {
+  const contact_set *c;
+  const double *impulse, *bias, *u, *u_free;
+  merit_part *part;
+} merits;
+
+static void share_contacts(void *of, int part, int hand) {
+  const merits *s = of;
+  const contact_set *c = s->c;
+  merit_part *m = &s->part[part];
+  const int end = (part + 1) * CONTACT_SHARE;
+  (void)hand;
+  *m = (merit_part){0};
+  for (int i = part * CONTACT_SHARE; i < end && i < c->n_contact; i++) {
     const int row = c->row_start[i];
     const int n = c->row_start[i + 1] - row;
     bool pushed = false;
     for (int k = 0; k < n; k++) {
-      pushed = pushed || impulse[row + k] != 0;
+      pushed = pushed || s->impulse[row + k] != 0;
       const bool tangent = k <= c->rows[i].tangent;
-      speed = fmax(speed, tangent ? fmax(fabs(u[row + k]), fabs(u_free[row + k])) : 0);
+      const double fastest = fmax(fabs(s->u[row + k]), fabs(s->u_free[row + k]));
+      m->speed = fmax(m->speed, tangent ? fastest : 0);
     }
-    if (bias[i] < HUGE_VAL || pushed) {
-      const double b = (bias[i] < HUGE_VAL) ? bias[i] : 0;
-      judge_contact(c, i, b, impulse + row, u + row, out);
+    if (s->bias[i] < HUGE_VAL || pushed) {
+      const double b = (s->bias[i] < HUGE_VAL) ? s->bias[i] : 0;
+      judge_contact(c, i, b, s->impulse + row, s->u + row, &m->at);
       const cone k = cone_of(c, i, c->mu_static[i]);
-      strongest = (k.n_part > 0) ? fmax(strongest, k.mu[0] * impulse[row]) : strongest;
+      m->strongest = (k.n_part > 0) ? fmax(m->strongest, k.mu[0] * s->impulse[row]) : m->strongest;
     }
+  }
+}
+
+static void judge_contacts(merits *s, contact_merit *out) {
+  const int parts = contact_shares(s->c->n_contact);
+  double speed = 0, strongest = 0;
+  base_share(parts, share_contacts, s);
+  for (int k = 0; k < parts; k++) {
+    const merit_part *m = &s->part[k];
+    out->ncp = fmax(out->ncp, m->at.ncp);
+    out->normal = fmax(out->normal, m->at.normal);
+    out->cone = fmax(out->cone, m->at.cone);
+    out->dissipation += m->at.dissipation;
+    speed = fmax(speed, m->speed);
+    strongest = fmax(strongest, m->strongest);
   }
   out->ncp_rel = (speed > 0) ? out->ncp / speed : 0;
   out->cone_rel = (strongest > 0) ? out->cone / strongest : 0;
+}
+
+base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
+                             const double *bias, contact_merit *out, base_error *err) {
+  *out = (contact_merit){0};
+  const size_t rows = (size_t)c->n_row, parts = (size_t)contact_shares(c->n_contact);
+  double *u = malloc((2 * rows + (size_t)c->n_dof + 1) * sizeof *u + parts * sizeof(merit_part));
+  if (u == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "physical residual: no memory for %zu rows", rows);
+  }
+  double *u_free = u + rows, *force = u_free + rows;
+  contact_relative_velocity(c, v_next, c->u_drift, u);
+  contact_relative_velocity(c, c->v_free, c->u_drift, u_free);
+  merits s = {c, impulse, bias, u, u_free, (merit_part *)(force + c->n_dof + 1)};
+  judge_contacts(&s, out);
   judge_joints(c, v_next, u, out);
-  out->momentum = momentum_residual(c, impulse, v_next, u_free + rows);
+  out->momentum = momentum_residual(c, impulse, v_next, force);
   free(u);
   return BASE_OK;
 }

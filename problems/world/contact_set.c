@@ -1,5 +1,7 @@
 #include "problems/world/contact_set.h"
 
+#include "lcp/base/crew.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -120,22 +122,38 @@ static const double *add_product(const double *A, int rows, int n, const double 
   return A;
 }
 
-void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
-                               double *u) {
-  for (int g = 0; g < c->n_group; g++) {
+typedef struct velocities {
+  const contact_set *c;
+  const double *v, *u_drift;
+  double *u;
+} velocities;
+
+/* Of the rows of some groups. */
+static void share_velocities(void *of, int part, int hand) {
+  const velocities *s = of;
+  const contact_set *c = s->c;
+  const int end = (part + 1) * CONTACT_SHARE;
+  (void)hand;
+  for (int g = part * CONTACT_SHARE; g < end && g < c->n_group; g++) {
     const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
     const double *jac = c->jac + c->jac_start[g];
     for (int r = first; r < first + rows; r++) {
-      u[r] = (u_drift != NULL) ? u_drift[r] : 0.0;
+      s->u[r] = (s->u_drift != NULL) ? s->u_drift[r] : 0.0;
     }
-    for (int s = 0; s < 2; s++) {
-      const int b = c->body[2 * g + s];
+    for (int side = 0; side < 2; side++) {
+      const int b = c->body[2 * g + side];
       if (b >= 0) {
         const int d = c->dof_start[b];
-        jac = add_product(jac, rows, c->dof_start[b + 1] - d, v + d, u + first);
+        jac = add_product(jac, rows, c->dof_start[b + 1] - d, s->v + d, s->u + first);
       }
     }
   }
+}
+
+void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
+                               double *u) {
+  velocities s = {c, v, u_drift, u};
+  base_share(contact_shares(c->n_group), share_velocities, &s);
 }
 
 /* The normal speed of contact i with the free velocity [m/s], positive when it opens. */
