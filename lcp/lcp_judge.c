@@ -5,6 +5,7 @@
  * includes none (scripts/check_layers.sh); what both rest on is the problem itself and the geometry of its cone. */
 #include "lcp/lcp_judge.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_wide_column.h"
 
@@ -191,26 +192,72 @@ static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
   v->comp += fabs(work);
 }
 
-static void judge_all(const judge *j, lcp_verdict *v) {
-  const lcp_problem *p = j->p;
-  double q_max = 0.0;
-  for (int i = 0; i < p->M.n; i++) {
-    q_max = fmax(q_max, fabs(p->q[i]));
-    if (p->block == NULL) {
-      judge_row(j, LCP_ORTHANT, i, v);
+enum { SHARE = 256 }; /* blocks, or rows, of one part of the work */
+
+static int shares(int count) {
+  return (count + SHARE - 1) / SHARE;
+}
+
+static int end_of(int part, int count) {
+  const int end = (part + 1) * SHARE;
+  return (end < count) ? end : count;
+}
+
+typedef struct verdicts {
+  const judge *j;
+  lcp_verdict *part;
+} verdicts;
+
+/* Some blocks of the problem; some rows where it has none. */
+static void share_verdict(void *of, int part, int hand) {
+  const verdicts *s = of;
+  const lcp_problem *p = s->j->p;
+  lcp_verdict *v = &s->part[part];
+  const bool blocks = p->block != NULL;
+  (void)hand;
+  for (int k = part * SHARE; k < end_of(part, blocks ? p->n_block : p->M.n); k++) {
+    if (!blocks) {
+      judge_row(s->j, LCP_ORTHANT, k, v);
+      continue;
     }
-  }
-  for (int k = 0; p->block != NULL && k < p->n_block; k++) {
     const lcp_block *b = &p->block[k];
     if (b->set == LCP_CONE) {
-      judge_cone(j, b, v);
+      judge_cone(s->j, b, v);
       continue;
     }
     for (int i = b->start; i < b->start + b->size; i++) {
-      judge_row(j, b->set, i, v);
+      judge_row(s->j, b->set, i, v);
     }
   }
+}
+
+static void add_verdict(lcp_verdict *v, const lcp_verdict *part) {
+  v->rho = fmax(v->rho, part->rho);
+  note_natural(v, part->natural, part->natural_row);
+  v->min_map = fmax(v->min_map, part->min_map);
+  v->infeasible_z = fmax(v->infeasible_z, part->infeasible_z);
+  v->infeasible_w = fmax(v->infeasible_w, part->infeasible_w);
+  v->comp += part->comp;
+}
+
+static bool judge_all(const judge *j, lcp_verdict *v) {
+  const lcp_problem *p = j->p;
+  const int parts = shares((p->block != NULL) ? p->n_block : p->M.n);
+  double q_max = 0.0;
+  verdicts s = {j, calloc((size_t)parts + 1, sizeof *s.part)};
+  if (s.part == NULL) {
+    return false;
+  }
+  base_share(parts, share_verdict, &s);
+  for (int k = 0; k < parts; k++) {
+    add_verdict(v, &s.part[k]);
+  }
+  free(s.part);
+  for (int i = 0; i < p->M.n; i++) {
+    q_max = fmax(q_max, fabs(p->q[i]));
+  }
   v->natural_rel = v->natural / (1.0 + q_max);
+  return true;
 }
 
 /* Every residual is without bound: of a point that is not finite, or whose w leaves the range of double, or a scale that of
@@ -249,11 +296,11 @@ base_status lcp_judge(const lcp_problem *p, const double *z, lcp_verdict *out, b
   }
   if (s == BASE_OK) {
     measure(&j);
-    if (in_range(&j)) {
-      judge_all(&j, out);
-    } else {
+    if (!in_range(&j)) {
       *out = hopeless;
       out->finite = true;
+    } else if (!judge_all(&j, out)) {
+      s = BASE_FAIL(err, BASE_ENOMEM, "judge: no memory for %d rows", p->M.n);
     }
   }
   judge_close(&j);
