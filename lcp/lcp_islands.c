@@ -166,12 +166,17 @@ static void tell_times(lcp_islands *s, double begun, double cut, double done) {
                          .solve = unit * sum.solve};
 }
 
+base_status lcp_islands_cut_out_of(lcp_islands *s, const lcp_problem *p, double *z,
+                                   base_error *err) {
+  return lcp_islands_cut_problem(&s->cut, p, s->solver->by_factors, z, err);
+}
+
 base_status lcp_islands_solve(lcp_islands *s, const lcp_problem *p, double *z, lcp_result *res,
                               base_error *err) {
   const double begun = base_seconds();
   s->times = (lcp_times){0};
   BASE_TRY(lcp_solver_admits(s->solver, p, err));
-  BASE_TRY(lcp_islands_cut_problem(&s->cut, p, s->solver->by_factors, z, err));
+  BASE_TRY(lcp_islands_cut_out_of(s, p, z, err));
   BASE_TRY(grow(s, p->M.n, err));
   const double cut = base_seconds();
   base_share(s->cut.count, solve_island, s);
@@ -188,6 +193,12 @@ base_status lcp_islands_solve(lcp_islands *s, const lcp_problem *p, double *z, l
   }
   tell_times(s, begun, cut, base_seconds());
   return BASE_OK;
+}
+
+lcp_islands_view lcp_islands_at(const lcp_islands *s, int k) {
+  const int number = s->cut.by_size[k];
+  const islands_part *part = &s->cut.island[number];
+  return (lcp_islands_view){.number = number, .p = &part->p, .row = part->row};
 }
 
 int lcp_islands_count(const lcp_islands *s) {

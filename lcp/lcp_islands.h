@@ -26,6 +26,20 @@ void lcp_islands_close(lcp_islands *s); /* accepts NULL */
 base_status lcp_islands_solve(lcp_islands *s, const lcp_problem *p, double *z, lcp_result *res,
                               base_error *err);
 
+/* Finds and cuts out the islands alone, where p has its answer from elsewhere. z[n] goes with them. BASE_ENOMEM only. */
+base_status lcp_islands_cut_out_of(lcp_islands *s, const lcp_problem *p, double *z,
+                                   base_error *err);
+
+/* One of them, valid until the next problem. */
+typedef struct lcp_islands_view {
+  int number;           /* of the island */
+  const lcp_problem *p; /* its problem */
+  const int *row;       /* per row: in the whole problem; NULL where the island is all of it */
+} lcp_islands_view;
+
+/* k: 0 .. count-1, the largest first. */
+lcp_islands_view lcp_islands_at(const lcp_islands *s, int k);
+
 int lcp_islands_count(const lcp_islands *s);   /* of the last problem */
 int lcp_islands_largest(const lcp_islands *s); /* unknowns of its largest */
 lcp_times

@@ -1,5 +1,6 @@
 #include "lcp/lcp_islands_cut.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/lcp_column.h"
 #include "lcp/lcp_mixture.h"
 
@@ -40,6 +41,7 @@ static void layout(islands_cut *s, base_arena *a) {
   s->row_start = BASE_ARRAY(a, int, g + n);
   s->jac_start = BASE_ARRAY(a, int, g + n);
   s->body = BASE_ARRAY(a, int, 2 * g);
+  s->jac_at = BASE_ARRAY(a, int, g);
 }
 
 static int more(int have, int need) {
@@ -330,6 +332,29 @@ static int jac_size(const lcp_factored *f, int g) {
   return f->jac_start[g + 1] - f->jac_start[g];
 }
 
+/* Whose rows are copied where. */
+typedef struct group_copies {
+  islands_cut *s;
+  const lcp_factored *f;
+} group_copies;
+
+enum { SHARE = 64 }; /* groups of one part of the work */
+
+/* J of some groups. */
+static void share_groups(void *of, int part, int hand) {
+  const group_copies *c = of;
+  const lcp_factored *f = c->f;
+  const int end = (part + 1) * SHARE;
+  (void)hand;
+  for (int g = part * SHARE; g < end && g < f->n_group; g++) {
+    if (f->row_start[g + 1] > f->row_start[g]) {
+      double room[LCP_MIXED_MAX];
+      memcpy(c->s->jac + c->s->jac_at[g], lcp_factored_rows(f, g, room),
+             (size_t)jac_size(f, g) * sizeof *c->s->jac);
+    }
+  }
+}
+
 /* Groups that have rows; places of their arrays first, by island. */
 static void copy_groups(islands_cut *s, const lcp_factored *f) {
   int at = 0, pairs = 0, size = 0;
@@ -343,34 +368,35 @@ static void copy_groups(islands_cut *s, const lcp_factored *f) {
     pairs += 2 * own->n_group;
     own->n_group = 0;
   }
-  for (int pass = 0; pass < 2; pass++) {
-    for (int g = 0; g < f->n_group; g++) {
-      if (f->row_start[g + 1] == f->row_start[g]) {
-        continue;
-      }
-      lcp_factored *own = &s->island[s->number[s->block_of[f->row_start[g]]]].factored;
-      const ptrdiff_t to = (own->row_start - s->row_start) + own->n_group;
-      if (pass == 1) {
-        double room[LCP_MIXED_MAX];
-        memcpy(s->jac + (own->jac - s->jac) + s->jac_start[to], lcp_factored_rows(f, g, room),
-               (size_t)jac_size(f, g) * sizeof *s->jac);
-      }
-      s->row_start[to + 1] = s->row_start[to] + f->row_start[g + 1] - f->row_start[g];
-      s->jac_start[to + 1] = s->jac_start[to] + jac_size(f, g);
-      for (int side = 0; side < 2; side++) {
-        const int b = f->body[2 * (ptrdiff_t)g + side];
-        s->body[(own->body - s->body) + 2 * (ptrdiff_t)own->n_group + side] =
-            moves(f, b) ? s->place[b] : -1;
-      }
-      own->n_group++;
+  for (int g = 0; g < f->n_group; g++) {
+    if (f->row_start[g + 1] == f->row_start[g]) {
+      continue;
     }
-    for (int k = 0; k < s->count && pass == 0; k++) {
-      lcp_factored *own = &s->island[k].factored;
-      own->jac = s->jac + size;
-      size += own->jac_start[own->n_group];
-      own->n_group = 0;
+    lcp_factored *own = &s->island[s->number[s->block_of[f->row_start[g]]]].factored;
+    const ptrdiff_t to = (own->row_start - s->row_start) + own->n_group;
+    s->jac_at[g] = s->jac_start[to]; /* in its island */
+    s->row_start[to + 1] = s->row_start[to] + f->row_start[g + 1] - f->row_start[g];
+    s->jac_start[to + 1] = s->jac_start[to] + jac_size(f, g);
+    for (int side = 0; side < 2; side++) {
+      const int b = f->body[2 * (ptrdiff_t)g + side];
+      s->body[(own->body - s->body) + 2 * (ptrdiff_t)own->n_group + side] =
+          moves(f, b) ? s->place[b] : -1;
+    }
+    own->n_group++;
+  }
+  for (int k = 0; k < s->count; k++) {
+    lcp_factored *own = &s->island[k].factored;
+    own->jac = s->jac + size;
+    size += own->jac_start[own->n_group];
+  }
+  for (int g = 0; g < f->n_group; g++) {
+    if (f->row_start[g + 1] > f->row_start[g]) {
+      const islands_part *part = &s->island[s->number[s->block_of[f->row_start[g]]]];
+      s->jac_at[g] += (int)(part->factored.jac - s->jac);
     }
   }
+  group_copies c = {s, f};
+  base_share((f->n_group + SHARE - 1) / SHARE, share_groups, &c);
 }
 
 static void cut_factors(islands_cut *s, const lcp_problem *p) {

@@ -27,6 +27,7 @@ typedef struct islands_cut {
   lcp_block *block;
   double *q, *lo, *hi, *z, *val, *jac, *weight;
   int *colptr, *rowind, *dof_start, *weight_start, *row_start, *body, *jac_start;
+  int *jac_at; /* n_group of the whole: where J of a group lies in jac */
   int n_node, cap_island;
   lcp_capacity cap; /* what the arrays hold */
   size_t cap_val;

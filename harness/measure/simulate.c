@@ -444,6 +444,7 @@ void sim_close(sim *s) {
   contact_memory_drop(&s->past);
   lcp_islands_close(s->islands);
   lcp_share_close(s->share);
+  lcp_share_parts_close(s->share_parts);
   formulation_close(s->form);
   contact_order_close(&s->order);
   own_answers_close(&s->own);

@@ -189,13 +189,15 @@ static void add_times(sim *s, const lcp_times *spent, size_t bytes) {
   s->out->workspace = bytes;
 }
 
+static base_status open_islands(sim *s, base_error *err) {
+  const solver_choice *by = s->q->solver;
+  return (s->islands != NULL) ? BASE_OK : lcp_islands_open(&s->islands, by->solver, by->opt, err);
+}
+
 /* Part by part; which solver and when is the same, and so is everything behind it. */
 static base_status solve_islands(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
-  const sim_request *q = s->q;
   sim_result *r = s->out;
-  if (s->islands == NULL) {
-    BASE_TRY(lcp_islands_open(&s->islands, q->solver->solver, q->solver->opt, err));
-  }
+  BASE_TRY(open_islands(s, err));
   BASE_TRY(lcp_islands_solve(s->islands, p, s->z, claim, err));
   const lcp_times spent = lcp_islands_times(s->islands);
   const int count = lcp_islands_count(s->islands), largest = lcp_islands_largest(s->islands);
@@ -220,7 +222,9 @@ static base_status solve_now(sim *s, const lcp_problem *p, lcp_result *claim, ba
 /* The solver's answer in s->z, from the solver or from the file of an earlier run. */
 static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_error *err) {
   if (s->q->replay != NULL) {
-    return answers_take(s->q->replay, p->M.n, s->z, claim, err);
+    BASE_TRY(answers_take(s->q->replay, p->M.n, s->z, claim, err));
+    BASE_TRY(s->q->islands ? open_islands(s, err) : BASE_OK);
+    return s->q->islands ? lcp_islands_cut_out_of(s->islands, p, s->z, err) : BASE_OK;
   }
   const base_status done = solve_now(s, p, claim, err);
   answers *store = s->q->store;
@@ -234,18 +238,42 @@ static base_status answer(sim *s, const lcp_problem *p, lcp_result *claim, base_
   return done;
 }
 
+/* Was p solved in parts that tell the choice as much as p does? Columns without factors do not. */
+static bool in_parts(const sim *s, const lcp_problem *p) {
+  return s->q->islands && lcp_islands_count(s->islands) > 1 &&
+         (p->M.factored == NULL || lcp_islands_at(s->islands, 0).p->M.factored != NULL);
+}
+
+static base_status share_in_parts(sim *s, const lcp_problem *p, const double *start,
+                                  lcp_share_result *made, base_error *err) {
+  if (s->share_parts == NULL) {
+    BASE_TRY(lcp_share_parts_open(&s->share_parts, err));
+  }
+  BASE_TRY(lcp_share_parts_apply(s->share_parts, s->islands, start, s->z, made, err));
+  if (takes_turns(s, p)) {
+    lcp_share_parts_rest(s->share_parts);
+  }
+  return BASE_OK;
+}
+
+static base_status share_whole(sim *s, const lcp_problem *p, const double *start,
+                               lcp_share_result *made, base_error *err) {
+  if (s->share == NULL) {
+    BASE_TRY(lcp_share_open(&s->share, err));
+  }
+  BASE_TRY(lcp_share_apply(s->share, p, start, s->z, made, err));
+  if (takes_turns(s, p)) {
+    lcp_share_rest(s->share);
+  }
+  return BASE_OK;
+}
+
 /* Of many answers the one that the problem asks for, in s->z; *moved: it is another than the solver's. */
 static base_status share(sim *s, const lcp_problem *p, bool *moved, base_error *err) {
   lcp_share_result made;
   const double from = base_seconds();
-  if (s->share == NULL) {
-    BASE_TRY(lcp_share_open(&s->share, err));
-  }
   const double *start = (s->q->start == FORM_PREVIOUS) ? s->started : NULL;
-  BASE_TRY(lcp_share_apply(s->share, p, start, s->z, &made, err));
-  if (takes_turns(s, p)) {
-    lcp_share_rest(s->share);
-  }
+  BASE_TRY((in_parts(s, p) ? share_in_parts : share_whole)(s, p, start, &made, err));
   s->out->time.share += base_seconds() - from;
   sim_result *r = s->out;
   if (made.deficit == LCP_SHARE_UNCOUNTED || r->deficit_max == LCP_SHARE_UNCOUNTED) {

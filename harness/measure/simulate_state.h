@@ -5,7 +5,7 @@
 #include "harness/measure/own_answers.h"
 #include "harness/measure/simulate.h"
 #include "lcp/lcp_islands.h"
-#include "lcp/share/lcp_share.h"
+#include "lcp/share/lcp_share_parts.h"
 
 /* What a solve came to. */
 typedef struct solved {
@@ -55,7 +55,8 @@ typedef struct sim {
   lcp_islands *islands; /* in its place, where asked for */
   contact_past past;    /* of the last formulation with a memory, at a change */
   const formulation *past_of;
-  lcp_share *share; /* opened with the first problem */
+  lcp_share *share;             /* opened with the first problem */
+  lcp_share_parts *share_parts; /* in its place, with the first one that is solved in parts */
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */

@@ -390,7 +390,8 @@ base_status lcp_share_apply(lcp_share *s, const lcp_problem *p, const double *st
   lcp_share_level_sizes(s);
   set_delta(s, most_soft);
   s->normals_regular = false;
-  s->counted = !(s->by_bodies && s->n_contact > most_counted);
+  const int contacts = (s->n_whole > 0) ? s->n_whole : s->n_contact;
+  s->counted = !(s->by_bodies && contacts > most_counted);
   if (s->counted) {
     BASE_TRY(rank_of_normals(s, known(s, start) != NULL, out, err));
   } else {

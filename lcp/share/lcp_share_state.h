@@ -47,6 +47,7 @@ struct lcp_share {
   bool *held;    /* cap_n: of a contact: lcp_share_note_held */
   int n_island;  /* contacts and joints not yet joined to an earlier one */
   int n_contact;
+  int n_whole; /* contacts of the problem of which this is an island; 0: it is all of it */
   int cap_n, cap_body;
   void *mem;            /* owned */
   const lcp_problem *p; /* view, with its factors for storage where by_bodies */

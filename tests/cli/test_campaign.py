@@ -268,9 +268,22 @@ def g6_other_shared_code_invalidates_all(d):
     assert ", 0 differ" in run("verify", d / "o").stdout
 
 
+def boxes(d):
+    """Three boxes beside each other on a floor, pushed aslant: four feet each."""
+    scene = {"id": "boxes", "dim": 3, "T": 0.05, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    box = {"shape": {"type": "box", "half": [0.5, 0.5, 0.5]}, "mass": 1, "quat": [1, 0, 0, 0]}
+    scene["bodies"] = [{"name": f"b{k}", "pos": [2.0 * k, 0, 0.5]} | box for k in range(3)]
+    push = {"type": "force_ramp", "dir": [0.8, 0.6, 0.0], "rate": 20.0}
+    scene |= {"loads": [{"body": f"b{k}"} | push for k in range(3)]}
+    scene |= {"friction": {"default": 0.5}, "observe": ["b0.pos"], "checks": [{"type": "finite"}]}
+    scene |= {"static": [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]}
+    (d / "boxes.json").write_text(json.dumps(scene), encoding="utf-8")
+    return d / "boxes.json"
+
+
 def kinds_of_cells(d):
     """A campaign with a cell of every kind: scenes, with other effects, started warm, of other
-    steps; files and families."""
+    steps, in islands; files and families."""
     matrix(d / "a.x", "2")
     more = """
   - name: variants
@@ -280,6 +293,11 @@ def kinds_of_cells(d):
     effects: [declared, all, "-friction"]
     starts: [cold, previous]
     steps: [0.005]
+  - name: islands
+    problems: ["%s"]
+    formulations: [velocity, coulomb]
+    solvers: [cone_newton]
+    islands: [off, on]
   - name: integrators
     problems: ["drop:duration=0.05"]
     formulations: [penalty, event]
@@ -292,6 +310,7 @@ def kinds_of_cells(d):
     problems: ["random_spd:n=20,seed=3"]
     solvers: ["pgs:max_iter=3", enumerate]
 """
+    more %= boxes(d)
     return campaign(d, SMALL + (FILES % d).split("parts:")[1] + more)
 
 

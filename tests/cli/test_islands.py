@@ -21,14 +21,16 @@ PAIRS = (
 )
 
 
-def columns(d: pathlib.Path, joined: bool = False) -> pathlib.Path:
-    """Stacks of boxes, no two alike, side by side on one floor; joined: a plank on all of them."""
+def columns(d: pathlib.Path, joined: bool = False, lift: float = 0.0) -> pathlib.Path:
+    """Stacks of boxes, no two alike, side by side on one floor; joined: a plank on all of them;
+    lift: the last lands first, so that the islands are numbered anew."""
     bodies, loads = [], []
     for c in range(COLUMNS):
         for k in range(HEIGHT):
             name = f"b{c}_{k}"
             shape = {"type": "box", "half": [0.5, 0.5, 0.5]}
-            place = {"pos": [3.0 * c, 0, 0.5 + k], "quat": [1, 0, 0, 0]}
+            up = lift * (COLUMNS - c)
+            place = {"pos": [3.0 * c, 0, 0.5 + k + up], "quat": [1, 0, 0, 0]}
             bodies.append({"name": name, "shape": shape, "mass": 1 + 0.1 * c} | place)
         push = {"type": "force_ramp", "body": f"b{c}_{HEIGHT - 1}", "dir": [0.8, 0.6, 0]}
         loads.append(push | {"rate": 20.0 + 10 * c})
@@ -41,7 +43,7 @@ def columns(d: pathlib.Path, joined: bool = False) -> pathlib.Path:
     scene |= {"friction": {"default": 0.5}, "restitution": {"default": 0.0}, "bodies": bodies}
     scene |= {"loads": loads, "static": [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]}
     scene |= {"observe": [f"b{c}_{HEIGHT - 1}.pos" for c in range(COLUMNS)], "checks": checks}
-    path = d / ("joined.json" if joined else "columns.json")
+    path = d / f"columns_{joined}_{lift}.json"
     path.write_text(json.dumps(scene), encoding="utf-8")
     return path
 
@@ -96,6 +98,22 @@ def what_is_one_part_is_shared_too(_: pathlib.Path) -> None:
         told = {(o["solution_hash"], o["n_iter"], o["status"], o["rho_max"]) for o in made}
         assert len(told) == 1, (scene, formulation, solver, told)
         assert made[0]["n_contact_max"] > 60, scene
+
+
+def impulses_are_chosen_in_each(d: pathlib.Path) -> None:
+    """Boxes on four feet each have many impulses: the islands' choices are those of the whole, by
+    any number of threads, also where contacts begin and end."""
+    for scene in (columns(d), columns(d, lift=0.001)):
+        for pair in (("velocity", "cone_newton"), ("coulomb", "cone_newton"), ("boxed", "newton")):
+            asked = (*words(scene, *pair), "--islands")
+            whole = run_json(*asked, "off")
+            made = [run_json(*asked, "on", "--threads", str(n)) for n in (1, 2, 4)]
+            assert made[0]["n_island"] > 1 and made[0]["verified"], (scene, pair)
+            assert len({o["solution_hash"] for o in made}) == 1, (scene, pair)
+            counts = [(o["n_shared"], o["n_share_missed"]) for o in (whole, *made)]
+            assert counts[0][0] > 0 and len(set(counts)) == 1, (scene, pair, counts)
+            for a, b in zip(seen(whole), seen(made[0]), strict=True):
+                assert abs(a - b) <= 1e-8 * (1 + abs(a)), (scene, pair, a, b)
 
 
 def order_of_contacts_moves_no_island(d: pathlib.Path) -> None:
@@ -170,6 +188,7 @@ tap(
         answers_are_those_of_the_whole,
         bits_do_not_depend_on_threads,
         what_is_one_part_is_shared_too,
+        impulses_are_chosen_in_each,
         order_of_contacts_moves_no_island,
         what_is_joined_is_one_island,
         islands_are_an_axis,
