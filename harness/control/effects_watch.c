@@ -4,6 +4,7 @@
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
+#include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,8 +16,13 @@ static const double noise =
 static const double small =
     1e-3; /* of the largest change: what changes less need not come in with it */
 
+enum { MOST_LEFT = 8 }; /* times that something is left out in motion: each may be taken back */
+
 static const double foreseen =
     2.0; /* of E: what would be passed by so much at the end need not be waited for */
+
+static const double moving =
+    1e-3; /* of the speed scale: by so much a body moves; less may be what a change of effects leaves */
 
 /* Scales of a scene. */
 typedef struct scales {
@@ -41,6 +47,13 @@ typedef struct watch {
   checkpoint clean;      /* nothing left out has acted up to here */
   sim_carrying carrying; /* of the last step */
   bool waits;            /* for contacts that stay, to leave something out */
+  bool moved; /* something that could meet anything has, since effects were last left out at rest */
+  /* Contacts that carried in the last step, when all that could meet anything lay still; 0: not all did. */
+  uint64_t lay;
+  uint64_t carried; /* the contacts that did, in the last step */
+  long next;        /* step from which on something may be left out in motion again, */
+  long pause;       /* and steps from there to the next try */
+  int left;         /* how often something was */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
@@ -143,6 +156,11 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
   BASE_TRY(checkpoint_return(&w->clean, w->s, w->record, err));
   w->result->repeated += reached - out->steps;
   w->off = (deviation){0};
+  w->moved = false; /* it may have been what was taken back */
+  w->lay = 0;
+  w->pause = 1;
+  w->next = reached + w->pause; /* not before what it came in for */
+  w->s->would_deviate = false;
   return change_effects(w, now, err);
 }
 
@@ -178,8 +196,9 @@ static unsigned with_gyroscopic(const sim_request *q, unsigned without) {
   return without | (((without & EFFECT_ROTATION) != 0) ? q->effects & EFFECT_GYROSCOPIC : 0u);
 }
 
-/* What is sure to act in the next step, and by more than E, needs no step to tell. *touches: a contact is closed. */
-static base_status foresee(watch *w, unsigned *acts, bool *touches, base_error *err) {
+/* What is sure to act in the next step, and by more than E, to the end of the run if it is `lasting`, needs no step to tell.
+ * *touches: a contact is closed. */
+static base_status foresee(watch *w, bool lasting, unsigned *acts, bool *touches, base_error *err) {
   contact_set set;
   const double h = step_of(w->q, w->s->out->steps);
   BASE_TRY(world_contacts(w->s->w, h, -1.0, &set, err));
@@ -189,31 +208,88 @@ static base_status foresee(watch *w, unsigned *acts, bool *touches, base_error *
   }
   world_foreseen(w->s->w, w->result->watched, w->s->omitted);
   w->s->steady = true; /* what is sure to come does not count on growth */
-  const bool enough = add_step(w, h) && end_bound(w, 0.0) > w->result->level;
+  const bool any = add_step(w, h);
+  const bool enough = any && end_bound(w, lasting ? w->off.change : 0.0) > w->result->level;
   *acts = enough ? acted(&w->off, small) : 0u;
   w->off = (deviation){0};
   return BASE_OK;
 }
 
-/* The same contacts carried twice: what does not move, and is not foreseen to act, is left out from here on. Once a run. */
-static base_status leave_out(watch *w, base_error *err) {
-  const sim *s = w->s;
-  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
+/* Less of what the run may do without, from here on: what does not move, and is not foreseen to act. */
+static base_status leave_out(watch *w, bool lasting, base_error *err) {
+  const unsigned in = w->result->watched & w->s->effects;
   unsigned acts;
   bool touches;
+  BASE_TRY(foresee(w, lasting, &acts, &touches, err));
+  unsigned without = in & candidates & ~acts;
+  without &= ~world_moves(w->s->w, without, least_change(w));
+  without = with_gyroscopic(w->q, without);
+  return (without != 0) ? change_effects(w, w->s->effects & ~without, err) : BASE_OK;
+}
+
+/* The same contacts carried twice, after a beginning without any. Once a run. */
+static base_status leave_at_contact(watch *w, base_error *err) {
+  const sim *s = w->s;
+  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
   w->carrying = s->carrying;
-  if (!stay || s->out->steps == s->out->steps_planned) {
+  if (!stay) {
     return BASE_OK;
   }
   w->waits = false;
-  const double from = base_seconds();
-  BASE_TRY(foresee(w, &acts, &touches, err));
-  unsigned without = w->result->watched & candidates & ~acts;
-  without &= ~world_moves(s->w, without, least_change(w));
-  if (without != 0) {
-    BASE_TRY(change_effects(w, w->q->effects & ~with_gyroscopic(w->q, without), err));
+  return leave_out(w, false, err);
+}
+
+/* All that could meet anything lies still, on the same contacts as a step before: what came in goes. What comes in again from rest
+ * stays in until something of it has moved. */
+static bool lies(watch *w) {
+  const sim *s = w->s;
+  const double speed = world_meeting_speed(s->w);
+  const uint64_t before = w->lay;
+  w->moved = w->moved || speed > moving * w->scale.speed;
+  w->lay = (speed <= least_change(w) && s->carrying.n > 0) ? s->carrying.ids : 0;
+  const bool so = w->moved && w->lay != 0 && w->lay == before;
+  w->moved = w->moved && !so;
+  return so;
+}
+
+/* The step just taken was on the same contacts as the one before, and no deviation would have grown in it. That is asked for ever
+ * more seldom. */
+static bool is_calm(watch *w, bool stay) {
+  sim *s = w->s;
+  const bool asked = s->would_deviate, calm = asked && stay && s->steady;
+  const long now = s->out->steps;
+  if (asked) {
+    w->pause *= 2;
+    w->next = now + w->pause;
   }
-  s->out->time.watch += base_seconds() - from;
+  s->would_deviate = !asked && stay && now >= w->next && w->left < MOST_LEFT;
+  w->left += calm;
+  return calm;
+}
+
+/* What came in goes where nothing left out has acted and all lies still, or what it will have done by the end is foreseen to be less
+ * than E: it came in at an impact that is over. */
+static base_status leave_again(watch *w, base_error *err) {
+  const sim *s = w->s;
+  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carried;
+  w->carried = s->carrying.ids;
+  const bool still = lies(w);
+  if ((w->result->watched & s->effects & candidates) == 0 || w->off.speed > 0.0 ||
+      w->result->plan.n + 2 > EFFECTS_SPANS) {
+    w->s->would_deviate = false;
+    return BASE_OK;
+  }
+  return (still || is_calm(w, stay)) ? leave_out(w, true, err) : BASE_OK;
+}
+
+/* What the step just taken shows not to be called for any more. */
+static base_status leave(watch *w, base_error *err) {
+  if (w->result->watched == 0 || w->s->out->steps == w->s->out->steps_planned) {
+    return BASE_OK;
+  }
+  const double from = base_seconds();
+  BASE_TRY((w->waits ? leave_at_contact : leave_again)(w, err));
+  w->s->out->time.watch += base_seconds() - from;
   return BASE_OK;
 }
 
@@ -226,7 +302,7 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   s->off = (sim_deviation){w->off.speed, w->off.place};
   if (s->watched == 0) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
-    return w->waits && *taken ? leave_out(w, err) : BASE_OK;
+    return *taken ? leave(w, err) : BASE_OK;
   }
   double from;
   if (w->off.speed == 0.0) {
@@ -237,9 +313,9 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   }
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
-  const base_status done = judge(w, h, taken, err);
+  BASE_TRY(judge(w, h, taken, err));
   out->time.watch += base_seconds() - from;
-  return done;
+  return leave(w, err);
 }
 
 /* Before contacts touch, or joints are rows, leaving out saves nothing: everything is in but what the formulation does not
@@ -252,7 +328,7 @@ static base_status begin(watch *w, base_error *err) {
   if (w->result->watched == 0) {
     return BASE_OK;
   }
-  BASE_TRY(foresee(w, &acts, &touches, err));
+  BASE_TRY(foresee(w, false, &acts, &touches, err));
   w->waits = !touches && (q->effects & EFFECT_JOINTS) == 0;
   const unsigned in = w->result->watched & (w->waits ? ~q->form->form->lacks : acts);
   const base_status done = (in != 0) ? change_effects(w, w->s->effects | in, err) : BASE_OK;
@@ -290,7 +366,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   result->plan.n = 1;
   result->plan.span[0].effects = first.effects = q->effects & ~result->watched;
   first.plan = NULL;
-  watch w = {.s = &s, .q = q, .record = record, .result = result};
+  watch w = {.s = &s, .q = q, .record = record, .result = result, .next = LONG_MAX};
   base_status done = sim_open(&s, &first, record, out, err);
   if (done == BASE_OK) {
     w.scale = scales_of(q, s.w);

@@ -24,7 +24,13 @@
  *
  * Then the run goes back to the last step up to which nothing left out had acted, and goes on from there with the effects that
  * had most, or at a change of contacts with those that had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. Nothing is guessed from
- * a part of the run, and nothing is watched once everything is in. An effect that was left out and came in stays.
+ * a part of the run, and nothing is watched once everything is in.
+ *
+ * What came in is left out again, while nothing else that is left out has acted,
+ *
+ *   - at rest: all that could meet anything lies still, on the same contacts in two steps, and something of it has moved before; or
+ *   - behind an impact that it came in for: contacts stay, r = 0, and what it is foreseen to do to the end of the run is less
+ *     than E. This is asked for after 1, 2, 4, ... steps, and done 8 times a run at most.
  *
  * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
  * step by themselves, and generalised coordinates, have everything in. */

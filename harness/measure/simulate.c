@@ -226,8 +226,9 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
  * contacts' hash of the step before. */
 static void note_omitted(sim *s, const formulation_answer *a, uint64_t carried) {
   double speed = s->off.speed;
-  s->steady = world_omitted(s->w, s->watched | s->effects, s->off.speed > 0.0, a->v_next,
-                            a->impulse, s->omitted);
+  const bool deviates = s->off.speed > 0.0 || s->would_deviate;
+  s->steady =
+      world_omitted(s->w, s->watched | s->effects, deviates, a->v_next, a->impulse, s->omitted);
   for (int e = 0; e < EFFECT_COUNT; e++) {
     speed += s->omitted[e];
   }
@@ -266,7 +267,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   s->out->hash = sim_hash(s->out->hash, a.v_next, set.n_dof);
 
   from = base_seconds();
-  if (s->watched != 0) {
+  if (s->watched != 0 || s->would_deviate) {
     note_omitted(s, &a, carried);
     lap(&t->watch, &from);
   }

@@ -61,6 +61,7 @@ typedef struct sim {
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
   sim_deviation off;            /* before the step */
+  bool would_deviate;           /* `steady` is asked for as if something did */
   double omitted[EFFECT_COUNT]; /* the answer for the last step [m/s] */
   bool steady,
       alike; /* and whether deviations keep their velocity in it; contacts act alike with them */

@@ -98,7 +98,7 @@ double world_saved_unsteady(const world *w, const saved_step *before, const save
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the
  * step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
  * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. True: bodies that
- * deviated before the step (`deviates`: some may) deviate by no more velocity after it (world_steady); false where nothing changes and none deviates, which is not asked then. */
+ * deviated before the step (`deviates`: some may, or would) deviate by no more velocity after it (world_steady); false where nothing changes and none deviates, which is not asked then. */
 bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
                    const double *impulse, double change[EFFECT_COUNT]);
 /* In a step of which world_omitted says that deviations keep their velocity: do contacts act alike on bodies that are elsewhere by at most
@@ -126,6 +126,8 @@ void world_momentum(const world *w, double p[3]);
 void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
+/* Bound of the speed of every point of every body that could meet another side in the last step [m/s]. */
+double world_meeting_speed(const world *w);
 double
 world_surface_speed(const world *w); /* bound of the speed of every point of every body [m/s] */
 /* Largest ratio, over the pairs that may collide, of the speed at which two sides come nearer at most to the

@@ -198,6 +198,19 @@ double world_max_speed(const world *w) {
   return best;
 }
 
+double world_meeting_speed(const world *w) {
+  double best = 0.0;
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const contact_item *c = &w->store.item[w->store.key[i].item];
+    const int side[2] = {c->a, c->b};
+    for (int k = 0; k < 2; k++) {
+      const body *b = (side[k] < w->n_body) ? &w->body[side[k]] : NULL;
+      best = (b != NULL) ? fmax(best, v3_norm(b->v) + b->bound * v3_norm(b->v + 3)) : best;
+    }
+  }
+  return best;
+}
+
 double world_surface_speed(const world *w) {
   double best = 0.0;
   for (int i = 0; i < w->n_body; i++) {

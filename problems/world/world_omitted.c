@@ -137,7 +137,7 @@ bool world_omitted(const world *w, unsigned effects, bool deviates, const double
                    const double *impulse, double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
   memset(change, 0, EFFECT_COUNT * sizeof *change);
-  if (w->model != NULL || omitted == 0) {
+  if (w->model != NULL || (omitted == 0 && !deviates)) {
     return false;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));

@@ -120,10 +120,17 @@ bool world_stands(const world *w, unsigned effects, const double *impulse) {
          world_feet_balanced(w, &s, scale);
 }
 
+/* A ball that turns is where it was; about an axis that is locked it is not what it would be. */
+static unsigned turned_by(const world *w, int i, unsigned effects) {
+  const unsigned axes = world_free_axes(w, i, effects);
+  const unsigned turns = world_free_axes(w, i, w->effects) & (unsigned)SPEC_ROT;
+  return world_is_ball(w, i) ? axes & ~turns : axes;
+}
+
 bool world_stands_firmly(const world *w, unsigned effects, const double *impulse) {
   feet s;
   double scale;
-  if (!world_feet_set_up(w, effects, impulse, world_free_axes, &s, &scale)) {
+  if (!world_feet_set_up(w, effects, impulse, turned_by, &s, &scale)) {
     return false;
   }
   press_all(w, &s);

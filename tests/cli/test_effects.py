@@ -29,6 +29,9 @@ def a_straight_slide_needs_neither_rotation_nor_space(_):
     assert abs(error[0] - error[1]) < 1e-6, error
 
 
+BOUNCES_OFF = "-friction/45:declared/49:-friction"
+
+
 def landing(d):
     """A box at rest, onto which a disc falls from one metre above it, with 1 m/s along it."""
     box = {"name": "a", "shape": {"type": "box", "half": [1, 0.1]}, "mass": 1.0, "pos": [0, 0.1]}
@@ -43,14 +46,15 @@ def landing(d):
 
 
 def what_matters_comes_in(d):
-    """Friction at the first step, taken once where that is foreseen; and with what lands."""
+    """Friction at the first step, taken once where that is foreseen; and with what lands, until it
+    has bounced off."""
     auto = simulate("spin", "auto:1e-6")
     assert (
         auto["effects_auto"]["dropped"] == ""
         and auto["effects_simulated"] == auto["effects_declared"]
     ), auto["effects_auto"]
     late = simulate(landing(d), "auto:1e-6")["effects_auto"]
-    assert late["repeat"] == "-friction/45:declared" and late["steps_repeated"] == 1, late
+    assert late["repeat"] == BOUNCES_OFF and late["steps_repeated"] == 1, late
     for scene in ("slide", "tip", "pit", "tablecloth"):
         foreseen = simulate(scene, "auto:1e-6")["effects_auto"]
         assert foreseen["steps_repeated"] == 0, (scene, foreseen)
@@ -89,9 +93,65 @@ def the_run_can_be_repeated_without_auto(d):
             assert auto["solution_hash"] == again["solution_hash"], (scene, form, auto)
             assert auto["effects_simulated"] == again["effects_simulated"], (scene, form)
     paths = [d / "auto.csv", d / "plan.csv"]
-    for path, effects in zip(paths, ("auto:1e-4", "-friction/45:declared"), strict=True):
+    for path, effects in zip(paths, ("auto:1e-4", BOUNCES_OFF), strict=True):
         simulate(landing(d), effects, more=("--trajectory", path))
     assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+def stopping(d, push=0.0):
+    """A box slides for 0.2 s and lies still until a ball lands on its edge, aslant; pushed by a
+    force below friction all the time."""
+    box = {"name": "a", "shape": {"type": "box", "half": [0.2, 0.2, 0.1]}, "mass": 1}
+    box |= {"pos": [0, 0, 0.1], "vel": [0.981, 0, 0]}
+    ball = {"name": "b", "shape": {"type": "sphere", "r": 0.05}, "mass": 0.2}
+    ball |= {"pos": [0.1, 0.3, 0.25 + 0.5 * 9.81 * 0.6**2], "vel": [0, -0.2, 0]}
+    floor = {"name": "floor", "normal": [0, 0, 1], "offset": 0}
+    scene = {"id": "stopping", "dim": 3, "T": 0.8, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene |= {"static": [floor], "bodies": [box, ball], "friction": {"default": 0.5}}
+    if push > 0:
+        scene["loads"] = [{"body": "a", "type": "constant_force", "force": [push, 0, 0]}]
+    path = d / f"stopping_{push}.json"
+    path.write_text(json.dumps(scene | {"observe": ["a.x", "a.y", "b.x", "b.z"]}))
+    return path
+
+
+def what_came_in_leaves_at_rest(d):
+    """Friction stops the box and goes; it comes in again with what lands, and stays while the box
+    is pushed."""
+    for form, solver in (("velocity", "lemke"), ("coulomb", "cone_newton")):
+        for push in (0.0, 1.0):
+            run = ("simulate", stopping(d, push), "--formulation", form, "--solver", solver)
+            whole = run_json(*run, "--effects", "declared")
+            auto = run_json(*run, "--effects", "auto:1e-6")
+            told = auto["effects_auto"]
+            spans = [s.split(":") for s in f"0:{told['repeat']}".split("/")]
+            friction = [(int(k), "-friction" not in text) for k, text in spans]
+            kept = [k for k, simulated in friction if not simulated]
+            assert friction[0][1] and friction[-1][1], told
+            assert (kept == []) == (push > 0) and all(20 < k < 30 for k in kept), told
+            assert 55 < int(spans[-1][0]) < 65 and told["steps_repeated"] < 6, told
+            again = run_json(*run, "--effects", told["repeat"])
+            assert again["solution_hash"] == auto["solution_hash"], told
+            for name, a in whole["observables"].items():
+                b = auto["observables"][name]["value"]
+                assert abs(a["value"] - b) <= 1e-6 * max(abs(a["value"]), 1.0), (name, a, b)
+
+
+def what_an_impact_called_in_leaves_behind_it(d):
+    """A box slides on ice and hits a ball: friction is in up to there, as what an impact makes of a
+    deviation is unknown, and goes when both slide on."""
+    rng = random.Random(7)
+    scene = [late_scene(rng) for _ in range(27)][-1]
+    assert scene["bodies"][1]["shape"]["type"] == "sphere"
+    (d / "hit.json").write_text(json.dumps(scene))
+    whole, auto = (simulate(d / "hit.json", e) for e in ("declared", "auto:1e-4"))
+    spans = auto["effects_auto"]["repeat"].split("/")
+    assert ["-friction" in s for s in spans] == [False] * (len(spans) - 1) + [True], spans
+    assert 5 < int(spans[-1].split(":")[0]) < 30, spans
+    again = simulate(d / "hit.json", "/".join(spans))
+    assert again["solution_hash"] == auto["solution_hash"]
+    for name, a in whole["observables"].items():
+        assert abs(a["value"] - auto["observables"][name]["value"]) <= 1e-4 * 0.086, name
 
 
 def nothing_given_is_lost_on_the_way(_):
@@ -211,6 +271,8 @@ tap(
         nothing_is_watched_before_contacts_touch,
         a_velocity_at_the_start_keeps_its_effect,
         the_run_can_be_repeated_without_auto,
+        what_came_in_leaves_at_rest,
+        what_an_impact_called_in_leaves_behind_it,
         nothing_given_is_lost_on_the_way,
         effects_change_in_the_run,
         what_is_small_in_a_step_adds_up,
