@@ -416,6 +416,7 @@ static void share_diagonal(void *of, int part, int hand) {
 }
 
 void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
-  sums s = {.c = c, .d = d};
+  sums s = {.c = c};
+  s.d = d;
   base_share(shares(c->M->factored->n_group), share_diagonal, &s);
 }

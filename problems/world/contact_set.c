@@ -152,7 +152,8 @@ static void share_velocities(void *of, int part, int hand) {
 
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u) {
-  velocities s = {c, v, u_drift, u};
+  velocities s = {.c = c, .v = v, .u_drift = u_drift};
+  s.u = u;
   base_share(contact_shares(c->n_group), share_velocities, &s);
 }
 
