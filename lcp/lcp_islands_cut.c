@@ -344,9 +344,8 @@ enum { SHARE = 64 }; /* groups of one part of the work */
 static void share_groups(void *of, int part, int hand) {
   const group_copies *c = of;
   const lcp_factored *f = c->f;
-  const int end = (part + 1) * SHARE;
   (void)hand;
-  for (int g = part * SHARE; g < end && g < f->n_group; g++) {
+  for (int g = part * SHARE; g < base_part_end(part, f->n_group, SHARE); g++) {
     if (f->row_start[g + 1] > f->row_start[g]) {
       double room[LCP_MIXED_MAX];
       memcpy(c->s->jac + c->s->jac_at[g], lcp_factored_rows(f, g, room),
@@ -396,7 +395,7 @@ static void copy_groups(islands_cut *s, const lcp_factored *f) {
     }
   }
   group_copies c = {s, f};
-  base_share((f->n_group + SHARE - 1) / SHARE, share_groups, &c);
+  base_share(base_parts(f->n_group, SHARE), share_groups, &c);
 }
 
 static void cut_factors(islands_cut *s, const lcp_problem *p) {

@@ -194,15 +194,6 @@ static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
 
 enum { SHARE = 256 }; /* blocks, or rows, of one part of the work */
 
-static int shares(int count) {
-  return (count + SHARE - 1) / SHARE;
-}
-
-static int end_of(int part, int count) {
-  const int end = (part + 1) * SHARE;
-  return (end < count) ? end : count;
-}
-
 typedef struct verdicts {
   const judge *j;
   lcp_verdict *part;
@@ -215,7 +206,7 @@ static void share_verdict(void *of, int part, int hand) {
   lcp_verdict *v = &s->part[part];
   const bool blocks = p->block != NULL;
   (void)hand;
-  for (int k = part * SHARE; k < end_of(part, blocks ? p->n_block : p->M.n); k++) {
+  for (int k = part * SHARE; k < base_part_end(part, blocks ? p->n_block : p->M.n, SHARE); k++) {
     if (!blocks) {
       judge_row(s->j, LCP_ORTHANT, k, v);
       continue;
@@ -242,7 +233,7 @@ static void add_verdict(lcp_verdict *v, const lcp_verdict *part) {
 
 static bool judge_all(const judge *j, lcp_verdict *v) {
   const lcp_problem *p = j->p;
-  const int parts = shares((p->block != NULL) ? p->n_block : p->M.n);
+  const int parts = base_parts((p->block != NULL) ? p->n_block : p->M.n, SHARE);
   double q_max = 0.0;
   verdicts s = {j, calloc((size_t)parts + 1, sizeof *s.part)};
   if (s.part == NULL) {

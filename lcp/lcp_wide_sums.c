@@ -12,15 +12,6 @@ static int dofs(const lcp_factored *f, int b) {
   return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
 }
 
-static int shares(int count) {
-  return (count + SHARE - 1) / SHARE;
-}
-
-static int end_of(int part, int count) {
-  const int end = (part + 1) * SHARE;
-  return (end < count) ? end : count;
-}
-
 /* Of all columns. */
 typedef struct sums {
   lcp_wide_columns *c;
@@ -71,7 +62,7 @@ static void share_forces(void *of, int part, int hand) {
   const lcp_wide_columns *c = s->c;
   const lcp_factored *f = c->M->factored;
   (void)hand;
-  for (int b = part * SHARE; b < end_of(part, f->n_body); b++) {
+  for (int b = part * SHARE; b < base_part_end(part, f->n_body, SHARE); b++) {
     long double *force = c->force + f->dof_start[b];
     for (int k = 0; k < dofs(f, b); k++) {
       force[k] = 0;
@@ -89,7 +80,7 @@ static void share_product(void *of, int part, int hand) {
   const sums *s = of;
   const lcp_factored *f = s->c->M->factored;
   (void)hand;
-  for (int g = part * SHARE; g < end_of(part, f->n_group); g++) {
+  for (int g = part * SHARE; g < base_part_end(part, f->n_group, SHARE); g++) {
     for (int side = 0; side < 2; side++) {
       const int b = f->body[2 * (ptrdiff_t)g + side];
       if (b >= 0) {
@@ -103,8 +94,8 @@ void lcp_wide_factored_product(lcp_wide_columns *c, const double *z, long double
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
   sums s = {.c = c, .z = z, .w = w};
-  base_share(shares(f->n_body), share_forces, &s);
-  base_share(shares(f->n_group), share_product, &s);
+  base_share(base_parts(f->n_body, SHARE), share_forces, &s);
+  base_share(base_parts(f->n_group, SHARE), share_product, &s);
   for (int j = 0; S != NULL && j < c->M->n; j++) {
     for (int k = S->colptr[j]; k < S->colptr[j + 1]; k++) {
       w[S->rowind[k]] += (long double)S->val[k] * z[j];
@@ -365,8 +356,8 @@ BASE_CLONES static void sizes_by_groups(const lcp_wide_columns *c, const lcp_wid
 
 static void share_sizes(void *of, int part, int hand) {
   const sums *s = of;
-  sizes_by_groups(s->c, &s->c->of[hand], part * SHARE, end_of(part, s->c->M->factored->n_group),
-                  s->size);
+  sizes_by_groups(s->c, &s->c->of[hand], part * SHARE,
+                  base_part_end(part, s->c->M->factored->n_group, SHARE), s->size);
 }
 
 void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long double *size) {
@@ -377,7 +368,7 @@ void lcp_wide_factored_sizes(lcp_wide_columns *c, const long double *x, long dou
     c->x[j] = fit ? (double)x[j] : 0;
     all = all && fit;
   }
-  base_share(shares(c->M->factored->n_group), share_sizes, &s);
+  base_share(base_parts(c->M->factored->n_group, SHARE), share_sizes, &s);
   for (int j = 0; !all && j < c->M->n; j++) {
     if (x[j] == 0 || fits(c, x, j)) {
       continue;
@@ -395,7 +386,7 @@ static void share_diagonal(void *of, int part, int hand) {
   double *d = ((const sums *)of)->d;
   const lcp_factored *f = c->M->factored;
   const lcp_csc *S = f->shift;
-  const int from = part * SHARE, end = end_of(part, f->n_group);
+  const int from = part * SHARE, end = base_part_end(part, f->n_group, SHARE);
   (void)hand;
   for (int j = f->row_start[from]; j < f->row_start[end]; j++) {
     long double sum = 0;
@@ -418,5 +409,5 @@ static void share_diagonal(void *of, int part, int hand) {
 void lcp_wide_factored_diagonal(lcp_wide_columns *c, double *d) {
   sums s = {.c = c};
   s.d = d;
-  base_share(shares(c->M->factored->n_group), share_diagonal, &s);
+  base_share(base_parts(c->M->factored->n_group, SHARE), share_diagonal, &s);
 }

@@ -27,3 +27,11 @@ int base_crew_size(void);
  * the crew at its service. */
 typedef void (*base_part)(void *context, int part, int hand);
 void base_share(int parts, base_part part, void *context);
+
+/* A range of `count` in parts of `size`: how many there are, and where one ends. */
+static inline int base_parts(int count, int size) {
+  return (count + size - 1) / size;
+}
+static inline int base_part_end(int part, int count, int size) {
+  return (count < (part + 1) * size) ? count : (part + 1) * size;
+}

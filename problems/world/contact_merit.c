@@ -239,10 +239,10 @@ static void share_contacts(void *of, int part, int hand) {
   const merits *s = of;
   const contact_set *c = s->c;
   merit_part *m = &s->part[part];
-  const int end = (part + 1) * CONTACT_SHARE;
+  const int end = base_part_end(part, c->n_contact, CONTACT_SHARE);
   (void)hand;
   *m = (merit_part){0};
-  for (int i = part * CONTACT_SHARE; i < end && i < c->n_contact; i++) {
+  for (int i = part * CONTACT_SHARE; i < end; i++) {
     const int row = c->row_start[i];
     const int n = c->row_start[i + 1] - row;
     bool pushed = false;
@@ -262,7 +262,7 @@ static void share_contacts(void *of, int part, int hand) {
 }
 
 static void judge_contacts(merits *s, contact_merit *out) {
-  const int parts = contact_shares(s->c->n_contact);
+  const int parts = base_parts(s->c->n_contact, CONTACT_SHARE);
   double speed = 0, strongest = 0;
   base_share(parts, share_contacts, s);
   for (int k = 0; k < parts; k++) {
@@ -281,7 +281,7 @@ static void judge_contacts(merits *s, contact_merit *out) {
 base_status contact_merit_at(const contact_set *c, const double *impulse, const double *v_next,
                              const double *bias, contact_merit *out, base_error *err) {
   *out = (contact_merit){0};
-  const size_t rows = (size_t)c->n_row, parts = (size_t)contact_shares(c->n_contact);
+  const size_t rows = (size_t)c->n_row, parts = (size_t)base_parts(c->n_contact, CONTACT_SHARE);
   double *u = malloc((2 * rows + (size_t)c->n_dof + 1) * sizeof *u + parts * sizeof(merit_part));
   if (u == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "physical residual: no memory for %zu rows", rows);

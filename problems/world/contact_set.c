@@ -132,9 +132,9 @@ typedef struct velocities {
 static void share_velocities(void *of, int part, int hand) {
   const velocities *s = of;
   const contact_set *c = s->c;
-  const int end = (part + 1) * CONTACT_SHARE;
+  const int end = base_part_end(part, c->n_group, CONTACT_SHARE);
   (void)hand;
-  for (int g = part * CONTACT_SHARE; g < end && g < c->n_group; g++) {
+  for (int g = part * CONTACT_SHARE; g < end; g++) {
     const int first = c->row_start[g], rows = c->row_start[g + 1] - first;
     const double *jac = c->jac + c->jac_start[g];
     for (int r = first; r < first + rows; r++) {
@@ -154,7 +154,7 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
                                double *u) {
   velocities s = {.c = c, .v = v, .u_drift = u_drift};
   s.u = u;
-  base_share(contact_shares(c->n_group), share_velocities, &s);
+  base_share(base_parts(c->n_group, CONTACT_SHARE), share_velocities, &s);
 }
 
 /* The normal speed of contact i with the free velocity [m/s], positive when it opens. */

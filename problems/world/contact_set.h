@@ -79,11 +79,8 @@ static inline int contact_dofs(const contact_set *c, int b) {
   return (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
 }
 
-/* Contacts, or groups, that one thread takes at a time where several share them (base/crew.h), and how often `count` has so many. */
+/* Contacts, or groups, that one thread takes at a time (base/crew.h). */
 enum { CONTACT_SHARE = 256 };
-static inline int contact_shares(int count) {
-  return (count + CONTACT_SHARE - 1) / CONTACT_SHARE;
-}
 
 /* Shapes, index ranges, finiteness, gap ordering by id. For readers, tests and the harness. */
 base_status contact_set_check(const contact_set *c, base_error *err);
