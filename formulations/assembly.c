@@ -1,6 +1,7 @@
 #include "formulations/assembly.h"
 
 #include "formulations/dof_kernel.h"
+#include "lcp/base/crew.h"
 
 #include <assert.h>
 #include <stdlib.h>
@@ -28,7 +29,7 @@ static void layout_rows(void *state, base_arena *m) {
   a->shift = BASE_ARRAY(m, double, s->dof);
   a->body_start = BASE_ARRAY(m, int, s->body + 2);
   a->body_group = BASE_ARRAY(m, int, 2 * (size_t)s->group);
-  a->jw = BASE_ARRAY(m, double, s->jw);
+  a->jw = BASE_ARRAY(m, double, (size_t)s->jw *(size_t)a->hands);
   a->rows = BASE_ARRAY(m, contact_rows, s->contact);
   a->turned = BASE_ARRAY(m, bool, s->contact);
   a->direction = BASE_ARRAY(m, form_direction, s->row);
@@ -70,7 +71,8 @@ static base_status grow(form_assembly *a, const contact_set *c, base_error *err)
   }
   struct form_assembly_size *s = &a->cap;
   if (a->mem != NULL && c->n_contact <= s->contact && c->n_group <= s->group &&
-      c->n_row <= s->row && c->n_dof <= s->dof && c->n_body <= s->body && widest <= s->jw) {
+      c->n_row <= s->row && c->n_dof <= s->dof && c->n_body <= s->body && widest <= s->jw &&
+      base_crew_size() <= a->hands) {
     return BASE_OK;
   }
   s->contact = larger(s->contact, c->n_contact);
@@ -79,6 +81,7 @@ static base_status grow(form_assembly *a, const contact_set *c, base_error *err)
   s->dof = larger(s->dof, c->n_dof);
   s->body = larger(s->body, c->n_body);
   s->jw = larger(s->jw, widest);
+  a->hands = base_crew_size();
   return form_memory(&a->mem, layout_rows, a, err);
 }
 
@@ -206,12 +209,12 @@ static inline void couple_side(const double *jw, const double *jac, int ri, int 
 }
 
 /* jw = J_i W for both sides of group i: rows x dofs of side 0, then of side 1. */
-static void weigh(form_assembly *a, const contact_set *c, int i) {
+static void weigh(const form_assembly *a, const contact_set *c, int i, double *jw) {
   const int g = a->group[i];
   const int rows = form_rows_of(a, i);
   const int all = c->row_start[g + 1] - c->row_start[g];
   const double *jac = c->jac + c->jac_start[g];
-  double *out = a->jw;
+  double *out = jw;
   for (int side = 0; side < 2; side++) {
     const int b = c->body[2 * g + side];
     const int n = contact_dofs(c, b);
@@ -223,14 +226,14 @@ static void weigh(form_assembly *a, const contact_set *c, int i) {
 }
 
 /* C_ij = sum over shared bodies of (J_i W) J_j', with J_i W in jw. */
-static void couple(const form_assembly *a, const contact_set *c, int i, int j, double *out) {
+static void couple(const form_assembly *a, const contact_set *c, int i, int j, const double *jw,
+                   double *out) {
   const int ri = form_rows_of(a, i);
   const int rj = form_rows_of(a, j);
   const int gi = a->group[i];
   const int gj = a->group[j];
   const int all = c->row_start[gj + 1] - c->row_start[gj];
   memset(out, 0, (size_t)ri * (size_t)rj * sizeof *out);
-  const double *jw = a->jw;
   for (int s = 0; s < 2; s++) {
     const int b = c->body[2 * gi + s];
     const int n = contact_dofs(c, b);
@@ -264,15 +267,15 @@ static inline void couple_upper(const double *jw, const double *jac, int rows, d
 }
 
 /* C_ii, with J_i W in jw. */
-static void couple_own(const form_assembly *a, const contact_set *c, int i, double *out) {
+static void couple_own(const form_assembly *a, const contact_set *c, int i, const double *jw,
+                       double *out) {
   const int g = a->group[i];
   const int *b = c->body + 2 * (ptrdiff_t)g;
   const int rows = form_rows_of(a, i);
   if (b[0] == b[1]) { /* the sides of one body couple */
-    couple(a, c, i, i, out);
+    couple(a, c, i, i, jw, out);
   } else {
     memset(out, 0, (size_t)rows * (size_t)rows * sizeof *out);
-    const double *jw = a->jw;
     const double *jac = c->jac + c->jac_start[g];
     for (int side = 0; side < 2; side++) {
       const int n = contact_dofs(c, b[side]);
@@ -286,17 +289,27 @@ static void couple_own(const form_assembly *a, const contact_set *c, int i, doub
 
 /* Upper blocks are computed, lower ones copied: C is symmetric to the last bit. The own block is
  * symmetrised the same way. */
-static void fill_blocks(form_assembly *a, const contact_set *c) {
+static void fill_all(form_assembly *a, const contact_set *c) {
   memcpy(a->cursor, a->near_start, (size_t)a->n_group * sizeof *a->cursor);
   for (int i = 0; i < a->n_group; i++) {
-    weigh(a, c, i);
-    couple_own(a, c, i, a->block + a->block_at[a->self[i]]);
+    weigh(a, c, i, a->jw);
+    couple_own(a, c, i, a->jw, a->block + a->block_at[a->self[i]]);
     for (int k = a->self[i] + 1; k < a->near_start[i + 1]; k++) {
       const int j = a->near[k];
       double *up = a->block + a->block_at[k];
-      couple(a, c, i, j, up);
+      couple(a, c, i, j, a->jw, up);
       mirror(up, form_rows_of(a, i), form_rows_of(a, j), a->block + a->block_at[a->cursor[j]++]);
     }
+  }
+}
+
+/* The diagonal alone: groups do not meet. */
+static void fill_own(void *of, int part, int hand) {
+  form_assembly *a = of;
+  double *jw = a->jw + (ptrdiff_t)hand * a->cap.jw;
+  for (int i = part * CONTACT_SHARE; i < base_part_end(part, a->n_group, CONTACT_SHARE); i++) {
+    weigh(a, a->set, i, jw);
+    couple_own(a, a->set, i, jw, a->block + a->block_at[a->self[i]]);
   }
 }
 
@@ -346,7 +359,11 @@ static base_status begin(form_assembly *a, const contact_set *c, form_rows rows,
   }
   BASE_TRY(link_groups(a, c, err));
   assert(form_assembly_is_linked(a));
-  fill_blocks(a, c);
+  if (a->own_only) {
+    base_share(base_parts(a->n_group, CONTACT_SHARE), fill_own, a);
+  } else {
+    fill_all(a, c);
+  }
   if (a->n_group == a->n_contact && !a->own_only) { /* with joints: where they are eliminated */
     form_assembly_know_locks(a);
     form_assembly_unblock(a);

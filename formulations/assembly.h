@@ -176,7 +176,8 @@ typedef struct form_assembly {
 
   int *body_start, *body_group; /* groups by body, scratch */
   int *cursor;                  /* n_group, scratch */
-  double *jw;                   /* scratch: J_i W of one group */
+  double *jw;                   /* scratch: J_i W of one group, for each of `hands` threads */
+  int hands;
 
   struct form_assembly_size {
     int contact, group, row, dof, body, near, jw;

@@ -1,6 +1,7 @@
 /* assembly_active.c - which contacts are active, with what bias, and their free velocities. */
 #include "formulations/assembly.h"
 #include "formulations/dof_kernel.h"
+#include "lcp/base/crew.h"
 
 #include <float.h>
 #include <math.h>
@@ -83,12 +84,13 @@ static inline double without_noise(double u, double size) {
   return (fabs(u) <= 4 * DBL_EPSILON * size) ? 0 : u;
 }
 
-/* u of the first `rows` rows of group g, of which the sums of the first `done` are known. `metres`: rows in
+/* u of the first `rows` rows of group g. `metres`: rows in
  * m/s, which share one error; it also gives that of spins behind them, which the impulses of the step
  * before have left, through the radius of gyration. */
-static void group_velocity(const contact_set *c, const group_rows *r, int g, int done, int rows,
-                           int metres, double *size, double *u) {
-  for (int i = done; i < rows; i++) {
+static void group_velocity(const contact_set *c, const group_rows *r, int g, int rows, int metres,
+                           double *u) {
+  double size[MOST_ROWS];
+  for (int i = 0; i < rows; i++) {
     u[i] = row_velocity(c, r, i, &size[i]);
   }
   double common = 0;
@@ -197,33 +199,25 @@ static contact_rows rows_wanted(const contact_set *c, int i, form_rows rows) {
   return c->rows[i];
 }
 
-/* Contact i becomes the next active one; u, size: the sum of its normal row. */
-static void activate(form_assembly *a, const contact_set *c, int i, form_rows rows,
-                     const group_rows *r, double u, double size) {
+/* Contact i becomes the next active one. */
+static void activate(form_assembly *a, const contact_set *c, int i, form_rows rows) {
   const int k = a->n_contact++;
   const contact_rows wanted = rows_wanted(c, i, rows);
-  const int n = 1 + wanted.tangent + wanted.torsion + wanted.rolling;
-  const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
-  double sizes[MOST_ROWS] = {size};
-  double *to = a->r + a->row[k];
   a->group[k] = i;
   a->rows[k] = wanted;
   a->turned[k] = false;
   a->full_of[k] = k;
-  a->row[k + 1] = a->row[k] + n;
-  to[0] = u;
-  group_velocity(c, r, i, 1, n, metres, sizes, to);
+  a->row[k + 1] = a->row[k] + 1 + wanted.tangent + wanted.torsion + wanted.rolling;
 }
 
 static void append_joint(form_assembly *a, const contact_set *c, int g, const form_rule *rule) {
   const int k = a->n_group++;
   const int n = c->row_start[g + 1] - c->row_start[g];
   const group_rows r = rows_of(c, g, c->v_free);
-  double sizes[MOST_ROWS];
   double *to = a->r + a->row[k];
   a->group[k] = g;
   a->row[k + 1] = a->row[k] + n;
-  group_velocity(c, &r, g, 0, n, 0, sizes, to);
+  group_velocity(c, &r, g, n, 0, to);
   for (int i = 0; i < n; i++) {
     const int at = c->row_start[g] - c->row_start[c->n_contact] + i;
     a->repair[a->row[k] + i] = rule->repair.joint_push / c->h * c->joint_error[at];
@@ -254,29 +248,67 @@ static void note_active(contact_memory *memory, int i, const double *past) {
   }
 }
 
-void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows,
-                          const form_rule *rule, contact_memory *memory) {
-  a->n_contact = 0;
-  a->row[0] = 0;
-  for (int i = 0; i < c->n_contact; i++) {
+/* What the choice goes by. */
+typedef struct choice {
+  form_assembly *a;
+  const contact_set *c;
+  const form_rule *rule;
+  contact_memory *memory;
+} choice;
+
+/* Bias of the contacts of one part, HUGE_VAL where they are not active. */
+static void judge_contacts(void *of, int part, int hand) {
+  const choice *h = of;
+  const contact_set *c = h->c;
+  form_assembly *a = h->a;
+  (void)hand;
+  for (int i = part * CONTACT_SHARE; i < base_part_end(part, c->n_contact, CONTACT_SHARE); i++) {
     const group_rows r = rows_of(c, i, c->v_free);
     double size;
     const double u = row_velocity(c, &r, 0, &size);
     a->r_normal[i] = without_noise(u, size);
-    const double *past = contact_memory_old(memory, i);
-    a->bias[i] = normal_bias(
-        c, i, rule, a->r_normal[i], gap_without_noise(c, i, memory),
-        hovers(c, i, rule, memory, a->r_normal[i]) ? c->gap[i] : closed_up_to(c, i, memory));
+    const double *past = contact_memory_old(h->memory, i);
+    a->bias[i] = normal_bias(c, i, h->rule, a->r_normal[i], gap_without_noise(c, i, h->memory),
+                             hovers(c, i, h->rule, h->memory, a->r_normal[i])
+                                 ? c->gap[i]
+                                 : closed_up_to(c, i, h->memory));
     a->mode[i] = 0;
-    if (a->bias[i] < HUGE_VAL && rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
+    if (a->bias[i] < HUGE_VAL && h->rule->gives && past != NULL && past[PAST_APPROACH] < 0 &&
         c->restitution != NULL) {
       a->bias[i] = fmin(a->bias[i], c->restitution[i] * past[PAST_APPROACH]);
     }
     if (a->bias[i] < HUGE_VAL) {
-      note_active(memory, i, past);
-      activate(a, c, i, rows, &r, u, size);
+      note_active(h->memory, i, past);
     }
   }
+}
+
+/* r of the active contacts of one part. */
+static void fill_velocities(void *of, int part, int hand) {
+  const choice *h = of;
+  const contact_set *c = h->c;
+  form_assembly *a = h->a;
+  (void)hand;
+  for (int k = part * CONTACT_SHARE; k < base_part_end(part, a->n_contact, CONTACT_SHARE); k++) {
+    const int i = a->group[k], n = a->row[k + 1] - a->row[k];
+    const int metres = (n > 1 + c->rows[i].tangent) ? 1 + c->rows[i].tangent : n;
+    const group_rows r = rows_of(c, i, c->v_free);
+    group_velocity(c, &r, i, n, metres, a->r + a->row[k]);
+  }
+}
+
+void form_assembly_choose(form_assembly *a, const contact_set *c, form_rows rows,
+                          const form_rule *rule, contact_memory *memory) {
+  choice h = {a, c, rule, memory};
+  a->n_contact = 0;
+  a->row[0] = 0;
+  base_share(base_parts(c->n_contact, CONTACT_SHARE), judge_contacts, &h);
+  for (int i = 0; i < c->n_contact; i++) {
+    if (a->bias[i] < HUGE_VAL) {
+      activate(a, c, i, rows);
+    }
+  }
+  base_share(base_parts(a->n_contact, CONTACT_SHARE), fill_velocities, &h);
   a->n_joint_group = 0;
   a->n_group = a->n_contact;
   for (int g = c->n_contact; g < c->n_group; g++) {

@@ -1,5 +1,7 @@
 #include "formulations/row_form.h"
 
+#include "lcp/base/crew.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -120,25 +122,39 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
   return BASE_OK;
 }
 
-void row_form_finish(row_form *s, const double *lambda, bool solved) {
-  s->done = true;
-  s->answer.solved = solved;
-  form_assembly_answer(&s->a, lambda);
-  const double still = form_still_speed(&s->a);
-  for (int i = 0; i < s->a.n_contact; i++) {
+typedef struct ending {
+  row_form *s;
+  const double *lambda;
+  double still;
+} ending;
+
+/* Modes of the contacts of one part, and what the next step remembers of them. */
+static void settle_contacts(void *of, int part, int hand) {
+  const ending *e = of;
+  row_form *s = e->s;
+  (void)hand;
+  for (int i = part * CONTACT_SHARE; i < base_part_end(part, s->a.n_contact, CONTACT_SHARE); i++) {
     const int g = s->a.group[i];
-    const double *l = lambda + s->a.row[i];
+    const double *l = e->lambda + s->a.row[i];
     double *now = contact_memory_now(&s->memory, g);
     const int tangent = s->a.rows[i].tangent;
     const double bound = contact_memory_mu(&s->memory, s->a.set, s->a.group[i]) * l[0];
     const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
-    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, still);
+    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, e->still);
     now[PAST_SLIDES] = slides;
     form_to_set(&s->a, i, l, now + PAST_IMPULSE);
     s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + (slides || tangent == 0) : 0);
   }
+}
+
+void row_form_finish(row_form *s, const double *lambda, bool solved) {
+  s->done = true;
+  s->answer.solved = solved;
+  form_assembly_answer(&s->a, lambda);
+  ending e = {s, lambda, form_still_speed(&s->a)};
+  base_share(base_parts(s->a.n_contact, CONTACT_SHARE), settle_contacts, &e);
 }
 
 void row_form_rows(const void *state, formulation_rows *out) {

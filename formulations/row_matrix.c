@@ -1,5 +1,7 @@
 #include "formulations/row_matrix.h"
 
+#include "lcp/base/crew.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -116,16 +118,24 @@ static bool is_whole(const form_assembly *a) {
   return whole;
 }
 
-/* The rows in use of every active group, copied side by side. */
-static void copy_jacobians(row_matrix *m, const form_assembly *a) {
+typedef struct copying {
+  row_matrix *m;
+  const form_assembly *a;
+} copying;
+
+/* The rows in use of the active groups of one part, to where m->jac_start says. */
+static void copy_jacobians(void *of, int part, int hand) {
+  const copying *h = of;
+  const form_assembly *a = h->a;
   const contact_set *c = a->set;
-  double *out = m->jac;
-  for (int i = 0; i < a->n_group; i++) {
+  row_matrix *m = h->m;
+  (void)hand;
+  for (int i = part * CONTACT_SHARE; i < base_part_end(part, a->n_group, CONTACT_SHARE); i++) {
     const int g = a->group[i];
     const int rows = form_rows_of(a, i);
     const int all = c->row_start[g + 1] - c->row_start[g];
     const double *jac = c->jac + c->jac_start[g];
-    m->jac_start[i] = (int)(out - m->jac);
+    double *out = m->jac + m->jac_start[i];
     for (int side = 0; side < 2; side++) {
       const int b = c->body[2 * g + side];
       const int n = (b < 0) ? 0 : c->dof_start[b + 1] - c->dof_start[b];
@@ -135,13 +145,17 @@ static void copy_jacobians(row_matrix *m, const form_assembly *a) {
       jac += (ptrdiff_t)all * n;
     }
   }
-  m->jac_start[a->n_group] = (int)(out - m->jac);
 }
 
 static void fill_factored(row_matrix *m, const form_assembly *a, bool whole) {
   const contact_set *c = a->set;
   if (!whole) {
-    copy_jacobians(m, a);
+    copying h = {m, a};
+    m->jac_start[0] = 0;
+    for (int i = 0; i < a->n_group; i++) {
+      m->jac_start[i + 1] = m->jac_start[i] + (int)jacobian_size(a, i);
+    }
+    base_share(base_parts(a->n_group, CONTACT_SHARE), copy_jacobians, &h);
   }
   m->factored = (lcp_factored){.n_body = c->n_body,
                                .dof_start = c->dof_start,

@@ -1,5 +1,7 @@
 #include "problems/geometry/broad_phase.h"
 
+#include "lcp/base/crew.h"
+
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
@@ -12,6 +14,7 @@ void broad_close(broad_phase *bp) {
   free(bp->next);
   free(bp->cell);
   free(bp->order);
+  base_gather_close(&bp->found);
   *bp = (broad_phase){0};
 }
 
@@ -44,25 +47,25 @@ base_status broad_reserve(broad_phase *bp, int n, base_error *err) {
   return BASE_OK;
 }
 
-static base_status test_pair(broad_phase *bp, int i, int j, base_error *err) {
-  const broad_ball *a = &bp->ball[i], *b = &bp->ball[j];
+/* What one part of the balls, in their order, looks for. */
+typedef struct search {
+  broad_phase *bp;
+  int dim, part;
+  long tested;
+} search;
+
+static void test_pair(search *s, int i, int j) {
+  const broad_ball *a = &s->bp->ball[i], *b = &s->bp->ball[j];
   const double reach = a->r + b->r;
-  bp->tested++;
+  s->tested++;
   const double d[3] = {a->x[0] - b->x[0], a->x[1] - b->x[1], a->x[2] - b->x[2]};
   if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > reach * reach) {
-    return BASE_OK;
+    return;
   }
-  if (bp->n_pair == bp->cap_pair) {
-    if (bp->cap_pair > INT_MAX / 2) {
-      return BASE_FAIL(err, BASE_EUNSUPPORTED, "broad phase: more than %d pairs overlap",
-                       bp->cap_pair);
-    }
-    const int cap = (bp->cap_pair > 0) ? 2 * bp->cap_pair : 64;
-    BASE_TRY(resize((void **)&bp->pair, (size_t)cap * sizeof *bp->pair, err));
-    bp->cap_pair = cap;
+  broad_pair *found = base_gather_add(&s->bp->found, s->part);
+  if (found != NULL) {
+    *found = (broad_pair){(i < j) ? i : j, (i < j) ? j : i};
   }
-  bp->pair[bp->n_pair++] = (broad_pair){(i < j) ? i : j, (i < j) ? j : i};
-  return BASE_OK;
 }
 
 static unsigned bucket_of(const broad_phase *bp, const broad_cell *c) {
@@ -72,18 +75,17 @@ static unsigned bucket_of(const broad_phase *bp, const broad_cell *c) {
   return h & (unsigned)(bp->cap_bucket - 1);
 }
 
-/* Balls that are in cell c already, against ball i. */
-static base_status test_cell(broad_phase *bp, int i, const broad_cell *c, base_error *err) {
+/* Ball i against those of cell c, of which only the ones before it where the cell is its own. */
+static void test_cell(search *s, int i, const broad_cell *c, bool own) {
+  const broad_phase *bp = s->bp;
   for (int j = bp->head[bucket_of(bp, c)]; j >= 0; j = bp->next[j]) {
     const broad_cell *o = &bp->cell[j];
     const bool same = o->at[0] == c->at[0] && o->at[1] == c->at[1] && o->at[2] == c->at[2] &&
                       o->level == c->level;
-    const base_status status = same ? test_pair(bp, i, j, err) : BASE_OK;
-    if (status != BASE_OK) {
-      return status;
+    if (same && (!own || j < i)) {
+      test_pair(s, i, j);
     }
   }
-  return BASE_OK;
 }
 
 static broad_cell cell_of(const broad_phase *bp, int i, int level) {
@@ -95,15 +97,16 @@ static broad_cell cell_of(const broad_phase *bp, int i, int level) {
   return c;
 }
 
-static base_status test_neighbours(broad_phase *bp, int i, const broad_cell *own, int dim,
-                                   base_error *err) {
-  const int first = (dim == 3) ? 0 : 9, end = (dim == 3) ? 27 : 18; /* planar: own layer only */
+/* Ball i against the balls around cell c of a grid. Two cells of its own grid see each other once, from the one before. */
+static void test_neighbours(search *s, int i, const broad_cell *c, bool own) {
+  const int middle = 13;
+  const int first = own ? middle : ((s->dim == 3) ? 0 : 9);
+  const int end = (s->dim == 3) ? 27 : 18; /* planar: own layer only */
   for (int k = first; k < end; k++) {
-    const broad_cell c = {
-        {own->at[0] + k % 3 - 1, own->at[1] + k / 3 % 3 - 1, own->at[2] + k / 9 - 1}, own->level};
-    BASE_TRY(test_cell(bp, i, &c, err));
+    const broad_cell at = {{c->at[0] + k % 3 - 1, c->at[1] + k / 3 % 3 - 1, c->at[2] + k / 9 - 1},
+                           c->level};
+    test_cell(s, i, &at, own && k == middle);
   }
-  return BASE_OK;
 }
 
 /* The level of radius r under the largest: a factor four each, what is smaller than all of them in the
@@ -154,48 +157,78 @@ static void sort_levels(broad_phase *bp, double largest) {
 
 /* Ball i, number `rank` in order, against the balls of a level that come before it: one by one where they are
  * no more than cells would be. */
-static base_status test_level(broad_phase *bp, int i, int rank, int level, int dim,
-                              base_error *err) {
+static void test_level(search *s, int i, int rank, int level) {
+  const broad_phase *bp = s->bp;
   const broad_level *l = &bp->level[level];
-  const broad_cell c = cell_of(bp, i, level);
+  const bool own = level == bp->cell[i].level;
   if (l->n > BROAD_FEW) {
-    return test_neighbours(bp, i, &c, dim, err);
+    const broad_cell c = own ? bp->cell[i] : cell_of(bp, i, level);
+    test_neighbours(s, i, &c, own);
+    return;
   }
   for (int k = l->first; k < l->first + l->n && k < rank; k++) {
-    BASE_TRY(test_pair(bp, i, bp->order[k], err));
+    test_pair(s, i, bp->order[k]);
   }
-  return BASE_OK;
 }
 
-/* Compares ball i, number `rank` in order, with what came before, then puts it into its cell. */
-static base_status take_ball(broad_phase *bp, int i, int rank, int dim, base_error *err) {
-  const int own = bp->cell[i].level;
-  for (int k = 0; k <= own; k++) {
-    if (bp->level[k].n > 0) {
-      BASE_TRY(test_level(bp, i, rank, k, dim, err));
+enum { SHARE = 1024 }; /* balls of one part of the work */
+
+/* A ball meets those of its own level and of larger balls. */
+static void search_part(void *of, int part, int hand) {
+  broad_phase *bp = ((const search *)of)->bp;
+  search s = {.bp = bp, .dim = ((const search *)of)->dim, .part = part};
+  (void)hand;
+  for (int rank = part * SHARE; rank < base_part_end(part, bp->n, SHARE); rank++) {
+    const int i = bp->order[rank];
+    for (int k = 0; k <= bp->cell[i].level; k++) {
+      if (bp->level[k].n > 0) {
+        test_level(&s, i, rank, k);
+      }
     }
   }
-  bp->cell[i] = cell_of(bp, i, own);
-  const unsigned b = bucket_of(bp, &bp->cell[i]);
-  bp->next[i] = bp->head[b];
-  bp->head[b] = i;
+  atomic_fetch_add(&bp->tested, s.tested);
+}
+
+/* Puts every ball into the cell of its own level. */
+static void fill_cells(broad_phase *bp) {
+  for (int i = 0; i < bp->cap_bucket; i++) {
+    bp->head[i] = -1;
+  }
+  for (int i = 0; i < bp->n; i++) {
+    bp->cell[i] = cell_of(bp, i, bp->cell[i].level);
+    const unsigned b = bucket_of(bp, &bp->cell[i]);
+    bp->next[i] = bp->head[b];
+    bp->head[b] = i;
+  }
+}
+
+/* What the parts have found, as one list. */
+static base_status join(broad_phase *bp, base_error *err) {
+  int n = 0;
+  BASE_TRY(base_gather_count(&bp->found, "pairs of bodies that are near", &n, err));
+  if (n > bp->cap_pair) {
+    const int cap = base_room(n);
+    BASE_TRY(resize((void **)&bp->pair, (size_t)cap * sizeof *bp->pair, err));
+    bp->cap_pair = cap;
+  }
+  base_gather_join(&bp->found, bp->pair);
+  bp->n_pair = n;
   return BASE_OK;
 }
 
 base_status broad_find(broad_phase *bp, int dim, base_error *err) {
   double largest;
   bp->n_pair = 0;
-  bp->tested = 0;
+  atomic_store(&bp->tested, 0);
   if (bp->n < 2) {
     return BASE_OK;
   }
   BASE_TRY(largest_radius(bp, &largest, err));
   sort_levels(bp, largest);
-  for (int i = 0; i < bp->cap_bucket; i++) {
-    bp->head[i] = -1;
-  }
-  for (int rank = 0; rank < bp->n; rank++) {
-    BASE_TRY(take_ball(bp, bp->order[rank], rank, dim, err));
-  }
-  return BASE_OK;
+  fill_cells(bp);
+  const int parts = base_parts(bp->n, SHARE);
+  BASE_TRY(base_gather_begin(&bp->found, parts, sizeof *bp->pair, err));
+  search s = {.bp = bp, .dim = dim};
+  base_share(parts, search_part, &s);
+  return join(bp, err);
 }

@@ -6,8 +6,9 @@
  * in the neighbouring cells of its own grid and of those of larger balls. */
 #pragma once
 
-#include "lcp/base/status.h"
+#include "lcp/base/gather.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 
 typedef struct broad_ball {
@@ -35,10 +36,11 @@ typedef struct broad_phase {
   broad_ball *ball; /* n; the caller fills it after broad_reserve */
   int n_pair, cap_pair;
   broad_pair *pair; /* result, in no particular order but always the same one */
-  long tested;      /* pairs whose balls were compared */
+  base_gather found;
+  atomic_long tested; /* pairs whose balls were compared */
   int cap_bucket;
   int *head, *next; /* bucket heads, chains */
-  broad_cell *cell; /* of each ball */
+  broad_cell *cell; /* of each ball in its own grid */
   int *order;       /* balls by level, the largest first */
   broad_level level[BROAD_LEVELS];
 } broad_phase;
@@ -46,5 +48,5 @@ typedef struct broad_phase {
 base_status broad_reserve(broad_phase *bp, int n, base_error *err);
 void broad_close(broad_phase *bp);
 
-/* Fills pair with all a < b whose balls overlap. */
+/* Fills pair with all a < b whose balls overlap; shared out (base/crew.h). */
 base_status broad_find(broad_phase *bp, int dim, base_error *err);

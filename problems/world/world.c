@@ -241,6 +241,7 @@ void world_close(world *w) {
   }
   world_release(w);
   broad_close(&w->broad);
+  base_gather_close(&w->found);
   pair_table *const tables[] = {&w->mu,      &w->mu_kinetic, &w->restitution,
                                 &w->rolling, &w->torsion,    &w->apart};
   for (int i = 0; i < BASE_COUNT(tables); i++) {

@@ -153,6 +153,7 @@ struct world {
   bool compliant; /* some surface has another compliance than 1 */
   double size;    /* smallest body or scene length: scale of tolerances [m] */
   broad_phase broad;
+  base_gather found; /* points, by the parts of the search */
   set_store store;
   contact_set set; /* the last one */
   curve_store ahead, behind;

@@ -1,4 +1,5 @@
 /* world_detect.c - which pairs are near, and their contact points. */
+#include "lcp/base/crew.h"
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
@@ -19,35 +20,30 @@ static double reach_of(const world *w, const body *b, double h) {
   return 1.5 * h * (lin + ang * b->bound);
 }
 
-static base_status push_item(world *w, const contact_item *item, base_error *err) {
-  set_store *s = &w->store;
-  BASE_TRY(world_reserve(w, PER_POINT, (size_t)s->n_item + 1, err));
-  s->item[s->n_item++] = *item;
-  return BASE_OK;
-}
+/* Where the points of one part of the work go. */
+typedef struct finder {
+  world *w;
+  int part;
+} finder;
 
-static base_status push_points(world *w, int a, int b, int pieces, const gap_point *g, int n,
-                               base_error *err) {
-  const int copies = w->spec.contact_multiplicity;
+static void push_points(const finder *f, int a, int b, int pieces, const gap_point *g, int n) {
+  const int copies = f->w->spec.contact_multiplicity;
   assert(pieces >= 0 && pieces < 1 << (2 * ID_PIECE_BITS));
   for (int i = 0; i < n; i++) {
     assert((int)g[i].feature >= 0 && (int)g[i].feature < 1 << ID_FEATURE_BITS);
-    contact_item item = {.a = a, .b = b, .gap = g[i].gap};
-    v3_copy(g[i].x, item.x);
-    v3_copy(g[i].n, item.n);
     const uint64_t base = ((uint64_t)a << ID_SIDE_A_SHIFT) | ((uint64_t)b << ID_SIDE_B_SHIFT) |
                           ((uint64_t)pieces << (ID_FEATURE_BITS + ID_COPY_BITS)) |
                           ((uint64_t)g[i].feature << ID_COPY_BITS);
-    base_status status = BASE_OK;
-    for (int c = 0; c < copies && status == BASE_OK; c++) {
-      item.id = base | (uint64_t)c;
-      status = push_item(w, &item, err);
-    }
-    if (status != BASE_OK) {
-      return status;
+    for (int c = 0; c < copies; c++) {
+      contact_item *item = base_gather_add(&f->w->found, f->part);
+      if (item == NULL) {
+        return;
+      }
+      *item = (contact_item){.id = base | (uint64_t)c, .a = a, .b = b, .gap = g[i].gap};
+      v3_copy(g[i].x, item->x);
+      v3_copy(g[i].n, item->n);
     }
   }
-  return BASE_OK;
 }
 
 /* Points of one pair of sides below margin, piece by piece; n_piece pairs are visited. */
@@ -69,15 +65,15 @@ static int n_pieces(const world *w, int side) {
   return (side < w->n_body) ? w->body[side].n_piece : 1;
 }
 
-static base_status narrow(world *w, int a, int b, double margin, base_error *err) {
+static void narrow(const finder *f, int a, int b, double margin) {
+  const world *w = f->w;
   gap_point point[GAP_MAX];
   const int n_b = n_pieces(w, b), pairs = n_pieces(w, a) * n_b;
   for (int p = 0; p < pairs; p++) {
     const int i = p / n_b, k = p % n_b;
     const int n = pair_points(w, a, i, b, k, margin, point);
-    BASE_TRY(push_points(w, a, b, (i << ID_PIECE_BITS) | k, point, n, err));
+    push_points(f, a, b, (i << ID_PIECE_BITS) | k, point, n);
   }
-  return BASE_OK;
 }
 
 static bool may_collide(const world *w, int a, int b) {
@@ -150,15 +146,14 @@ static base_status fill_balls(world *w, double h, double margin, base_error *err
   return BASE_OK;
 }
 
-static base_status against_planes(world *w, int a, double margin, base_error *err) {
+static void against_planes(const finder *f, int a, double margin) {
+  const world *w = f->w;
   for (int i = 0; i < w->spec.n_static; i++) {
     const int b = w->n_body + i;
-    if (plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin || !may_collide(w, a, b)) {
-      continue;
+    if (plane_distance(&w->body[a], &w->spec.fixed[i]) < margin && may_collide(w, a, b)) {
+      narrow(f, a, b, margin);
     }
-    BASE_TRY(narrow(w, a, b, margin, err));
   }
-  return BASE_OK;
 }
 
 /* What is added to the bounding radius of body a for this step. */
@@ -166,24 +161,51 @@ static double widened(const world *w, int a) {
   return w->broad.ball[a].r - w->body[a].bound;
 }
 
+enum { SHARE = 512 }; /* pairs, or bodies, of one part of the work */
+
+typedef struct detection {
+  world *w;
+  double margin;
+} detection;
+
+/* Pairs of bodies come first, then bodies against the half-spaces. */
+static void find_points(void *of, int part, int hand) {
+  const detection *d = of;
+  const world *w = d->w;
+  const finder f = {d->w, part};
+  const int n_pair = w->broad.n_pair;
+  (void)hand;
+  for (int k = part * SHARE; k < base_part_end(part, n_pair + w->n_body, SHARE); k++) {
+    if (k >= n_pair) {
+      const int a = k - n_pair;
+      against_planes(&f, a, (d->margin >= 0.0) ? d->margin : widened(w, a));
+      continue;
+    }
+    const broad_pair p = w->broad.pair[k];
+    if (may_collide(w, p.a, p.b)) {
+      narrow(&f, p.a, p.b, widened(w, p.a) + widened(w, p.b));
+    }
+  }
+}
+
 base_status world_detect(world *w, double h, double margin, base_error *err) {
-  w->store.n_item = 0;
+  set_store *s = &w->store;
+  s->n_item = 0;
   if (!world_has(w, EFFECT_CONTACT)) {
     return BASE_OK;
   }
   BASE_TRY(fill_balls(w, h, margin, err));
   BASE_TRY(broad_find(&w->broad, w->dim, err));
-  for (int k = 0; k < w->broad.n_pair; k++) {
-    const broad_pair p = w->broad.pair[k];
-    if (!may_collide(w, p.a, p.b)) {
-      continue;
-    }
-    BASE_TRY(narrow(w, p.a, p.b, widened(w, p.a) + widened(w, p.b), err));
-  }
-  for (int a = 0; a < w->n_body; a++) {
-    BASE_TRY(against_planes(w, a, (margin >= 0.0) ? margin : widened(w, a), err));
-  }
-  sort_keys(&w->store);
+  const int parts = base_parts(w->broad.n_pair + w->n_body, SHARE);
+  int n = 0;
+  detection d = {w, margin};
+  BASE_TRY(base_gather_begin(&w->found, parts, sizeof *s->item, err));
+  base_share(parts, find_points, &d);
+  BASE_TRY(base_gather_count(&w->found, "points of contact", &n, err));
+  BASE_TRY(world_reserve(w, PER_POINT, (size_t)n, err));
+  base_gather_join(&w->found, s->item);
+  s->n_item = n;
+  sort_keys(s);
   return BASE_OK;
 }
 

@@ -1,5 +1,6 @@
 #include "tests/support/check.h"
 
+#include "lcp/base/crew.h"
 #include "lcp/base/rng.h"
 #include "problems/geometry/broad_phase.h"
 
@@ -104,11 +105,40 @@ static void refuses_what_is_not_finite(void **state) {
   broad_close(&bp);
 }
 
+/* Balls of many sizes, in several parts: the same pairs in the same order, and as many compared. */
+static void threads_find_the_same_list(void **state) {
+  (void)state;
+  enum { N = 5000 };
+  broad_phase alone = {0};
+  for (int threads = 1; threads <= 4; threads++) {
+    broad_phase bp = {0};
+    base_rng r = base_rng_seeded(11);
+    base_crew *crew;
+    check_ok(base_crew_open(&crew, threads, &err), &err);
+    (void)base_crew_take_up(crew);
+    fill(&bp, 3, N, 0.0, &r);
+    check_ok(broad_find(&bp, 3, &err), &err);
+    (void)base_crew_take_up(NULL);
+    base_crew_close(crew);
+    if (threads == 1) {
+      alone = bp;
+      assert_true(bp.n_pair > N);
+      continue;
+    }
+    assert_int_equal(bp.n_pair, alone.n_pair);
+    assert_int_equal(bp.tested, alone.tested);
+    assert_memory_equal(bp.pair, alone.pair, (size_t)bp.n_pair * sizeof *bp.pair);
+    broad_close(&bp);
+  }
+  broad_close(&alone);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(finds_exactly_the_overlapping_pairs),
       cmocka_unit_test(memory_is_linear_in_the_balls),
       cmocka_unit_test(two_sizes_are_linear_too),
+      cmocka_unit_test(threads_find_the_same_list),
       cmocka_unit_test(refuses_what_is_not_finite),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
