@@ -150,7 +150,7 @@ static void against_planes(const finder *f, int a, double margin) {
   const world *w = f->w;
   for (int i = 0; i < w->spec.n_static; i++) {
     const int b = w->n_body + i;
-    if (plane_distance(&w->body[a], &w->spec.fixed[i]) < margin && may_collide(w, a, b)) {
+    if (!(plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin) && may_collide(w, a, b)) {
       narrow(f, a, b, margin);
     }
   }
