@@ -30,12 +30,19 @@ def contacts(c: Cost) -> int:
     return c.told["n_active_max"]
 
 
-def run(scene: str, way: tuple[str, str], step: float, steps: int, memory: str) -> dict:
+def run(
+    scene: str,
+    way: tuple[str, str],
+    step: float,
+    steps: int,
+    memory: str = "usual",
+    start: str = "previous",
+) -> dict:
     core = os.environ.get("CORE", str(max(os.sched_getaffinity(0))))
     return simulate(
         scene,
         *way,
-        *("--step", step, "--duration", step * steps, "--start", "previous", "--memory", memory),
+        *("--step", step, "--duration", step * steps, "--start", start, "--memory", memory),
         before=("taskset", "-c", core),
     )
 
