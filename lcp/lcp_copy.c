@@ -121,7 +121,7 @@ static void group_diagonals(const lcp_factored *f, int from, int end, double *d)
 static void share_diagonal(void *of, int part, int hand) {
   const lcp_factored *f = ((const diagonal *)of)->f;
   double *d = ((const diagonal *)of)->d;
-  const int from = part * SHARE, end = (from + SHARE < f->n_group) ? from + SHARE : f->n_group;
+  const int from = part * SHARE, end = base_part_end(part, f->n_group, SHARE);
   (void)hand;
   group_diagonals(f, from, end, d);
   for (int i = f->row_start[from]; i < f->row_start[end] && f->shift != NULL; i++) {
@@ -144,7 +144,7 @@ void lcp_matrix_diagonal(const lcp_matrix *M, double *d) {
     return;
   }
   diagonal all = {M->factored, d};
-  base_share((M->factored->n_group + SHARE - 1) / SHARE, share_diagonal, &all);
+  base_share(base_parts(M->factored->n_group, SHARE), share_diagonal, &all);
 }
 
 bool lcp_matrix_is_symmetric(const lcp_matrix *M) {

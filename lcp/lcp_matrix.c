@@ -120,7 +120,7 @@ static void share_rows(void *of, int part, int hand) {
   const velocities *u = of;
   const int from = part * SHARE, n = u->f->n_group;
   (void)hand;
-  rows_times(u->f, from, (from + SHARE < n) ? from + SHARE : n, u->v, u->y);
+  rows_times(u->f, from, base_part_end(part, n, SHARE), u->v, u->y);
 }
 
 /* y += J W J' x. */
@@ -151,7 +151,7 @@ BASE_CLONES static void factored_apply_add(const lcp_factored *f, const double *
   weight_times(f, force, v);
   velocities u = {.f = f, .v = v};
   u.y = y;
-  base_share((f->n_group + SHARE - 1) / SHARE, share_rows, &u);
+  base_share(base_parts(f->n_group, SHARE), share_rows, &u);
 }
 
 size_t lcp_matrix_scratch(const lcp_matrix *M) {

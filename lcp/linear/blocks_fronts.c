@@ -70,18 +70,10 @@ static void exchange_block(const front *f, int p, int k, bool out) {
   }
 }
 
-static int parts_of(int count, int of) {
-  return (count + of - 1) / of;
-}
-
-static int end_of(int part, int of, int count) {
-  return ((part + 1) * of < count) ? (part + 1) * of : count;
-}
-
 /* The blocks of its columns: between where blocks.c has them and the front. */
 static void exchange(const front *f, int part, bool out) {
   const lin_blocks *s = f->s;
-  const int end = f->first + end_of(part, CARRIED, f->last + 1 - f->first);
+  const int end = f->first + base_part_end(part, f->last + 1 - f->first, CARRIED);
   for (int p = f->first + part * CARRIED; p < end; p++) {
     const int n = lin_blocks_rows(s, p), o = f->offset[p];
     for (int c = 0; c < n; c++) {
@@ -105,7 +97,7 @@ static void carry_out(void *of, int part, int hand) {
 
 static void clear(void *of, int part, int hand) {
   const front *f = of;
-  const int begin = part * STRIP, end = end_of(part, STRIP, f->size);
+  const int begin = part * STRIP, end = base_part_end(part, f->size, STRIP);
   (void)hand;
   memset(entry(f, 0, begin), 0, (size_t)(end - begin) * (size_t)f->size * sizeof *f->F);
 }
@@ -123,7 +115,7 @@ static void take_blocks(void *of, int part, int hand) {
   const handed *h = of;
   const front *f = h->to;
   const lin_blocks *s = f->s;
-  const int end = end_of(part, CARRIED, h->count);
+  const int end = base_part_end(part, h->count, CARRIED);
   const double *C = h->C;
   (void)hand;
   for (int j = 0; j < end; j++) {
@@ -156,7 +148,7 @@ static void take_in(const front *f, int child) {
               .count = s->column[last + 1] - s->column[last],
               .left = lin_blocks_rows_below(s, last),
               .C = s->rest + s->front[child].at};
-  base_share(parts_of(h.count, CARRIED), take_blocks, &h);
+  base_share(base_parts(h.count, CARRIED), take_blocks, &h);
 }
 
 /* C -= A B, or A B': parts of the front from (i, j), m x n, over k. */
@@ -218,7 +210,8 @@ static void follow(void *of, int part, int hand) {
   const panel *e = of;
   const front *f = e->f;
   const int from = e->end + part * STRIP, wide = e->end - e->begin;
-  const int count = end_of(part, STRIP, f->size - e->end) - part * STRIP, below = from + count;
+  const int count = base_part_end(part, f->size - e->end, STRIP) - part * STRIP,
+            below = from + count;
   (void)hand;
   if (f->s->symmetric) {
     cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, count, wide, -1.0,
@@ -250,14 +243,14 @@ static bool eliminate_panel(const front *f, int p, int q, lin_span *pivots) {
     subtract(f, next, next, f->size - next, end - next, o, next - o, s->symmetric);
   }
   panel e = {f, p, q, begin, end};
-  base_share((end > begin) ? parts_of(f->size - end, STRIP) : 0, follow, &e);
+  base_share((end > begin) ? base_parts(f->size - end, STRIP) : 0, follow, &e);
   return true;
 }
 
 static void leave_columns(void *of, int part, int hand) {
   const front *f = of;
   const size_t left = (size_t)(f->size - f->wide);
-  const int end = end_of(part, STRIP, f->size - f->wide);
+  const int end = base_part_end(part, f->size - f->wide, STRIP);
   double *C = f->s->rest + f->at;
   (void)hand;
   for (int j = part * STRIP; j < end; j++) {
@@ -275,8 +268,8 @@ static bool factor_front(lin_blocks *s, int k, int hand, lin_span *pivots) {
              .last = s->front[k + 1].first - 1};
   f.size = set_offsets(&f);
   f.wide = f.size - (int)lin_blocks_rows_below(s, f.last);
-  base_share(parts_of(f.size, STRIP), clear, &f);
-  base_share(parts_of(f.last + 1 - f.first, CARRIED), carry_in, &f);
+  base_share(base_parts(f.size, STRIP), clear, &f);
+  base_share(base_parts(f.last + 1 - f.first, CARRIED), carry_in, &f);
   for (int c = plan->child; c >= 0; c = s->front[c].sibling) {
     take_in(&f, c);
   }
@@ -286,9 +279,9 @@ static bool factor_front(lin_blocks *s, int k, int hand, lin_span *pivots) {
       return false;
     }
   }
-  base_share(parts_of(f.last + 1 - f.first, CARRIED), carry_out, &f);
+  base_share(base_parts(f.last + 1 - f.first, CARRIED), carry_out, &f);
   if (plan->parent >= 0) {
-    base_share(parts_of(f.size - f.wide, STRIP), leave_columns, &f);
+    base_share(base_parts(f.size - f.wide, STRIP), leave_columns, &f);
   }
   return true;
 }

@@ -85,5 +85,5 @@ static void take_share(void *of, int k, int hand) {
 
 void lcp_batch_shares(const lcp_batches *s, lcp_wave work, void *context) {
   shares w = {s, work, context};
-  base_share((stretches(s) + SHARE - 1) / SHARE, take_share, &w);
+  base_share(base_parts(stretches(s), SHARE), take_share, &w);
 }

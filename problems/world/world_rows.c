@@ -333,9 +333,8 @@ typedef struct filling {
 static void fill_contacts(void *of, int part, int hand) {
   const filling *f = of;
   const set_store *s = &f->w->store;
-  const int from = part * SHARE, end = (from + SHARE < s->n_item) ? from + SHARE : s->n_item;
   (void)hand;
-  for (int i = from; i < end; i++) {
+  for (int i = part * SHARE; i < base_part_end(part, s->n_item, SHARE); i++) {
     fill_contact(f->w, &s->item[s->key[i].item], i, f->h);
   }
 }
@@ -346,7 +345,7 @@ base_status world_assemble(world *w, double h, base_error *err) {
   int g = 0;
   BASE_TRY(index_groups(w, &g, err));
   filling f = {w, h};
-  base_share((s->n_item + SHARE - 1) / SHARE, fill_contacts, &f);
+  base_share(base_parts(s->n_item, SHARE), fill_contacts, &f);
   int group = s->n_item;
   for (int i = 0; i < w->n_joint; i++) {
     if (joint_rows_posed(w, &w->joint[i], row) > 0) {
