@@ -18,7 +18,9 @@ HEAD = (
 
 class Cost(NamedTuple):
     told: dict
-    step: float  # of one step [s]
+    step: float  # of one step [s]: median,
+    low: float  # least
+    high: float  # and most
     run: float  # of the longest run [s]
 
 
@@ -26,7 +28,7 @@ class Kind(NamedTuple):
     formulation: str
     unknowns: int
     contacts: int
-    fastest: dict[str, tuple[float, str]]  # by start: of a step [s], and by which solver
+    fastest: dict[str, tuple[Cost, str]]  # by start: and by which solver
 
 
 def solved(told: dict) -> bool:
@@ -34,8 +36,8 @@ def solved(told: dict) -> bool:
 
 
 def cost(asked: dict, scene: str, way: tuple[str, str], steps: int, start: str, reps: int) -> Cost:
-    """Median of so many runs. From the last step: without the first two, of which nothing was
-    known before."""
+    """Median, least and most of so many runs. From the last step: without the first two, of which
+    nothing was known before."""
     times, longest, told = [], 0.0, {}
     before = 2 if start == "previous" else 0
     for _ in range(reps):
@@ -47,13 +49,13 @@ def cost(asked: dict, scene: str, way: tuple[str, str], steps: int, start: str, 
         longest = max(longest, told["t_total_s"])
         if not solved(told) or longest > asked["most"]:
             break
-    return Cost(told, statistics.median(times), longest)
+    return Cost(told, statistics.median(times), min(times), max(times), longest)
 
 
 def measured(asked: dict, entry: dict, way: dict, reps: int) -> Kind | None:
     """By its fastest verified solver; the others are told. A solver that did not solve the scene,
     or took more than asked["most"] seconds for a run, is not asked again."""
-    fastest: dict[str, tuple[float, str]] = {}
+    fastest: dict[str, tuple[Cost, str]] = {}
     unknowns = contacts = 0
     for solver in tuple(way["solvers"]):
         for start in FROM:
@@ -65,7 +67,8 @@ def measured(asked: dict, entry: dict, way: dict, reps: int) -> Kind | None:
                 print(f"| `{entry['scene']}` | | `{way['formulation']}` | | {words} |" + " |" * 6)
             else:
                 unknowns, contacts = c.told["lcp_dim_max"], c.told["n_active_max"]
-                fastest[start] = min(fastest.get(start, (c.step, solver)), (c.step, solver))
+                if start not in fastest or c.step < fastest[start][0].step:
+                    fastest[start] = (c, solver)
             if (not solved(c.told) or c.run > asked["most"]) and solver in way["solvers"]:
                 way["solvers"].remove(solver)
     return Kind(way["formulation"], unknowns, contacts, fastest) if unknowns > 0 else None
@@ -73,17 +76,21 @@ def measured(asked: dict, entry: dict, way: dict, reps: int) -> Kind | None:
 
 def ratio(first: Kind, kind: Kind, start: str) -> str:
     """Of the times of a step; none where one was not solved, or is below what the clock tells."""
-    one, other = first.fastest.get(start), kind.fastest.get(start)
-    if one is None or other is None or min(one[0], other[0]) <= 0:
+    if start not in first.fastest or start not in kind.fastest:
         return ""
-    return f"{one[0] / other[0]:.2g}"
+    one, other = first.fastest[start][0].step, kind.fastest[start][0].step
+    return f"{one / other:.2g}" if min(one, other) > 0 else ""
 
 
 def line(scene: str, first: Kind | None, kind: Kind) -> str:
     words = [f"`{scene}`", str(kind.contacts), f"`{kind.formulation}`", str(kind.unknowns)]
     for start in FROM:
-        step, by = kind.fastest.get(start, (0.0, ""))
-        words += [f"{1e3 * step:.3g}", f"`{by}`"] if by else ["", ""]
+        if start not in kind.fastest:
+            words += ["", ""]
+            continue
+        c, by = kind.fastest[start]
+        step, low, high = (f"{1e3 * t:.3g}" for t in (c.step, c.low, c.high))
+        words += [f"{step} [{low}, {high}]", f"`{by}`"]
     if first is None or first is kind:
         words += ["", "", ""]
     else:
