@@ -20,6 +20,7 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
   world_save(s->w, c->state);
   memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
+  c->carrying = s->carrying;
   c->n_row = record->n_row;
   return BASE_OK;
 }
@@ -39,6 +40,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
   s->out->workspace = spent.workspace;
   s->out->step_longest = spent.step_longest;
   s->held = c->held;
+  s->carrying = c->carrying;
   record->n_row = c->n_row;
   return BASE_OK;
 }

@@ -10,7 +10,8 @@ typedef struct checkpoint {
   contact_past own; /* what the solver answered by itself */
   sim_result out;
   solved held;
-  int n_row; /* of the record */
+  sim_carrying carrying; /* of the step before */
+  int n_row;             /* of the record */
 } checkpoint;
 
 base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err);

@@ -1,6 +1,7 @@
 #include "harness/control/effects_watch.h"
 
 #include "harness/control/checkpoint.h"
+#include "harness/control/deviation.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
@@ -18,33 +19,23 @@ static const double small =
 
 enum { MOST_LEFT = 8 }; /* times that something is left out in motion: each may be taken back */
 
-static const double foreseen =
-    2.0; /* of E: what would be passed by so much at the end need not be waited for */
+/* Where deviations grow only while bodies turn or meet, that the end would be off by more than E if they went on to is no reason yet: not
+ * in so many steps in a row, none between them without growth, while there is room. */
+enum { MOST_DOUBTS = 4 };
+static const double room = 16.0; /* times that the deviation by now goes into E */
 
 static const double moving =
     1e-3; /* of the speed scale: by so much a body moves; less may be what a change of effects leaves */
-
-/* Scales of a scene. */
-typedef struct scales {
-  double size, speed, rate; /* [m], [m/s], [1/s] */
-} scales;
-
-/* What was left out may have brought by now. */
-typedef struct deviation {
-  double speed, place;      /* [m/s], [m] */
-  double sum[EFFECT_COUNT]; /* of the changes of velocity by each effect [m/s] */
-  double rate;              /* at which the last two steps both changed it at least [m/s^2] */
-  double change;            /* by the last one, over its length [m/s^2] */
-} deviation;
 
 typedef struct watch {
   sim *s;
   const sim_request *q;
   series *record;
   watch_result *result;
-  scales scale;
+  deviation_scale scale;
   deviation off;
   checkpoint clean;      /* nothing left out has acted up to here */
+  checkpoint last;       /* before the step, where something has */
   sim_carrying carrying; /* of the last step */
   bool waits;            /* for contacts that stay, to leave something out */
   bool moved; /* something that could meet anything has, since effects were last left out at rest */
@@ -54,37 +45,11 @@ typedef struct watch {
   long next;        /* step from which on something may be left out in motion again, */
   long pause;       /* and steps from there to the next try */
   int left;         /* how often something was */
+  int doubts;       /* of MOST_DOUBTS */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
   return (q->step != NULL) ? q->step[k] : q->h;
-}
-
-static scales scales_of(const sim_request *q, const world *w) {
-  const double *g = q->spec->gravity;
-  const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  const double size = world_size(w);
-  return (scales){.size = size,
-                  .speed = fmax(sqrt(gravity * size), size / q->duration),
-                  .rate = sqrt(gravity / size)};
-}
-
-/* The rate at which a deviation grows, by the last step. */
-static double growth(const watch *w) {
-  return w->s->steady ? 0.0 : w->scale.rate;
-}
-
-/* Effects whose part is more than `share` of the largest. */
-static unsigned acted(const deviation *d, double share) {
-  double most = 0.0;
-  unsigned effects = 0;
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    most = fmax(most, d->sum[e]);
-  }
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    effects |= (d->sum[e] > share * most) ? 1u << e : 0u;
-  }
-  return effects;
 }
 
 /* A change of velocity in one step that is none: all of them together are a tenth of E at most. */
@@ -96,36 +61,19 @@ static double least_change(const watch *w) {
 
 /* Enters what the step left out could have changed; false: nothing left out has acted up to now. */
 static bool add_step(watch *w, double h) {
-  deviation *d = &w->off;
-  double change = 0.0;
   w->scale.speed = fmax(w->scale.speed, world_max_speed(w->s->w));
-  const double least = least_change(w);
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    const double more = w->s->omitted[e];
-    if (more > least) {
-      d->sum[e] += more;
-      change += more;
-    }
-  }
-  if (change == 0.0 && d->speed == 0.0) {
-    return false;
-  }
-  const double grown = exp(growth(w) * h);
-  d->rate = fmin(d->change, change / h);
-  d->change = change / h;
-  d->speed = (d->speed + change) * grown;
-  d->place = (d->place + h * d->speed) * grown;
-  return true;
+  return deviation_add(&w->off, &w->scale, w->s->omitted, least_change(w), &w->s->growth, h);
 }
 
-/* How far the end may be off, over the scales, if what was left out goes on to act at `rate` [m/s^2]. */
+/* The rate at which deviations would grow if it went on as in the last step [1/s]. */
+static double growth(const watch *w) {
+  return deviation_growth(&w->scale, &w->s->growth, w->s->h);
+}
+
+/* How far the end may be off then, over the scales, if what was left out goes on to act at `rate` [m/s^2]. */
 static double end_bound(const watch *w, double rate) {
   const double left = fmax(w->q->duration - world_time(w->s->w), 0.0);
-  const double grown = exp(fmin(growth(w) * left, 700.0));
-  const deviation *d = &w->off;
-  const double speed = d->speed + rate * left;
-  const double place = d->place + (d->speed + 0.5 * rate * left) * left;
-  return grown * fmax(speed / w->scale.speed, place / w->scale.size);
+  return deviation_after(&w->off, &w->scale, growth(w), rate, left);
 }
 
 static unsigned left_out(const watch *w) {
@@ -143,25 +91,54 @@ static base_status change_effects(watch *w, unsigned now, base_error *err) {
   return sim_change_effects(w->s, now, err);
 }
 
-/* From the clean step on with more effects. */
-static base_status go_back(watch *w, unsigned more, base_error *err) {
-  const effects_plan *p = &w->result->plan;
-  const sim_result *out = w->s->out;
-  const long reached = out->steps;
+/* From the step now reached on with more effects than before it. */
+static base_status add_effects(watch *w, unsigned more, base_error *err) {
+  effects_plan *p = &w->result->plan;
+  while (p->n > 1 && p->span[p->n - 1].from > w->s->out->steps) {
+    p->n--;
+  }
   unsigned now = p->span[p->n - 1].effects | more;
   if (p->n + 1 == EFFECTS_SPANS) {
     now = w->q->effects;
   }
   now |= ((now & EFFECT_ROTATION) != 0) ? w->q->effects & EFFECT_GYROSCOPIC : 0u;
+  return change_effects(w, now, err);
+}
+
+/* Before the step just taken, with what acted in it for the first time. */
+static base_status step_back(watch *w, const deviation *before, unsigned more, base_error *err) {
+  BASE_TRY(checkpoint_return(&w->last, w->s, w->record, err));
+  w->result->repeated++;
+  w->off = *before;
+  w->carrying = w->s->carrying;
+  return add_effects(w, more, err);
+}
+
+/* From the clean step on with more effects. */
+static base_status go_back(watch *w, unsigned more, base_error *err) {
+  const sim_result *out = w->s->out;
+  const long reached = out->steps;
   BASE_TRY(checkpoint_return(&w->clean, w->s, w->record, err));
   w->result->repeated += reached - out->steps;
   w->off = (deviation){0};
+  w->result->bound = 0.0;
+  w->doubts = 0;
   w->moved = false; /* it may have been what was taken back */
   w->lay = 0;
   w->pause = 1;
   w->next = reached + w->pause; /* not before what it came in for */
   w->s->would_deviate = false;
-  return change_effects(w, now, err);
+  return add_effects(w, more, err);
+}
+
+/* Would the end be off by more than E if it went on as in the last step, or in the last two, which left their contacts as they were? */
+static bool goes_too_far(watch *w, bool changed) {
+  const double E = w->result->level;
+  const bool far = end_bound(w, 0.0) > E || (!changed && end_bound(w, w->off.rate) > E);
+  const bool grows = growth(w) > 0.0;
+  const bool near = room * deviation_after(&w->off, &w->scale, 0.0, 0.0, 0.0) > E;
+  w->doubts = grows ? w->doubts + far : 0;
+  return far && (!grows || near || w->doubts > MOST_DOUBTS);
 }
 
 /* What follows from the step just taken. A step that fails proves nothing of the whole scene: everything comes in. */
@@ -171,21 +148,25 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     *taken = true;
     return go_back(w, w->q->effects, err);
   }
-  const unsigned earlier = acted(&w->off, small);
+  const deviation before = w->off;
+  const unsigned earlier = deviation_by(&before, small);
   const bool changed = s->carrying.ids != w->carrying.ids;
   const bool acts = add_step(w, h);
+  const unsigned by = deviation_by(&w->off, small);
   w->carrying = s->carrying;
   if (!acts) {
     return BASE_OK;
   }
-  const bool impact = changed && !s->alike && s->out->steps > w->clean.out.steps + 1;
   const double bound = end_bound(w, 0.0);
-  const bool will = !changed && end_bound(w, w->off.rate) > foreseen * w->result->level;
+  const bool impact = changed && !s->alike && s->out->steps > w->clean.out.steps + 1;
+  if (before.speed > 0.0 && (by & ~earlier) != 0 && bound > w->result->level) {
+    return step_back(w, &before, by & ~earlier, err);
+  }
   if (impact && earlier != 0) {
     return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
   }
-  if (bound > w->result->level || will || impact) {
-    return go_back(w, acted(&w->off, small), err);
+  if (impact || goes_too_far(w, changed)) {
+    return go_back(w, by, err);
   }
   w->result->bound = bound;
   w->result->speed = w->scale.speed;
@@ -207,10 +188,10 @@ static base_status foresee(watch *w, bool lasting, unsigned *acts, bool *touches
     *touches = set.gap[i] <= set.tol;
   }
   world_foreseen(w->s->w, w->result->watched, w->s->omitted);
-  w->s->steady = true; /* what is sure to come does not count on growth */
+  w->s->growth = (world_growth){0}; /* what is sure to come does not count on it */
   const bool any = add_step(w, h);
   const bool enough = any && end_bound(w, lasting ? w->off.change : 0.0) > w->result->level;
-  *acts = enough ? acted(&w->off, small) : 0u;
+  *acts = enough ? deviation_by(&w->off, small) : 0u;
   w->off = (deviation){0};
   return BASE_OK;
 }
@@ -256,7 +237,8 @@ static bool lies(watch *w) {
  * more seldom. */
 static bool is_calm(watch *w, bool stay) {
   sim *s = w->s;
-  const bool asked = s->would_deviate, calm = asked && stay && s->steady;
+  const bool asked = s->would_deviate, stays = !s->growth.shared && !s->growth.turned;
+  const bool calm = asked && stay && stays;
   const long now = s->out->steps;
   if (asked) {
     w->pause *= 2;
@@ -304,13 +286,11 @@ static base_status step(watch *w, bool *taken, base_error *err) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return *taken ? leave(w, err) : BASE_OK;
   }
-  double from;
-  if (w->off.speed == 0.0) {
-    from = base_seconds();
-    BASE_TRY(checkpoint_take(&w->clean, s, w->record, err));
-    w->carrying = s->carrying;
-    out->time.watch += base_seconds() - from;
-  }
+  double from = base_seconds();
+  const bool clean = w->off.speed == 0.0;
+  BASE_TRY(checkpoint_take(clean ? &w->clean : &w->last, s, w->record, err));
+  w->carrying = s->carrying;
+  out->time.watch += base_seconds() - from;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
   BASE_TRY(judge(w, h, taken, err));
@@ -339,6 +319,7 @@ static base_status begin(watch *w, base_error *err) {
 static base_status run(watch *w, base_error *err) {
   sim_result *out = w->s->out;
   BASE_TRY(checkpoint_open(&w->clean, w->s, err));
+  BASE_TRY(checkpoint_open(&w->last, w->s, err));
   BASE_TRY(begin(w, err));
   for (bool taken = true; taken && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
     BASE_TRY(step(w, &taken, err));
@@ -369,7 +350,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   watch w = {.s = &s, .q = q, .record = record, .result = result, .next = LONG_MAX};
   base_status done = sim_open(&s, &first, record, out, err);
   if (done == BASE_OK) {
-    w.scale = scales_of(q, s.w);
+    w.scale = deviation_scale_of(q->spec, s.w, q->duration);
     result->size = w.scale.size;
     result->speed = w.scale.speed;
     done = run(&w, err);
@@ -378,6 +359,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
     sim_finish(&s, record);
   }
   checkpoint_close(&w.clean);
+  checkpoint_close(&w.last);
   sim_close(&s);
   return done;
 }

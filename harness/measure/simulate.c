@@ -227,13 +227,13 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
 static void note_omitted(sim *s, const formulation_answer *a, uint64_t carried) {
   double speed = s->off.speed;
   const bool deviates = s->off.speed > 0.0 || s->would_deviate;
-  s->steady =
+  s->growth =
       world_omitted(s->w, s->watched | s->effects, deviates, a->v_next, a->impulse, s->omitted);
   for (int e = 0; e < EFFECT_COUNT; e++) {
     speed += s->omitted[e];
   }
-  s->alike = s->steady && (s->carrying.ids == carried ||
-                           world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed));
+  s->alike = s->carrying.ids == carried ||
+             world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed);
 }
 
 /* Steps that a formulation with complementarity problems takes. */

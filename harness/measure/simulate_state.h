@@ -61,12 +61,12 @@ typedef struct sim {
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
   sim_deviation off;            /* before the step */
-  bool would_deviate;           /* `steady` is asked for as if something did */
+  bool would_deviate;           /* `growth` is asked for as if something did */
   double omitted[EFFECT_COUNT]; /* the answer for the last step [m/s] */
-  bool steady,
-      alike; /* and whether deviations keep their velocity in it; contacts act alike with them */
-  double h;  /* of this step [s] */
-  sim_carrying carrying; /* in the last step */
+  world_growth growth;          /* and what the step makes of deviations */
+  bool alike;                   /* contacts act alike with them */
+  double h;                     /* of this step [s] */
+  sim_carrying carrying;        /* in the last step */
   double *z; /* z_cap of the answer, as many for the solver's own, and of zeros to start from */
   int z_cap;
   const double *started; /* where it did: a view */

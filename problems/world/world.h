@@ -94,17 +94,25 @@ typedef struct saved_step {
  * What the accelerations v_coarse - v_start = h a change by, j = (a - a_before) / h_before, is that of free motion. */
 double world_saved_unsteady(const world *w, const saved_step *before, const saved_step *now);
 
+/* What a step adds to a deviation of the bodies' velocities: of the one there was [1], and of that of their places [1/s]. */
+typedef struct world_growth {
+  double speed, place;
+  bool shared; /* bodies push each other: one's deviation passes to others */
+  bool turned; /* some body turns, or may by it */
+} world_growth;
+
 /* What the effects that the world leaves out of `effects` would do in the step from its last set to v_next with these
- * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an upper bound. 0: the
- * step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
- * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. True: bodies that
- * deviated before the step (`deviates`: some may, or would) deviate by no more velocity after it (world_steady); false where nothing changes and none deviates, which is not asked then. */
-bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
-                   const double *impulse, double change[EFFECT_COUNT]);
-/* In a step of which world_omitted says that deviations keep their velocity: do contacts act alike on bodies that are elsewhere by at most
- * `place` [m] before it and deviate by at most `speed` after it [m/s]? True where each contact rests, passes or is hit (now, and not a
- * step earlier) whatever the deviation is, and no friction is simulated: an impact is a projection then (mirrored, where it bounces), by which no
- * deviation grows. */
+ * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an
+ * upper bound. 0: the step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
+ * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. Returns what the step
+ * makes of deviations before it (`deviates`: some may, or would); nothing where nothing changes and none deviates, which is not asked
+ * then. */
+world_growth world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
+                           const double *impulse, double change[EFFECT_COUNT]);
+/* Do the contacts of that step act alike on bodies that are elsewhere by at most `place` [m] before it and deviate by at most `speed` after
+ * it [m/s]? True where no friction is simulated and each contact, whatever the deviation is, rests (pressed by loads, or idle), passes,
+ * or is closed now, and was a step before or was not: an impact is a projection then (mirrored, where it bounces), by which no deviation
+ * grows in the norm of kinetic energy but for what goes with places. */
 bool world_contacts_alike(const world *w, const double *v_next, const double *impulse, double place,
                           double speed);
 /* As world_omitted, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one

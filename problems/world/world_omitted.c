@@ -133,12 +133,13 @@ static bool any_law(const world *w) {
   return any;
 }
 
-bool world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
-                   const double *impulse, double change[EFFECT_COUNT]) {
+world_growth world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
+                           const double *impulse, double change[EFFECT_COUNT]) {
   const unsigned omitted = effects & ~w->effects;
+  world_growth growth = {0};
   memset(change, 0, EFFECT_COUNT * sizeof *change);
   if (w->model != NULL || (omitted == 0 && !deviates)) {
-    return false;
+    return growth;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
@@ -153,10 +154,14 @@ bool world_omitted(const world *w, unsigned effects, bool deviates, const double
     world_add_wrenches(w, impulse);
   }
   const bool pulls = locks && any_moment(w, effects, impulse);
-  const bool firm = (acts || pulls) && world_steady(w, effects, v_next, impulse);
+  bool firm = false;
+  if (acts || pulls) {
+    growth = world_grown(w, effects, v_next, impulse);
+    firm = !growth.turned;
+  }
   const bool still = pulls && (firm || world_stands(w, effects, impulse));
   for (int i = 0; i < w->n_body; i++) {
     judge_body(w, i, effects, still, firm, change);
   }
-  return firm;
+  return growth;
 }

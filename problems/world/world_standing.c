@@ -6,12 +6,37 @@
 /* Of a patch's load, evenly on its feet, before the rest is shared out; of a body's largest, for a patch to count. */
 static const double spared = 0.1, light = 0.01;
 
-static double most_pressed(const feet *s, int i) {
+/* Of the sides of f the one that is body i and stands on it: on a plane, or on a body that pushes it against its load; -1: none. */
+static int standing(const world *w, const foot *f, int i) {
+  static const double against = 1e-3;
+  for (int k = 0; k < 2; k++) {
+    const double *load = world_residual(w, i)->load;
+    if (f->side[k] == i &&
+        (f->side[1 - k] < 0 || v3_dot(f->column[k], load) < -against * v3_norm(load))) {
+      return k;
+    }
+  }
+  return -1;
+}
+
+static double most_pressed(const world *w, const feet *s, int i) {
   double most = 0.0;
   for (int j = 0; j < s->n; j++) {
-    most = (s->foot[j].side[0] == i) ? fmax(most, s->patch[s->foot[j].patch].press) : most;
+    const foot *f = &s->foot[j];
+    most = (standing(w, f, i) >= 0) ? fmax(most, s->patch[f->patch].press) : most;
   }
   return most;
+}
+
+/* Does f count for a body that stands on it? */
+static bool counts(const world *w, const feet *s, const foot *f) {
+  bool some = false;
+  for (int k = 0; k < 2 && !some; k++) {
+    const int i = f->side[k];
+    some = i >= 0 && standing(w, f, i) >= 0 &&
+           s->patch[f->patch].press >= light * most_pressed(w, s, i);
+  }
+  return some;
 }
 
 static double dot(const double *x, const double *y) {
@@ -30,9 +55,7 @@ static void press_all(const world *w, feet *s) {
   }
   for (int j = 0; j < s->n; j++) {
     foot *f = &s->foot[j];
-    const double press = s->patch[f->patch].press;
-    const bool counts = press >= light * most_pressed(s, f->side[0]);
-    f->least = counts ? spared * press / count[f->patch] : 0.0;
+    f->least = counts(w, s, f) ? spared * s->patch[f->patch].press / count[f->patch] : 0.0;
     world_feet_add(w, f, f->least, true);
   }
 }
@@ -43,8 +66,9 @@ static double lever(const world *w, const feet *s, int i) {
   double left[FEET_MOST][AXES], least = HUGE_VAL;
   int n = 0;
   for (int j = 0; j < s->n; j++) {
-    if (s->foot[j].side[0] == i && s->foot[j].least > 0.0) {
-      memcpy(left[n++], s->foot[j].column[0], sizeof left[0]);
+    const int k = standing(w, &s->foot[j], i);
+    if (k >= 0 && s->foot[j].least > 0.0) {
+      memcpy(left[n++], s->foot[j].column[k], sizeof left[0]);
     }
   }
   for (int r = 0; r < w->dim; r++) {
@@ -76,39 +100,59 @@ static double left_of(const world *w, int i) {
   return sum;
 }
 
-/* Body i, whose balance leaves `off`, is in the air, or a ball, or that and what rubs it are little beside what its feet have to spare. */
+/* Body i, whose balance leaves `off`, touches nothing, or is a ball, or that and what rubs it are little beside what its feet have to
+ * spare. */
 static bool holds(const world *w, const feet *s, int i, double off, double scale) {
   double spare = HUGE_VAL;
+  bool flies = true;
   for (int j = 0; j < s->n; j++) {
     const foot *f = &s->foot[j];
-    spare = (f->side[0] == i && f->least > 0.0) ? fmin(spare, f->least) : spare;
+    spare = (f->least > 0.0 && standing(w, f, i) >= 0) ? fmin(spare, f->least) : spare;
+    flies = flies && f->side[0] != i && f->side[1] != i;
   }
-  if (spare == HUGE_VAL || world_is_ball(w, i)) {
+  if (flies || world_is_ball(w, i)) {
     return off <= WORLD_FEET_LITTLE * scale;
   }
-  return 10.0 * (off + world_residual(w, i)->rub) < spare * lever(w, s, i);
+  return spare < HUGE_VAL && 10.0 * (off + world_residual(w, i)->rub) < spare * lever(w, s, i);
 }
 
-static bool hold(const world *w, const feet *s, bool nearly, double scale) {
+/* Would they all, with impulses that balance them? */
+static bool hold(const world *w, const feet *s, double scale) {
   bool all = true;
   for (int i = 0; i < w->n_body && all; i++) {
-    all = holds(w, s, i, nearly ? left_of(w, i) : 0.0, scale);
+    all = holds(w, s, i, 0.0, scale);
   }
   return all;
 }
 
-/* Do the impulses that there are keep the balance nearly, with enough on every foot? Then no others need to be sought. */
+static void note_all(const world *w, bool firm) {
+  for (int i = 0; i < w->n_body; i++) {
+    world_residual(w, i)->firm = firm ? 1.0 : 0.0;
+  }
+}
+
+/* Notes of each body whether it stands firmly with the impulses that there are: they keep its balance nearly, with enough on every foot. Do
+ * all? Then no others need to be sought. */
 static bool as_it_is(const world *w, const feet *s, const double *impulse, double scale) {
+  bool all = true;
   world_feet_set_rest(w, s);
+  note_all(w, true);
   for (int j = 0; j < s->n; j++) {
     const foot *f = &s->foot[j];
     const double more = fmax(impulse[w->store.row_start[f->contact]], 0.0) - f->least;
-    if (more < 0.0) {
-      return false;
+    for (int k = 0; k < 2 && more < 0.0; k++) {
+      if (f->side[k] >= 0) {
+        world_residual(w, f->side[k])->firm = 0.0;
+      }
     }
     world_feet_add(w, f, more, false);
   }
-  return hold(w, s, true, scale);
+  for (int i = 0; i < w->n_body; i++) {
+    residual *r = world_residual(w, i);
+    r->firm = (r->firm != 0.0 && holds(w, s, i, left_of(w, i), scale)) ? 1.0 : 0.0;
+    all = all && r->firm != 0.0;
+  }
+  return all;
 }
 
 /* ---- the two ---------------------------------------------------------------------------------- */
@@ -130,10 +174,17 @@ static unsigned turned_by(const world *w, int i, unsigned effects) {
 bool world_stands_firmly(const world *w, unsigned effects, const double *impulse) {
   feet s;
   double scale;
+  note_all(w, false);
   if (!world_feet_set_up(w, effects, impulse, turned_by, &s, &scale)) {
     return false;
   }
   press_all(w, &s);
-  return as_it_is(w, &s, impulse, scale) ||
-         (hold(w, &s, false, scale) && world_feet_balanced(w, &s, scale));
+  if (as_it_is(w, &s, impulse, scale)) {
+    return true;
+  }
+  const bool all = hold(w, &s, scale) && world_feet_balanced(w, &s, scale);
+  if (all) {
+    note_all(w, true);
+  }
+  return all;
 }
