@@ -6,35 +6,34 @@
 /* Of a patch's load, evenly on its feet, before the rest is shared out; of a body's largest, for a patch to count. */
 static const double spared = 0.1, light = 0.01;
 
-/* Of the sides of f the one that is body i and stands on it: on a plane, or on a body that pushes it against its load; -1: none. */
-static int standing(const world *w, const foot *f, int i) {
+static bool stands(const world *w, const foot *f, int k) {
   static const double against = 1e-3;
-  for (int k = 0; k < 2; k++) {
-    const double *load = world_residual(w, i)->load;
-    if (f->side[k] == i &&
-        (f->side[1 - k] < 0 || v3_dot(f->column[k], load) < -against * v3_norm(load))) {
-      return k;
-    }
+  if (f->side[k] < 0 || f->side[1 - k] < 0) {
+    return f->side[k] >= 0;
   }
-  return -1;
+  const double *load = world_residual(w, f->side[k])->load;
+  return v3_dot(f->column[k], load) < -against * v3_norm(load);
 }
 
-static double most_pressed(const world *w, const feet *s, int i) {
+/* Does body i stand on f? */
+static bool carries(const foot *f, int i) {
+  return (f->stands[0] && f->side[0] == i) || (f->stands[1] && f->side[1] == i);
+}
+
+static double most_pressed(const feet *s, int i) {
   double most = 0.0;
   for (int j = 0; j < s->n; j++) {
     const foot *f = &s->foot[j];
-    most = (standing(w, f, i) >= 0) ? fmax(most, s->patch[f->patch].press) : most;
+    most = carries(f, i) ? fmax(most, s->patch[f->patch].press) : most;
   }
   return most;
 }
 
 /* Does f count for a body that stands on it? */
-static bool counts(const world *w, const feet *s, const foot *f) {
+static bool counts(const feet *s, const foot *f) {
   bool some = false;
   for (int k = 0; k < 2 && !some; k++) {
-    const int i = f->side[k];
-    some = i >= 0 && standing(w, f, i) >= 0 &&
-           s->patch[f->patch].press >= light * most_pressed(w, s, i);
+    some = f->stands[k] && s->patch[f->patch].press >= light * most_pressed(s, f->side[k]);
   }
   return some;
 }
@@ -51,11 +50,14 @@ static double dot(const double *x, const double *y) {
 static void press_all(const world *w, feet *s) {
   int count[FEET_MOST] = {0};
   for (int j = 0; j < s->n; j++) {
-    count[s->foot[j].patch]++;
+    foot *f = &s->foot[j];
+    count[f->patch]++;
+    f->stands[0] = stands(w, f, 0);
+    f->stands[1] = stands(w, f, 1);
   }
   for (int j = 0; j < s->n; j++) {
     foot *f = &s->foot[j];
-    f->least = counts(w, s, f) ? spared * s->patch[f->patch].press / count[f->patch] : 0.0;
+    f->least = counts(s, f) ? spared * s->patch[f->patch].press / count[f->patch] : 0.0;
     world_feet_add(w, f, f->least, true);
   }
 }
@@ -66,9 +68,9 @@ static double lever(const world *w, const feet *s, int i) {
   double left[FEET_MOST][AXES], least = HUGE_VAL;
   int n = 0;
   for (int j = 0; j < s->n; j++) {
-    const int k = standing(w, &s->foot[j], i);
-    if (k >= 0 && s->foot[j].least > 0.0) {
-      memcpy(left[n++], s->foot[j].column[k], sizeof left[0]);
+    const foot *f = &s->foot[j];
+    if (carries(f, i) && f->least > 0.0) {
+      memcpy(left[n++], f->column[(f->side[0] == i) ? 0 : 1], sizeof left[0]);
     }
   }
   for (int r = 0; r < w->dim; r++) {
@@ -107,7 +109,7 @@ static bool holds(const world *w, const feet *s, int i, double off, double scale
   bool flies = true;
   for (int j = 0; j < s->n; j++) {
     const foot *f = &s->foot[j];
-    spare = (f->least > 0.0 && standing(w, f, i) >= 0) ? fmin(spare, f->least) : spare;
+    spare = (f->least > 0.0 && carries(f, i)) ? fmin(spare, f->least) : spare;
     flies = flies && f->side[0] != i && f->side[1] != i;
   }
   if (flies || world_is_ball(w, i)) {
