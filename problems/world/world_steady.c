@@ -109,7 +109,7 @@ static void add_body(const world *w, int i, bool tied, const double *v_next, wor
   }
   const double falls = tied ? w->h * v3_norm(w->spec.gravity) / w->size : 0.0;
   const double pushed = fmax(falls, world_residual(w, i)->press / (b->mass * w->size));
-  if (pushed > 0.0) {
+  if (pushed > 0.0 || tied) {
     g->place = fmax(g->place, pushed + w->h * turn * turn);
   }
   g->speed = (w->dim == 3) ? fmax(g->speed, w->h * turn) : g->speed;

@@ -64,3 +64,62 @@ def late_scene(rng: random.Random) -> dict:
         pos[up] += half[0] * abs(math.sin(tilt))
     scene["bodies"] = bodies
     return scene
+
+
+def shape_of(dim: int, rng: random.Random) -> tuple[dict, float, float]:
+    """A box or a ball, half its width and half its height."""
+    if rng.random() < 0.6:
+        half = sized(dim, rng)
+        return {"type": "box", "half": half}, half[0], half[-1]
+    r = rng.uniform(0.08, 0.2)
+    return {"type": "sphere" if dim == 3 else "disc", "r": r}, r, r
+
+
+def crowd_scene(rng: random.Random) -> dict:
+    """Two to five bodies in a row or above one another, light and heavy, some moving or turning,
+    between walls or on a slope, with little friction, and now and then without gravity."""
+    dim = rng.choice([2, 3])
+    up = dim - 1
+    statics = [{"name": "floor", "normal": [0] * up + [1], "offset": 0}]
+    if rng.random() < 0.7:
+        wall = {"name": "right", "normal": [-1] + [0] * up, "offset": -rng.uniform(1, 2.5)}
+        statics.append(wall)
+    if rng.random() < 0.4:
+        statics.append({"name": "left", "normal": [1] + [0] * up, "offset": -rng.uniform(0.5, 1)})
+    if rng.random() < 0.2:
+        tilt = rng.uniform(0.2, 1.2)
+        normal = [-math.sin(tilt)] + [0] * (dim - 2) + [math.cos(tilt)]
+        offset = -rng.uniform(1, 2) * math.sin(tilt)
+        statics.append({"name": "slope", "normal": normal, "offset": offset})
+    bodies: list[dict] = []
+    end, top = 0.0, 0.0
+    for k in range(rng.randint(2, 5)):
+        shape, wide, high = shape_of(dim, rng)
+        body = {"name": "abcde"[k], "shape": shape}
+        body["mass"] = rng.choice([1.0, 1.0, 0.5, 10 ** rng.uniform(-2, 2)])
+        if k > 0 and rng.random() < 0.4:
+            x = rng.choice(bodies)["pos"][0] + rng.uniform(-0.3, 0.3)
+            z = top + high + rng.uniform(0, 0.4)
+            speed = rng.choice([0.0, rng.uniform(-1, 1)])
+        else:
+            x = end + wide + rng.choice([0.01, rng.uniform(0.02, 0.4)]) if k > 0 else 0.0
+            z, end = high, x + wide
+            speed = rng.choice([0.0, rng.uniform(0, 3)])
+        top = max(top, z + high)
+        body |= {"pos": [x] + [0.0] * (dim - 2) + [z], "vel": [speed] + [0.0] * up}
+        if rng.random() < 0.15:
+            spin = rng.uniform(-3, 3)
+            body["omega"] = spin if dim == 2 else [0.0, spin, 0.0]
+        bodies.append(body)
+    return {
+        "id": "crowd",
+        "dim": dim,
+        "T": rng.choice([0.5, 1.0]),
+        "hs": [rng.choice([0.005, 0.01, 0.02])],
+        "gravity": [0.0] * up + [-rng.choice([9.81, 9.81, 9.81, 0.0])],
+        "static": statics,
+        "bodies": bodies,
+        "friction": {"default": 10 ** rng.uniform(-8, -3)},
+        "restitution": {"default": rng.choice([0.0, rng.uniform(0, 0.9)])},
+        "observe": ["a.x", "a.vx"],
+    }

@@ -355,6 +355,24 @@ static void a_ball_that_meets_a_box_that_stands_passes_its_speed_on(void **state
   }
 }
 
+/* A contact that carries and stays closed is closed for a deviation too only while loads press it. */
+static void what_nothing_presses_does_not_rest(void **state) {
+  (void)state;
+  for (int k = 0; k < 3; k++) { /* its weight; without gravity a push by another; idle there */
+    scene_spec s;
+    bool alike;
+    world_growth grown;
+    box_on_floor(&s, 2, 0.0);
+    s.gravity[1] = (k == 0) ? -g : 0.0;
+    s.friction.dflt = 1e-9;
+    s.restitution.dflt = 0.0;
+    const double weight = 2.0 * g * h;
+    moves_on(&s, (const double[3]){0}, (k < 2) ? weight : 0.0, 1e-9, &alike, &grown);
+    assert_int_equal(alike, k != 1);
+    spec_free(&s);
+  }
+}
+
 static void a_force_across_needs_space(void **state) {
   (void)state;
   scene_spec s;
@@ -473,6 +491,7 @@ int main(void) {
       cmocka_unit_test(balanced_is_not_steady),
       cmocka_unit_test(deviations_keep_their_velocity),
       cmocka_unit_test(impacts_are_alike_or_not),
+      cmocka_unit_test(what_nothing_presses_does_not_rest),
       cmocka_unit_test(a_face_that_does_not_turn_keeps_its_normal),
       cmocka_unit_test(a_ball_that_meets_a_box_that_stands_passes_its_speed_on),
       cmocka_unit_test(a_force_across_needs_space),
