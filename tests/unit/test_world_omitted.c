@@ -373,6 +373,36 @@ static void what_nothing_presses_does_not_rest(void **state) {
   }
 }
 
+/* What hangs on a joint goes with its place at the rate sqrt(g / size), and turning with w at w more; without gravity at w alone. */
+static void joints_go_with_places(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    double impulse[64] = {0}, v[3] = {0}, change[EFFECT_COUNT];
+    spec_joint *j;
+    spec_init(&s);
+    s.dim = 2;
+    s.gravity[1] = (k == 0) ? -g : 0.0;
+    s.duration = 1.0;
+    add_body(&s, "bob", SPEC_BOX, 0.1)->omega[2] = v[2] = 2.0;
+    check_ok(spec_add_joint(&s, "pin", &j, &err), &err);
+    j->kind = SPEC_BALL;
+    j->other = -1;
+    check_ok(spec_check_all(&s, &err), &err);
+    check_ok(world_open(&w, &s, s.present, &err), &err);
+    check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+    assert_true(c.n_row <= 64);
+    const world_growth grown = world_omitted(w, s.present, true, v, impulse, change);
+    assert_true(grown.shared && grown.turned);
+    const double falls = (k == 0) ? g / world_size(w) : 0.0;
+    check_close(grown.place, h * (falls + 2.0 * 2.0), 1e-12);
+    world_close(w);
+    spec_free(&s);
+  }
+}
+
 static void a_force_across_needs_space(void **state) {
   (void)state;
   scene_spec s;
@@ -492,6 +522,7 @@ int main(void) {
       cmocka_unit_test(deviations_keep_their_velocity),
       cmocka_unit_test(impacts_are_alike_or_not),
       cmocka_unit_test(what_nothing_presses_does_not_rest),
+      cmocka_unit_test(joints_go_with_places),
       cmocka_unit_test(a_face_that_does_not_turn_keeps_its_normal),
       cmocka_unit_test(a_ball_that_meets_a_box_that_stands_passes_its_speed_on),
       cmocka_unit_test(a_force_across_needs_space),
