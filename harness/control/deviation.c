@@ -2,8 +2,6 @@
 
 #include <math.h>
 
-static const double turning = 2.5;
-
 deviation_scale deviation_scale_of(const scene_spec *spec, const world *w, double duration) {
   const double *g = spec->gravity;
   const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
@@ -17,7 +15,8 @@ deviation_scale deviation_scale_of(const scene_spec *spec, const world *w, doubl
   return (deviation_scale){.size = size,
                            .speed = fmax(sqrt(gravity * size), size / duration),
                            .fall = sqrt(gravity / size),
-                           .masses = (sum > 0.0) ? sqrt(sum / least) : 1.0};
+                           .masses = (sum > 0.0) ? sqrt(sum / least) : 1.0,
+                           .swing = world_swing(w)};
 }
 
 bool deviation_add(deviation *d, const deviation_scale *scale, const double omitted[EFFECT_COUNT],
@@ -35,11 +34,11 @@ bool deviation_add(deviation *d, const deviation_scale *scale, const double omit
   d->rate = fmin(d->change, change / h);
   d->change = change / h;
   const double more = ((g->shared && !d->shared) ? scale->masses : 1.0) *
-                      ((g->turned && !d->turned) ? turning : 1.0);
+                      ((g->turned && !d->turned) ? scale->swing : 1.0);
   d->shared = d->shared || g->shared;
   d->turned = d->turned || g->turned;
   /* what acts on bodies that turn counts at their points already */
-  change *= (d->shared ? scale->masses : 1.0) * ((d->turned && !g->turned) ? turning : 1.0);
+  change *= (d->shared ? scale->masses : 1.0) * ((d->turned && !g->turned) ? scale->swing : 1.0);
   d->place *= more;
   d->speed = (more * d->speed + change + g->place * d->place) * (1.0 + g->speed);
   d->place += h * d->speed;

@@ -8,8 +8,8 @@
  *
  * s is that of any point of a body until bodies push each other or turn. A step without friction is a projection in the norm of kinetic
  * energy, in which no deviation grows; that norm says of a point of one body what all have together. So s and x are multiplied once by
- * sqrt(sum m / least m) where bodies push each other, and once by 2.5 where one turns: the most that the velocity of a point of a box is
- * over the root of twice its energy per mass (2 in the plane, 2.35 for a cube). */
+ * sqrt(sum m / least m) where bodies push each other, and once by what the velocity of a point may be over it where one turns (world_swing:
+ * 2 for a box in the plane). */
 #pragma once
 
 #include "problems/world/world.h"
@@ -19,6 +19,7 @@ typedef struct deviation_scale {
   double size, speed; /* that deviations count against [m], [m/s] */
   double fall;        /* rate at which a body of that size falls over [1/s] */
   double masses;      /* sqrt(sum / least) [1] */
+  double swing;       /* world_swing [1] */
 } deviation_scale;
 
 typedef struct deviation {

@@ -145,6 +145,9 @@ double world_closing_rate(const world *w, double margin);
 /* Springs and dampers, which are explicit, refuse steps of this length and longer; HUGE_VAL: there are none [s]. */
 double world_longest_step(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
+/* The most that the velocity of a point of a body that is no ball is over the root of twice its energy per mass [1]: sqrt(1 + b^2 m / I), of
+ * the radius that contains it and its least moment of inertia; 2 for a box in the plane. 1 where nothing can turn. */
+double world_swing(const world *w);
 bool world_finite(const world *w);
 
 /* All of them below the limit in size. */

@@ -12,14 +12,9 @@ static double inverse_mass(const world *w, int side) {
   return (side < w->n_body && w->body[side].n_dof > 0) ? 1.0 / w->body[side].mass : 0.0;
 }
 
-static double least_inertia(const world *w, int side) {
-  const double *I = w->body[side].inertia;
-  return (w->dim == 2) ? I[2] : fmin(I[0], fmin(I[1], I[2]));
-}
-
 static double inverse_inertia(const world *w, int side) {
   const bool turns = side < w->n_body && w->body[side].spins && w->body[side].n_dof > 0;
-  return turns ? 1.0 / least_inertia(w, side) : 0.0;
+  return turns ? 1.0 / world_least_inertia(w, side) : 0.0;
 }
 
 static void add_to_sides(const world *w, const contact_item *c, size_t field, double value) {
@@ -108,7 +103,8 @@ static void judge_body(const world *w, int i, unsigned effects, bool still, bool
   if (w->spec.body[i].kinematic) {
     return;
   }
-  const double reach = b->bound / least_inertia(w, i); /* velocity a moment gives its points */
+  const double reach =
+      b->bound / world_least_inertia(w, i); /* velocity a moment gives its points */
   for (int k = 0; k < AXES; k++) {
     if ((locked & 1u << k) != 0 && !(k >= 3 && still)) {
       raise(change, world_axis_needs(k, w->dim) & omitted,

@@ -4,6 +4,8 @@
 
 #include "problems/world/world_data.h"
 
+#include <math.h>
+
 /* What may act on one body in the step. */
 typedef struct residual {
   double wrench[AXES]; /* impulse and its moment about the centre, of all that acts [N s, N m s] */
@@ -30,6 +32,12 @@ unsigned world_free_axes(const world *w, int i, unsigned effects);
 
 /* Those that `effects` would free and the world has locked. */
 unsigned world_locked_now(const world *w, int i, unsigned effects);
+
+/* The least of the moments of inertia that count [kg m^2]. */
+static inline double world_least_inertia(const world *w, int i) {
+  const double *I = w->body[i].inertia;
+  return (w->dim == 2) ? I[2] : fmin(I[0], fmin(I[1], I[2]));
+}
 
 /* Is it one sphere or disc about its centre? */
 bool world_is_ball(const world *w, int i);

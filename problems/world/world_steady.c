@@ -143,6 +143,17 @@ world_growth world_grown(const world *w, unsigned effects, const double *v_next,
   return g;
 }
 
+double world_swing(const world *w) {
+  double most = 1.0;
+  for (int i = 0; i < w->n_body && w->model == NULL; i++) {
+    const body *b = &w->body[i];
+    if (!w->spec.body[i].kinematic && !world_is_ball(w, i)) {
+      most = fmax(most, sqrt(1.0 + b->bound * b->bound * b->mass / world_least_inertia(w, i)));
+    }
+  }
+  return most;
+}
+
 /* ---- impacts ---------------------------------------------------------------------------------- */
 
 /* Of contact i, at the dofs' velocities v: what its sides part with along the normal [m/s]. */

@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-static const deviation_scale scale = {.size = 0.5, .speed = 2.0, .fall = 4.0, .masses = 3.0};
+static const deviation_scale scale = {
+    .size = 0.5, .speed = 2.0, .fall = 4.0, .masses = 3.0, .swing = 2.5};
 
 /* n steps of h in each of which friction changes velocities by `change`. */
 static deviation after(int n, double h, double change, world_growth g) {
@@ -52,7 +53,7 @@ static void the_end_is_that_of_going_on(void **state) {
   assert_true(isfinite(deviation_after(&d, &scale, 1e6, 1.0, 1e6)));
 }
 
-/* Once each: by the masses where bodies push each other, by 2.5 where one turns, what comes later too. */
+/* Once each: by the masses where bodies push each other, by its swing where one turns, what comes later too. */
 static void it_passes_to_others_once(void **state) {
   (void)state;
   static const world_growth none = {0}, push = {.shared = true}, turn = {.turned = true};

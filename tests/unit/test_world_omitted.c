@@ -396,7 +396,8 @@ static void joints_go_with_places(void **state) {
     assert_true(c.n_row <= 64);
     const world_growth grown = world_omitted(w, s.present, true, v, impulse, change);
     assert_true(grown.shared && grown.turned);
-    const double falls = (k == 0) ? g / world_size(w) : 0.0;
+    const double falls = (k == 0) ? g / world_size(w) : 0.0, reach = world_size(w);
+    check_close(world_swing(w), sqrt(1.0 + reach * reach * 2.0 / s.body[0].inertia[0]), 1e-12);
     check_close(grown.place, h * (falls + 2.0 * 2.0), 1e-12);
     world_close(w);
     spec_free(&s);
