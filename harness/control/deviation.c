@@ -1,10 +1,11 @@
 #include "harness/control/deviation.h"
 
+#include "problems/vec.h"
+
 #include <math.h>
 
 deviation_scale deviation_scale_of(const scene_spec *spec, const world *w, double duration) {
-  const double *g = spec->gravity;
-  const double gravity = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  const double gravity = v3_norm(spec->gravity);
   const double size = world_size(w);
   double sum = 0.0, least = HUGE_VAL;
   for (int i = 0; i < spec->n_body; i++) {

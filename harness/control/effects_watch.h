@@ -25,8 +25,8 @@
  * What came in is left out again, while nothing else that is left out has acted,
  *
  *   - at rest: all that could meet anything lies still, on the same contacts in two steps, and something of it has moved before; or
- *   - behind an impact that it came in for: contacts stay, no body turns or pushes another, and what it is foreseen to do to the end of the run is less
- *     than E. This is asked for after 1, 2, 4, ... steps, and done 8 times a run at most.
+ *   - behind an impact that it came in for: contacts stay, no body turns or pushes another, and what it is foreseen to do to the end
+ *     of the run is less than E. This is asked for after 1, 2, 4, ... steps, and done 8 times a run at most.
  *
  * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
  * step by themselves, and generalised coordinates, have everything in. */

@@ -24,8 +24,7 @@ typedef struct foot {
   double column[2][AXES];      /* what 1 N s does to its sides: force [1], moment over reach [1] */
   double p, target;            /* [N s]; of the feet in use, were none to end at 0 */
   double least;                /* [N s], which it carries in any case */
-  bool stands
-      [2]; /* the side stands on it: on a plane, or on a body that pushes it against its load */
+  bool stands[2];              /* of each side: it stands on the foot (world_standing.c) */
   bool used;
 } foot;
 

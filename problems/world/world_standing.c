@@ -6,6 +6,7 @@
 /* Of a patch's load, evenly on its feet, before the rest is shared out; of a body's largest, for a patch to count. */
 static const double spared = 0.1, light = 0.01;
 
+/* Does side k of f stand on it: on a plane, or on a body that pushes it against its load? */
 static bool stands(const world *w, const foot *f, int k) {
   static const double against = 1e-3;
   if (f->side[k] < 0 || f->side[1 - k] < 0) {

@@ -204,8 +204,8 @@ bool world_contacts_alike(const world *w, const double *v_next, const double *im
     const bool carries = impulse[row] > 0.0;
     const bool pressed = !carries || before - parting(w, i, w->store.v_free) > unsure;
     const bool rests = pressed && fabs(before) <= unsure && fabs(after) <= unsure;
-    const bool passes = !carries && (after > unsure || w->store.gap[i] > place + 100.0 * tol);
     const double gap = w->store.gap[i], gap_before = gap - w->h * before; /* of the last step */
+    const bool passes = !carries && (after > unsure || gap > place + 100.0 * tol);
     const bool closed = gap_before <= tol - place, open = gap_before > tol + place;
     const bool hits =
         gap <= tol - place && (closed || open) && bounces_alike(w, i, before, unsure, impulse);
