@@ -36,16 +36,15 @@ typedef struct watch {
   deviation off;
   checkpoint clean;      /* nothing left out has acted up to here */
   checkpoint last;       /* before the step, where something has */
-  sim_carrying carrying; /* of the last step */
+  sim_carrying carrying; /* before the step */
   bool waits;            /* for contacts that stay, to leave something out */
   bool moved; /* something that could meet anything has, since effects were last left out at rest */
   /* Contacts that carried in the last step, when all that could meet anything lay still; 0: not all did. */
   uint64_t lay;
-  uint64_t carried; /* the contacts that did, in the last step */
-  long next;        /* step from which on something may be left out in motion again, */
-  long pause;       /* and steps from there to the next try */
-  int left;         /* how often something was */
-  int doubts;       /* of MOST_DOUBTS */
+  long next;  /* step from which on something may be left out in motion again, */
+  long pause; /* and steps from there to the next try */
+  int left;   /* how often something was */
+  int doubts; /* of MOST_DOUBTS */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
@@ -110,7 +109,6 @@ static base_status step_back(watch *w, const deviation *before, unsigned more, b
   BASE_TRY(checkpoint_return(&w->last, w->s, w->record, err));
   w->result->repeated++;
   w->off = *before;
-  w->carrying = w->s->carrying;
   return add_effects(w, more, err);
 }
 
@@ -153,7 +151,6 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
   const bool changed = s->carrying.ids != w->carrying.ids;
   const bool acts = add_step(w, h);
   const unsigned by = deviation_by(&w->off, small);
-  w->carrying = s->carrying;
   if (!acts) {
     return BASE_OK;
   }
@@ -212,7 +209,6 @@ static base_status leave_out(watch *w, bool lasting, base_error *err) {
 static base_status leave_at_contact(watch *w, base_error *err) {
   const sim *s = w->s;
   const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
-  w->carrying = s->carrying;
   if (!stay) {
     return BASE_OK;
   }
@@ -253,8 +249,7 @@ static bool is_calm(watch *w, bool stay) {
  * than E: it came in at an impact that is over. */
 static base_status leave_again(watch *w, base_error *err) {
   const sim *s = w->s;
-  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carried;
-  w->carried = s->carrying.ids;
+  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
   const bool still = lies(w);
   if ((w->result->watched & s->effects & candidates) == 0 || w->off.speed > 0.0 ||
       w->result->plan.n + 2 > EFFECTS_SPANS) {
@@ -282,6 +277,7 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   const double h = step_of(w->q, out->steps);
   s->watched = left_out(w);
   s->off = (sim_deviation){w->off.speed, w->off.place};
+  w->carrying = s->carrying;
   if (s->watched == 0) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return *taken ? leave(w, err) : BASE_OK;
@@ -289,7 +285,6 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   double from = base_seconds();
   const bool clean = w->off.speed == 0.0;
   BASE_TRY(checkpoint_take(clean ? &w->clean : &w->last, s, w->record, err));
-  w->carrying = s->carrying;
   out->time.watch += base_seconds() - from;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
