@@ -6,6 +6,7 @@
 #include "lcp/base/fields.h"
 
 #include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,12 +18,17 @@ static const double noise =
 static const double small =
     1e-3; /* of the largest change: what changes less need not come in with it */
 
-enum { MOST_LEFT = 8 }; /* times that something is left out in motion: each may be taken back */
+enum { MOST_LEFT = 8 };  /* times that something is left out in motion: each may be taken back */
+enum { ASK_AFTER = 16 }; /* steps between tries for a change of contacts */
 
-/* Where deviations grow only while bodies turn or meet, that the end would be off by more than E if they went on to is no reason yet: not
- * in so many steps in a row, none between them without growth, while there is room. */
-enum { MOST_DOUBTS = 4 };
-static const double room = 16.0; /* times that the deviation by now goes into E */
+/* Where deviations grow only while bodies turn or meet, that the end would be off by more than E if they went on to is no reason yet while
+ * the deviation by now goes into E often enough: 16 times in the first step of doubt, 64, 144, ... times in those that follow it. */
+static double room(int doubts) {
+  return 16.0 * doubts * doubts;
+}
+
+/* By so much below E must be what is to be left out while deviations grow, as foreseen. */
+static const double spare = 3.0;
 
 static const double moving =
     1e-3; /* of the speed scale: by so much a body moves; less may be what a change of effects leaves */
@@ -33,18 +39,22 @@ typedef struct watch {
   series *record;
   watch_result *result;
   deviation_scale scale;
-  deviation off;
-  checkpoint clean;      /* nothing left out has acted up to here */
-  checkpoint last;       /* before the step, where something has */
-  sim_carrying carrying; /* before the step */
-  bool waits;            /* for contacts that stay, to leave something out */
+  world_inertia *inertia; /* of each body */
+  world_deviation *point; /* of each, before the step */
+  deviation off, before;  /* before: before the step */
+  unsigned by;            /* the effects that `off` is by */
+  checkpoint clean;       /* nothing left out has acted up to here */
+  checkpoint last;        /* before the step, where something has */
+  sim_carrying carrying;  /* before the step */
+  bool waits;             /* for contacts that stay, to leave something out */
   bool moved; /* something that could meet anything has, since effects were last left out at rest */
   /* Contacts that carried in the last step, when all that could meet anything lay still; 0: not all did. */
   uint64_t lay;
   long next;  /* step from which on something may be left out in motion again, */
   long pause; /* and steps from there to the next try */
+  long asked; /* the last step at which a change of contacts was a reason to try */
   int left;   /* how often something was */
-  int doubts; /* of MOST_DOUBTS */
+  int doubts; /* steps of doubt in a row, none between them without growth */
 } watch;
 
 static double step_of(const sim_request *q, long k) {
@@ -61,18 +71,22 @@ static double least_change(const watch *w) {
 /* Enters what the step left out could have changed; false: nothing left out has acted up to now. */
 static bool add_step(watch *w, double h) {
   w->scale.speed = fmax(w->scale.speed, world_max_speed(w->s->w));
-  return deviation_add(&w->off, &w->scale, w->s->omitted, least_change(w), &w->s->growth, h);
+  deviation_add(&w->off, &w->scale, w->s->omitted, w->s->grown, h);
+  return w->off.any;
 }
 
-/* The rate at which deviations would grow if it went on as in the last step [1/s]. */
-static double growth(const watch *w) {
-  return deviation_growth(&w->scale, &w->s->growth, w->s->h);
-}
-
-/* How far the end may be off then, over the scales, if what was left out goes on to act at `rate` [m/s^2]. */
-static double end_bound(const watch *w, double rate) {
+/* How far body i may be off by the end, over the scales. */
+static deviation_forecast to_the_end(const watch *w, int i) {
   const double left = fmax(w->q->duration - world_time(w->s->w), 0.0);
-  return deviation_after(&w->off, &w->scale, growth(w), rate, left);
+  return deviation_after(&w->off, i, &w->scale, left);
+}
+
+static bool grows(const watch *w) {
+  bool some = false;
+  for (int i = 0; i < w->off.n && !some; i++) {
+    some = w->off.body[i].grows > 0.0;
+  }
+  return some;
 }
 
 static unsigned left_out(const watch *w) {
@@ -105,10 +119,12 @@ static base_status add_effects(watch *w, unsigned more, base_error *err) {
 }
 
 /* Before the step just taken, with what acted in it for the first time. */
-static base_status step_back(watch *w, const deviation *before, unsigned more, base_error *err) {
+static base_status step_back(watch *w, unsigned more, base_error *err) {
   BASE_TRY(checkpoint_return(&w->last, w->s, w->record, err));
   w->result->repeated++;
-  w->off = *before;
+  deviation_copy(&w->off, &w->before);
+  w->by = deviation_by(&w->off, small);
+  w->doubts = 0;
   return add_effects(w, more, err);
 }
 
@@ -118,7 +134,8 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
   const long reached = out->steps;
   BASE_TRY(checkpoint_return(&w->clean, w->s, w->record, err));
   w->result->repeated += reached - out->steps;
-  w->off = (deviation){0};
+  deviation_clear(&w->off);
+  w->by = 0;
   w->result->bound = 0.0;
   w->doubts = 0;
   w->moved = false; /* it may have been what was taken back */
@@ -129,14 +146,24 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
   return add_effects(w, more, err);
 }
 
-/* Would the end be off by more than E if it went on as in the last step, or in the last two, which left their contacts as they were? */
-static bool goes_too_far(watch *w, bool changed) {
+/* Would the end be off by more than E if it went on as in the last step, or in the last two, which left their contacts as they were?
+ * *bound: how far it may be off without anything more. At the first impact in which something acts there is no doubt: it may leave
+ * again behind it. */
+static bool goes_too_far(watch *w, bool changed, double *bound) {
   const double E = w->result->level;
-  const bool far = end_bound(w, 0.0) > E || (!changed && end_bound(w, w->off.rate) > E);
-  const bool grows = growth(w) > 0.0;
-  const bool near = room * deviation_after(&w->off, &w->scale, 0.0, 0.0, 0.0) > E;
-  w->doubts = grows ? w->doubts + far : 0;
-  return far && (!grows || near || w->doubts > MOST_DOUBTS);
+  const bool first = changed && !w->before.any;
+  bool some = false, sure = false;
+  *bound = 0.0;
+  for (int i = 0; i < w->off.n; i++) {
+    const deviation_forecast f = to_the_end(w, i);
+    const bool far = f.free > E || (!changed && f.both > E), grown = w->off.body[i].grows > 0.0;
+    some = some || far;
+    sure = sure || (far && (!grown || room(w->doubts + 1) * f.now > E)) ||
+           (first && grown && spare * f.free > E);
+    *bound = fmax(*bound, f.free);
+  }
+  w->doubts = grows(w) ? w->doubts + some : 0;
+  return sure;
 }
 
 /* What follows from the step just taken. A step that fails proves nothing of the whole scene: everything comes in. */
@@ -146,23 +173,22 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     *taken = true;
     return go_back(w, w->q->effects, err);
   }
-  const deviation before = w->off;
-  const unsigned earlier = deviation_by(&before, small);
+  const unsigned earlier = w->by;
   const bool changed = s->carrying.ids != w->carrying.ids;
   const bool acts = add_step(w, h);
-  const unsigned by = deviation_by(&w->off, small);
   if (!acts) {
     return BASE_OK;
   }
-  const double bound = end_bound(w, 0.0);
-  const bool impact = changed && !s->alike && s->out->steps > w->clean.out.steps + 1;
-  if (before.speed > 0.0 && (by & ~earlier) != 0 && bound > w->result->level) {
-    return step_back(w, &before, by & ~earlier, err);
+  const unsigned by = w->by = deviation_by(&w->off, small);
+  double bound;
+  const bool too_far = goes_too_far(w, changed, &bound);
+  if (w->before.any && (by & ~earlier) != 0 && bound > w->result->level) {
+    return step_back(w, by & ~earlier, err);
   }
-  if (impact && earlier != 0) {
+  if (!s->alike && earlier != 0) {
     return go_back(w, earlier, err); /* the impact's own come in when it is reached again */
   }
-  if (impact || goes_too_far(w, changed)) {
+  if (!s->alike || too_far) {
     return go_back(w, by, err);
   }
   w->result->bound = bound;
@@ -174,9 +200,41 @@ static unsigned with_gyroscopic(const sim_request *q, unsigned without) {
   return without | (((without & EFFECT_ROTATION) != 0) ? q->effects & EFFECT_GYROSCOPIC : 0u);
 }
 
-/* What is sure to act in the next step, and by more than E, to the end of the run if it is `lasting`, needs no step to tell.
- * *touches: a contact is closed. */
-static base_status foresee(watch *w, bool lasting, unsigned *acts, bool *touches, base_error *err) {
+/* Where what is to come is known from. */
+typedef enum outlook {
+  NEXT_STEP,  /* what is sure to act in it */
+  GOES_ON,    /* that, to the end of the run */
+  AS_IT_ACTED /* what acted in the last step does so to the end, and deviations grow as in it */
+} outlook;
+
+/* As in the last step, in which it was simulated. */
+static void foresee_as_it_acted(const watch *w) {
+  sim *s = w->s;
+  for (int i = 0; i < w->off.n; i++) {
+    const double gyration = w->inertia[i].gyration;
+    world_growth *g = &s->grown[i];
+    const bool turns = g->turned && gyration > 0.0;
+    g->moved = fmax(g->moved, g->acted);
+    g->spun = g->held + (turns ? g->acted / (gyration * gyration) : 0.0);
+    for (int e = 0; e < EFFECT_COUNT; e++) {
+      const unsigned bit = w->result->watched & s->effects & 1u << e;
+      const double did = (bit == EFFECT_FRICTION) ? g->acted : g->held;
+      if ((bit & (EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION)) != 0) {
+        s->omitted[e] = fmax(s->omitted[e], did);
+      }
+    }
+  }
+}
+
+/* No deviation grows: it is not known, or does not matter. */
+static void grow_nothing(const watch *w) {
+  for (int i = 0; i < w->off.n; i++) {
+    w->s->grown[i] = (world_growth){.group = i};
+  }
+}
+
+/* Of what the run may do without: what is to come, and does more than E. *touches: a contact is closed. */
+static base_status foresee(watch *w, outlook from, unsigned *acts, bool *touches, base_error *err) {
   contact_set set;
   const double h = step_of(w->q, w->s->out->steps);
   BASE_TRY(world_contacts(w->s->w, h, -1.0, &set, err));
@@ -184,24 +242,37 @@ static base_status foresee(watch *w, bool lasting, unsigned *acts, bool *touches
   for (int i = 0; i < set.n_contact && !*touches; i++) {
     *touches = set.gap[i] <= set.tol;
   }
-  world_foreseen(w->s->w, w->result->watched, w->s->omitted);
-  w->s->growth = (world_growth){0}; /* what is sure to come does not count on it */
+  const bool known = from == AS_IT_ACTED;
+  if (!known) {
+    grow_nothing(w);
+  }
+  world_foreseen(w->s->w, w->result->watched & (known ? EFFECT_SPATIAL : ~0u), w->s->omitted,
+                 w->s->grown);
+  if (known) {
+    foresee_as_it_acted(w);
+  }
   const bool any = add_step(w, h);
-  const bool enough = any && end_bound(w, lasting ? w->off.change : 0.0) > w->result->level;
+  const double most = w->result->level / (grows(w) ? spare : 1.0);
+  bool enough = false;
+  for (int i = 0; i < w->off.n && any && !enough; i++) {
+    const deviation_forecast f = to_the_end(w, i);
+    enough = ((from == NEXT_STEP) ? f.free : f.last) > most;
+  }
   *acts = enough ? deviation_by(&w->off, small) : 0u;
-  w->off = (deviation){0};
+  deviation_clear(&w->off);
   return BASE_OK;
 }
 
 /* Less of what the run may do without, from here on: what does not move, and is not foreseen to act. */
-static base_status leave_out(watch *w, bool lasting, base_error *err) {
+static base_status leave_out(watch *w, outlook from, base_error *err) {
   const unsigned in = w->result->watched & w->s->effects;
   unsigned acts;
   bool touches;
-  BASE_TRY(foresee(w, lasting, &acts, &touches, err));
+  BASE_TRY(foresee(w, from, &acts, &touches, err));
   unsigned without = in & candidates & ~acts;
   without &= ~world_moves(w->s->w, without, least_change(w));
   without = with_gyroscopic(w->q, without);
+  w->left += (without != 0);
   return (without != 0) ? change_effects(w, w->s->effects & ~without, err) : BASE_OK;
 }
 
@@ -213,7 +284,7 @@ static base_status leave_at_contact(watch *w, base_error *err) {
     return BASE_OK;
   }
   w->waits = false;
-  return leave_out(w, false, err);
+  return leave_out(w, NEXT_STEP, err);
 }
 
 /* All that could meet anything lies still, on the same contacts as a step before: what came in goes. What comes in again from rest
@@ -229,20 +300,20 @@ static bool lies(watch *w) {
   return so;
 }
 
-/* The step just taken was on the same contacts as the one before, and no deviation would have grown in it. That is asked for ever
- * more seldom. */
-static bool is_calm(watch *w, bool stay) {
+/* The step just taken was on the same contacts as the one before, and what it would have made of deviations is known. That is asked for
+ * ever more seldom, and behind a change of contacts now and then. */
+static bool is_known(watch *w, bool stay) {
   sim *s = w->s;
-  const bool asked = s->would_deviate, stays = !s->growth.shared && !s->growth.turned;
-  const bool calm = asked && stay && stays;
+  const bool asked = s->would_deviate;
   const long now = s->out->steps;
   if (asked) {
     w->pause *= 2;
     w->next = now + w->pause;
+  } else if (!stay && now >= w->asked + ASK_AFTER && w->next < LONG_MAX) {
+    w->next = w->asked = now;
   }
   s->would_deviate = !asked && stay && now >= w->next && w->left < MOST_LEFT;
-  w->left += calm;
-  return calm;
+  return asked && stay;
 }
 
 /* What came in goes where nothing left out has acted and all lies still, or what it will have done by the end is foreseen to be less
@@ -250,13 +321,16 @@ static bool is_calm(watch *w, bool stay) {
 static base_status leave_again(watch *w, base_error *err) {
   const sim *s = w->s;
   const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
-  const bool still = lies(w);
-  if ((w->result->watched & s->effects & candidates) == 0 || w->off.speed > 0.0 ||
+  if ((w->result->watched & s->effects & candidates) == 0 || w->off.any ||
       w->result->plan.n + 2 > EFFECTS_SPANS) {
     w->s->would_deviate = false;
     return BASE_OK;
   }
-  return (still || is_calm(w, stay)) ? leave_out(w, true, err) : BASE_OK;
+  const bool still = lies(w);
+  if (still) {
+    return leave_out(w, GOES_ON, err);
+  }
+  return is_known(w, stay) ? leave_out(w, AS_IT_ACTED, err) : BASE_OK;
 }
 
 /* What the step just taken shows not to be called for any more. */
@@ -276,15 +350,17 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   sim_result *out = s->out;
   const double h = step_of(w->q, out->steps);
   s->watched = left_out(w);
-  s->off = (sim_deviation){w->off.speed, w->off.place};
+  s->least = least_change(w);
+  s->off = w->off.any ? w->point : NULL;
   w->carrying = s->carrying;
   if (s->watched == 0) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return *taken ? leave(w, err) : BASE_OK;
   }
   double from = base_seconds();
-  const bool clean = w->off.speed == 0.0;
-  BASE_TRY(checkpoint_take(clean ? &w->clean : &w->last, s, w->record, err));
+  deviation_points(&w->off, w->point);
+  deviation_copy(&w->before, &w->off);
+  BASE_TRY(checkpoint_take(w->off.any ? &w->last : &w->clean, s, w->record, err));
   out->time.watch += base_seconds() - from;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
@@ -303,7 +379,7 @@ static base_status begin(watch *w, base_error *err) {
   if (w->result->watched == 0) {
     return BASE_OK;
   }
-  BASE_TRY(foresee(w, false, &acts, &touches, err));
+  BASE_TRY(foresee(w, GOES_ON, &acts, &touches, err));
   w->waits = !touches && (q->effects & EFFECT_JOINTS) == 0;
   const unsigned in = w->result->watched & (w->waits ? ~q->form->form->lacks : acts);
   const base_status done = (in != 0) ? change_effects(w, w->s->effects | in, err) : BASE_OK;
@@ -311,8 +387,28 @@ static base_status begin(watch *w, base_error *err) {
   return done;
 }
 
+/* What is kept of each body. */
+static base_status open_bodies(watch *w, base_error *err) {
+  const int n = w->q->spec->n_body;
+  const size_t count = (size_t)n + 1;
+  w->inertia = malloc(count * sizeof *w->inertia);
+  w->point = malloc(count * sizeof *w->point);
+  w->s->grown = calloc(count, sizeof *w->s->grown);
+  if (w->inertia == NULL || w->point == NULL || w->s->grown == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for what %d bodies are off by", n);
+  }
+  for (int i = 0; i < n; i++) {
+    w->inertia[i] = world_inertia_of(w->s->w, w->q->effects, i);
+  }
+  BASE_TRY(deviation_open(&w->off, n, w->inertia, err));
+  return deviation_open(&w->before, n, w->inertia, err);
+}
+
 static base_status run(watch *w, base_error *err) {
   sim_result *out = w->s->out;
+  if (w->result->watched != 0) {
+    BASE_TRY(open_bodies(w, err));
+  }
   BASE_TRY(checkpoint_open(&w->clean, w->s, err));
   BASE_TRY(checkpoint_open(&w->last, w->s, err));
   BASE_TRY(begin(w, err));
@@ -353,6 +449,11 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   if (done == BASE_OK) {
     sim_finish(&s, record);
   }
+  deviation_close(&w.off);
+  deviation_close(&w.before);
+  free(w.inertia);
+  free(w.point);
+  free(s.grown);
   checkpoint_close(&w.clean);
   checkpoint_close(&w.last);
   sim_close(&s);

@@ -6,27 +6,31 @@
  * without joints in which none does begins with everything, and leaves out once the same contacts carried in two steps. What is
  * sure to act in the step to come (world_foreseen) is in at once. Every step without an effect tells how much that effect could
  * have changed in it (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From
- * these follows how far the motion may be off (deviation.h), and how far it would be at the end if deviations went on to grow as in
+ * these follows how far each body may be off (deviation.h), and how far it would be at the end if deviations went on to grow as in
  * the last step, by no more than what falls over does: a body of the smallest size, at sqrt(g / size). Changes count that are more than
  * what a verified answer may be off by, and more than would add up to a tenth of E over the run. They count against the largest speed
  * so far (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. Where
  *
  *   - what was left out would have the end off by more than E, as it is or if it went on to act as in the last two steps; but where
- *     deviations grow and are below E / 16, not before five steps in a row say so: what turns or meets comes to rest, or
+ *     deviations grow, only once that has been said in n steps in a row and they are above E / (16 n^2): what turns or meets comes to
+ *     rest, or
+ *   - an impact is the first step in which anything acts, and would have the end off by a third of E: what comes in for it alone goes
+ *     again behind it, or
  *   - contacts begin or cease to carry while something left out has acted, unless no friction is simulated and each contact rests,
  *     passes or closes, in this step and not before, whatever the deviation is (world_contacts_alike): what other impacts make of a
  *     deviation is unknown,
  *
  * an effect comes in. What acts for the first time comes in before the step just taken. Else the run goes back to the last step up to
  * which nothing left out had acted, and goes on from there with the effects that had most, or at a change of contacts with those that
- * had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. Nothing is guessed
- * from a part of the run, and nothing is watched once everything is in.
+ * had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. What is guessed
+ * is only when to try, never that it holds; and nothing is watched once everything is in.
  *
  * What came in is left out again, while nothing else that is left out has acted,
  *
  *   - at rest: all that could meet anything lies still, on the same contacts in two steps, and something of it has moved before; or
- *   - behind an impact that it came in for: contacts stay, no body turns or pushes another, and what it is foreseen to do to the end
- *     of the run is less than E. This is asked for after 1, 2, 4, ... steps, and done 8 times a run at most.
+ *   - behind an impact that it came in for: contacts stay, and what it did in the last step, going on to the end of the run while
+ *     deviations grow as in that step, is less than E; less than a third of it where they do grow. This is asked for after 1, 2, 4, ...
+ *     steps, and behind a change of contacts 16 steps after the last such, and done 8 times a run at most.
  *
  * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
  * step by themselves, and generalised coordinates, have everything in. */

@@ -98,11 +98,16 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
 /* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
 static const double at_rest = 0.01;
 
-/* Two steps whose contacts with a normal impulse are the same have the same hash. */
+/* Two steps whose contacts with a normal impulse are the same have the same hash. Beside the largest in the step, rounding is none. */
 static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
+  static const double rounding = 1e-13;
   sim_carrying c = {.ids = SIM_HASH_START};
+  double most = 0.0;
   for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
-    if (a->impulse[set->row_start[i]] > 0.0) {
+    most = fmax(most, a->impulse[set->row_start[i]]);
+  }
+  for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
+    if (a->impulse[set->row_start[i]] > rounding * most) {
       c.ids = (c.ids ^ set->id[i]) * 0x100000001b3u;
       c.n++;
     }
@@ -225,15 +230,13 @@ static base_status merit_of(sim *s, const contact_set *set, const formulation_an
 /* What the effects that are left out would have done in the step, and what it makes of the deviation before it. carried: the
  * contacts' hash of the step before. */
 static void note_omitted(sim *s, const formulation_answer *a, uint64_t carried) {
-  double speed = s->off.speed;
-  const bool deviates = s->off.speed > 0.0 || s->would_deviate;
-  s->growth =
-      world_omitted(s->w, s->watched | s->effects, deviates, a->v_next, a->impulse, s->omitted);
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    speed += s->omitted[e];
+  world_omitted(s->w, s->watched | s->effects, s->off != NULL || s->would_deviate, s->least,
+                a->v_next, a->impulse, s->omitted, s->grown);
+  if (s->would_deviate) {
+    world_acted(s->w, a->impulse, s->grown);
   }
-  s->alike = s->carrying.ids == carried ||
-             world_contacts_alike(s->w, a->v_next, a->impulse, s->off.place, speed);
+  s->alike = s->off == NULL || s->carrying.ids == carried ||
+             world_contacts_alike(s->w, a->v_next, a->impulse, s->off, s->grown);
 }
 
 /* Steps that a formulation with complementarity problems takes. */

@@ -39,11 +39,6 @@ typedef struct sim_carrying {
   uint64_t ids;
 } sim_carrying;
 
-/* How far bodies may be off by what earlier steps left out [m/s], [m]. */
-typedef struct sim_deviation {
-  double speed, place;
-} sim_deviation;
-
 /* Everything one run owns. */
 typedef struct sim {
   const sim_request *q;
@@ -60,10 +55,11 @@ typedef struct sim {
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
-  sim_deviation off;            /* before the step */
-  bool would_deviate;           /* `growth` is asked for as if something did */
+  double least;                 /* what changes less changes nothing [m/s] */
+  const world_deviation *off;   /* of each body before the step; NULL: none is */
+  bool would_deviate;           /* `grown` is asked for as if some were */
   double omitted[EFFECT_COUNT]; /* the answer for the last step [m/s] */
-  world_growth growth;          /* and what the step makes of deviations */
+  world_growth *grown;          /* and of each body, with what the step makes of deviations */
   bool alike;                   /* contacts act alike with them */
   double h;                     /* of this step [s] */
   sim_carrying carrying;        /* in the last step */

@@ -94,30 +94,47 @@ typedef struct saved_step {
  * What the accelerations v_coarse - v_start = h a change by, j = (a - a_before) / h_before, is that of free motion. */
 double world_saved_unsteady(const world *w, const saved_step *before, const saved_step *now);
 
-/* What a step adds to a deviation of the bodies' velocities: of the one there was [1], and of that of their places [1/s]. */
+/* What a step makes of one body that is not where it should be, or not as fast. Velocities by turning, and angles, are those of a point at
+ * the radius that contains it. By what was left out, at most, the velocity of its centre is `moved` and its turning `spun`; by friction that
+ * was simulated the centre has `acted`, by rolling and torsion the turning `held` (world_acted) [m/s]. A deviation of places adds `place` times
+ * itself to that of the velocity, and `arm` times to that of the turning where it turns [1/s]; in space that of the turning adds `speed`
+ * times itself [1], and that of the angle `whirl` times itself [1/s], to that of the turning. */
 typedef struct world_growth {
-  double speed, place;
-  bool shared; /* bodies push each other: one's deviation passes to others */
-  bool turned; /* some body turns, or may by it */
+  double moved, spun, acted, held;
+  double place, arm, speed, whirl;
+  int group; /* first of the bodies that push each other in one piece with it; itself: none does */
+  int floor; /* a contact that carries it, where all that do are of one plane; below 0: not so */
+  bool turned; /* it turns, but about the normal of its floor, or may by the deviation */
+  bool pushed; /* something acts on it that may turn it */
 } world_growth;
+
+/* How far the velocity [m/s] and the place [m] of any point of a body may be off. */
+typedef struct world_deviation {
+  double speed, place;
+} world_deviation;
 
 /* What the effects that the world leaves out of `effects` would do in the step from its last set to v_next with these
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an
- * upper bound. 0: the step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts with a normal impulse;
- * rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation. Returns what the step
- * makes of deviations before it (`deviates`: some may, or would); nothing where nothing changes and none deviates, which is not asked
- * then. */
-world_growth world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
-                           const double *impulse, double change[EFFECT_COUNT]);
-/* Do the contacts of that step act alike on bodies that are elsewhere by at most `place` [m] before it and deviate by at most `speed` after
- * it [m/s]? True where no friction is simulated and each contact, whatever the deviation is, rests (pressed by loads, or idle), passes,
- * or is closed now, and was a step before or was not: an impact is a projection then (mirrored, where it bounces), by which no deviation
- * grows in the norm of kinetic energy but for what goes with places. */
-bool world_contacts_alike(const world *w, const double *v_next, const double *impulse, double place,
-                          double speed);
+ * upper bound; up to `least` it is none. 0: the step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts
+ * with a normal impulse; rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation.
+ * grown[n_body]: the same by bodies, and what the step makes of deviations before it (`deviates`: some may, or would); nothing where
+ * nothing changes and none deviates, which is not asked then. */
+void world_omitted(const world *w, unsigned effects, bool deviates, double least,
+                   const double *v_next, const double *impulse, double change[EFFECT_COUNT],
+                   world_growth *grown);
+/* Of that step, `acted` and `held` of grown [n_body]. */
+void world_acted(const world *w, const double *impulse, world_growth *grown);
+/* Do the contacts of that step act alike on bodies that are off by `off` [n_body] before it, and in it by `grown` more? True where no
+ * friction is simulated and each contact, whatever the deviation is, rests (pressed by loads, or idle), passes, or is closed now, and was
+ * a step before or was not: an impact is a projection then (mirrored, where it bounces), by which no deviation grows in the norm of
+ * kinetic energy but for what goes with places. */
+bool world_contacts_alike(const world *w, const double *v_next, const double *impulse,
+                          const world_deviation *off, const world_growth *grown);
 /* As world_omitted, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one
- * direction only and slide, the third dimension where a contact pushes out of the plane. 0: nothing is known before. */
-void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT]);
+ * direction only and slide, the third dimension where a contact pushes out of the plane. 0: nothing is known before. Of `grown` what is said of
+ * deviations is kept. */
+void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT],
+                    world_growth *grown);
 /* Those of `effects` (rotation, spatial) that a velocity or a prescribed motion of the scene needs. */
 unsigned world_moved_by(const scene_spec *spec, unsigned effects);
 /* Those that some body now moves along by more than `least` [m/s]. */
@@ -145,9 +162,12 @@ double world_closing_rate(const world *w, double margin);
 /* Springs and dampers, which are explicit, refuse steps of this length and longer; HUGE_VAL: there are none [s]. */
 double world_longest_step(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
-/* The most that the velocity of a point of a body that is no ball is over the root of twice its energy per mass [1]: sqrt(1 + b^2 m / I), of
- * the radius that contains it and its least moment of inertia; 2 for a box in the plane. 1 where nothing can turn. */
-double world_swing(const world *w);
+/* Of body i: its mass [kg], the radius that contains it [m], and its least radius of gyration over that [1]; 0 where it cannot turn with
+ * `effects`. Prescribed: mass 0. */
+typedef struct world_inertia {
+  double mass, bound, gyration;
+} world_inertia;
+world_inertia world_inertia_of(const world *w, unsigned effects, int i);
 bool world_finite(const world *w);
 
 /* All of them below the limit in size. */

@@ -81,11 +81,12 @@ static void free_velocity(const world *w, int i, double *press, double *slide) {
 }
 
 /* Of the contacts from `first` on of one body, its first side. *end: behind the last of them. */
-static void foresee_body(const world *w, int first, double change[EFFECT_COUNT], int *end) {
+static void foresee_body(const world *w, int first, unsigned effects, double change[EFFECT_COUNT],
+                         world_growth *grown, int *end) {
   const set_store *s = &w->store;
   const int own = s->item[s->key[first].item].a;
   const double *normal = NULL;
-  double rubs = 0.0;
+  double rubs = 0.0, across = 0.0;
   bool parallel = true; /* else normal forces may stop the sliding */
   int i = first;
   for (; i < w->set.n_contact && s->item[s->key[i].item].a == own; i++) {
@@ -100,19 +101,32 @@ static void foresee_body(const world *w, int first, double change[EFFECT_COUNT],
     parallel = parallel && v3_dot(n, normal) > 1.0 - 1e-6;
     rubs = fmax(rubs, fmin(pair_value(&w->mu, c->a, c->b) * press, slide));
     if (w->dim == 3 && leans(n)) {
-      change[EFFECT_SPATIAL_BIT] = fmax(change[EFFECT_SPATIAL_BIT], press);
+      across = fmax(across, press);
     }
   }
-  change[EFFECT_FRICTION_BIT] = fmax(change[EFFECT_FRICTION_BIT], parallel ? rubs : 0.0);
+  rubs = (parallel && (effects & EFFECT_FRICTION) != 0) ? rubs : 0.0;
+  across = ((effects & EFFECT_SPATIAL) != 0) ? across : 0.0;
+  change[EFFECT_FRICTION_BIT] = fmax(change[EFFECT_FRICTION_BIT], rubs);
+  change[EFFECT_SPATIAL_BIT] = fmax(change[EFFECT_SPATIAL_BIT], across);
+  for (int k = first; k < i; k++) {
+    const contact_item *c = &s->item[s->key[k].item];
+    for (int side = 0; side < 2 && s->gap[k] <= w->set.tol; side++) {
+      const int at = (side == 0) ? c->a : c->b;
+      if (at < w->n_body) {
+        grown[at].moved = fmax(grown[at].moved, rubs + across);
+      }
+    }
+  }
   *end = i;
 }
 
-void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT]) {
+void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT],
+                    world_growth *grown) {
   memset(change, 0, EFFECT_COUNT * sizeof *change);
-  for (int i = 0; i < w->set.n_contact;) {
-    foresee_body(w, i, change, &i);
+  for (int i = 0; i < w->n_body; i++) {
+    grown[i].moved = grown[i].spun = 0.0;
   }
-  for (int e = 0; e < EFFECT_COUNT; e++) {
-    change[e] = ((effects & 1u << e) != 0) ? change[e] : 0.0;
+  for (int i = 0; i < w->set.n_contact;) {
+    foresee_body(w, i, effects, change, grown, &i);
   }
 }

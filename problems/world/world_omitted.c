@@ -32,6 +32,17 @@ static double most_of(double coefficient, double press, double speed, double mob
   return (mobility > 0.0) ? fmin(most, speed / mobility) : most;
 }
 
+/* Of a force against the sliding, the moment about the normal. */
+static void add_yaw(const world *w, int side, const double *x, const double *n, const double *f,
+                    double sign) {
+  double arm[3], moment[3];
+  if (side < w->n_body) {
+    v3_sub(x, w->body[side].at.x, arm);
+    v3_cross(arm, f, moment);
+    world_residual(w, side)->yaw += sign * v3_dot(moment, n);
+  }
+}
+
 static void add_laws(const world *w, unsigned omitted, int i, const double *v_next, double press) {
   const set_store *s = &w->store;
   const contact_item *c = &s->item[s->key[i].item];
@@ -45,7 +56,13 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
   if ((omitted & EFFECT_FRICTION) != 0) {
     const double mu = fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
     const double mobility = inverse_mass(w, c->a) + inverse_mass(w, c->b);
-    add_to_sides(w, c, offsetof(residual, rub), most_of(mu, press, v3_norm(ua), mobility));
+    const double speed = v3_norm(ua), rub = most_of(mu, press, speed, mobility);
+    add_to_sides(w, c, offsetof(residual, rub), rub);
+    if (w->dim == 3 && speed > 0.0) {
+      v3_scale(-rub / speed, ua, ua);
+      add_yaw(w, c->a, c->x, n, ua, 1.0);
+      add_yaw(w, c->b, c->x, n, ua, -1.0);
+    }
   }
   const double turning = inverse_inertia(w, c->a) + inverse_inertia(w, c->b);
   const double about = v3_dot(wa, n);
@@ -57,21 +74,57 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
   if ((omitted & EFFECT_ROLLING) != 0) {
     resist += most_of(pair_value(&w->rolling, c->a, c->b), press, v3_norm(wa), turning);
   }
-  add_to_sides(w, c, offsetof(residual, resist), resist);
-  const double e = pair_value(&w->restitution, c->a, c->b);
+  if (resist > 0.0) {
+    add_to_sides(w, c, offsetof(residual, resist), resist);
+  }
   if ((omitted & EFFECT_RESTITUTION) != 0) {
+    const double e = pair_value(&w->restitution, c->a, c->b);
     add_to_sides(w, c, offsetof(residual, bounce), -e * fmin(s->u_before[s->row_start[i]], 0.0));
+  }
+}
+
+void world_acted(const world *w, const double *impulse, world_growth *grown) {
+  const set_store *s = &w->store;
+  for (int i = 0; i < w->n_body; i++) {
+    grown[i].acted = grown[i].held = 0.0;
+  }
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    const double *n = s->frame + 9 * (ptrdiff_t)i;
+    const int side[2] = {c->a, c->b};
+    double f[3], m[3];
+    world_contact_impulse(w, i, impulse, f, m);
+    v3_add_scaled(f, -v3_dot(f, n), n, f);
+    for (int k = 0; k < 2; k++) {
+      if (side[k] < w->n_body) {
+        const double reach = w->body[side[k]].bound * inverse_inertia(w, side[k]);
+        grown[side[k]].acted += v3_norm(f) * inverse_mass(w, side[k]);
+        grown[side[k]].held += v3_norm(m) * reach;
+      }
+    }
   }
 }
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
-static void raise(double change[EFFECT_COUNT], unsigned effects, double speed) {
+/* Where one body's changes go to. */
+typedef struct change_of {
+  double least, *change;
+  world_growth *body;
+} change_of;
+
+static void raise(const change_of *to, unsigned effects, double moved, double spun) {
+  const double speed = moved + spun;
+  if (!(speed > to->least) || effects == 0) {
+    return;
+  }
   for (int e = 0; e < EFFECT_COUNT; e++) {
     if ((effects & 1u << e) != 0) {
-      change[e] = fmax(change[e], speed);
+      to->change[e] = fmax(to->change[e], speed);
     }
   }
+  to->body->moved += moved;
+  to->body->spun += spun;
 }
 
 /* Is there a moment on an axis that the effects would free, beyond what rounding of the contact forces makes? */
@@ -93,9 +146,26 @@ static bool any_moment(const world *w, unsigned effects, const double *impulse) 
   return false;
 }
 
+/* Do contacts of bodies that are no balls resist rolling or torsion? Then their forces may lie aside of where they would be without, and
+ * no balance tells where. */
+static bool resists(const world *w, unsigned effects, const double *impulse) {
+  const set_store *s = &w->store;
+  bool some = false;
+  for (int i = 0; i < w->set.n_contact && !some; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    const bool ball = world_is_ball(w, c->a) && (c->b >= w->n_body || world_is_ball(w, c->b));
+    const double rolling =
+        ((effects & EFFECT_ROLLING) != 0) ? pair_value(&w->rolling, c->a, c->b) : 0.0;
+    const double torsion =
+        ((effects & EFFECT_TORSION) != 0) ? pair_value(&w->torsion, c->a, c->b) : 0.0;
+    some = impulse[s->row_start[i]] > 0.0 && !ball && (rolling > 0.0 || torsion > 0.0);
+  }
+  return some;
+}
+
 /* still: the contacts can share their forces so that no body turns; firm: and what rubs a body too. */
 static void judge_body(const world *w, int i, unsigned effects, bool still, bool firm,
-                       double change[EFFECT_COUNT]) {
+                       const change_of *to) {
   const unsigned omitted = effects & ~w->effects;
   const unsigned locked = world_locked_now(w, i, effects);
   const body *b = &w->body[i];
@@ -107,16 +177,25 @@ static void judge_body(const world *w, int i, unsigned effects, bool still, bool
       b->bound / world_least_inertia(w, i); /* velocity a moment gives its points */
   for (int k = 0; k < AXES; k++) {
     if ((locked & 1u << k) != 0 && !(k >= 3 && still)) {
-      raise(change, world_axis_needs(k, w->dim) & omitted,
-            fabs(r->wrench[k]) * (k < 3 ? 1.0 / b->mass : reach));
+      const double by = fabs(r->wrench[k]);
+      raise(to, world_axis_needs(k, w->dim) & omitted, (k < 3) ? by / b->mass : 0.0,
+            (k < 3) ? 0.0 : by * reach);
     }
   }
-  const bool can_turn =
-      (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0 && !(firm && !world_is_ball(w, i));
-  const double arm = can_turn ? b->bound * reach : 0.0;
-  raise(change, omitted & EFFECT_FRICTION, r->rub * (1.0 / b->mass + arm));
-  raise(change, omitted & (EFFECT_ROLLING | EFFECT_TORSION), r->resist * reach);
-  raise(change, omitted & EFFECT_RESTITUTION, 2.0 * r->bounce);
+  const bool can_turn = (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  const double most = b->bound * r->rub; /* moment */
+  const double not_held = (firm && !world_is_ball(w, i)) ? fmin(fabs(r->yaw), most) : most;
+  raise(to, omitted & EFFECT_FRICTION, r->rub / b->mass, can_turn ? not_held * reach : 0.0);
+  raise(to, omitted & (EFFECT_ROLLING | EFFECT_TORSION), 0.0, r->resist * reach);
+  raise(to, omitted & EFFECT_RESTITUTION, r->bounce, r->bounce);
+}
+
+static bool all_firm(const world *w, const world_growth *grown) {
+  bool all = true;
+  for (int i = 0; i < w->n_body && all; i++) {
+    all = !grown[i].turned;
+  }
+  return all;
 }
 
 /* Is there a law left out that could act on a body? */
@@ -129,13 +208,16 @@ static bool any_law(const world *w) {
   return any;
 }
 
-world_growth world_omitted(const world *w, unsigned effects, bool deviates, const double *v_next,
-                           const double *impulse, double change[EFFECT_COUNT]) {
+void world_omitted(const world *w, unsigned effects, bool deviates, double least,
+                   const double *v_next, const double *impulse, double change[EFFECT_COUNT],
+                   world_growth *grown) {
   const unsigned omitted = effects & ~w->effects;
-  world_growth growth = {0};
   memset(change, 0, EFFECT_COUNT * sizeof *change);
+  for (int i = 0; i < w->n_body; i++) {
+    grown[i] = (world_growth){.group = i};
+  }
   if (w->model != NULL || (omitted == 0 && !deviates)) {
-    return growth;
+    return;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
@@ -146,18 +228,20 @@ world_growth world_omitted(const world *w, unsigned effects, bool deviates, cons
     }
   }
   const bool acts = deviates || any_law(w);
-  if (locks || acts) {
-    world_add_wrenches(w, impulse);
+  if (!locks && !acts) {
+    return;
   }
+  world_add_wrenches(w, impulse);
   const bool pulls = locks && any_moment(w, effects, impulse);
-  bool firm = false;
-  if (acts || pulls) {
-    growth = world_grown(w, effects, v_next, impulse);
-    firm = !growth.turned;
+  const bool shares = pulls && !resists(w, effects, impulse);
+  bool still = shares && !acts && world_stands(w, effects, impulse);
+  const bool asks = acts || (pulls && !still);
+  if (asks) {
+    world_grown(w, effects, v_next, impulse, grown);
   }
-  const bool still = pulls && (firm || world_stands(w, effects, impulse));
+  still = still || (shares && acts && (all_firm(w, grown) || world_stands(w, effects, impulse)));
   for (int i = 0; i < w->n_body; i++) {
-    judge_body(w, i, effects, still, firm, change);
+    const change_of to = {least, change, &grown[i]};
+    judge_body(w, i, effects, still, asks && !grown[i].turned, &to);
   }
-  return growth;
 }

@@ -14,9 +14,12 @@ typedef struct residual {
   double other[AXES];
   double rest[AXES];  /* what the contacts bring, on top of that */
   double rub, resist; /* friction left out [N s]; rolling and torsion left out [N m s] */
-  double bounce;      /* velocity that restitution left out may return [m/s] */
-  double press;       /* of its contacts, as far as it goes with places [N s] */
-  double firm;        /* 1: stands firmly; 0: not known to */
+  double
+      yaw; /* of that friction about the normals, which feet do not hold; HUGE_VAL: not known [N m s] */
+  double bounce; /* velocity that restitution left out may return [m/s] */
+  double turn;   /* [rad/s]; 0: it does not, or is a ball */
+  double press;  /* of its contacts, as far as it, or its moment, goes with places [N s] */
+  double bends;  /* of these, as far as the force does [N s] */
 } residual;
 _Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
 
@@ -52,13 +55,15 @@ bool world_stands(const world *w, unsigned effects, const double *impulse);
 
 /* The same on all axes that `effects` frees, locked or not, and with a tenth of the load to spare: every foot that a body stands on (on a
  * plane, or on a body that pushes against its load) carries, these feet span a face, and friction that is left out is too small to
- * shift what they carry. Balls, whose contact forces have no moment, stand on one. Do all bodies? Notes it of each (`firm`): of all where
- * some impulses do it, else with those that there are. Asks for the wrenches and `rub`. */
-bool world_stands_firmly(const world *w, unsigned effects, const double *impulse);
+ * shift what they carry. Balls, whose contact forces have no moment, stand on one. Which do not
+ * is noted (`turned`), and kept of those that are known to turn: all do where some impulses do it, else with those that there are. Asks
+ * for the wrenches and `rub`. tied: none does. */
+void world_note_firm(const world *w, unsigned effects, bool tied, const double *impulse,
+                     world_growth *grown);
 
 /* What the step makes of a deviation of the bodies before it. Nothing where none turns, each stands firmly or flies, the normals between
  * them are of faces, and no load or joint depends on places: what a step moves a body by is linear in its velocity then, and contact
  * takes of a difference in it. Else by what contacts do to the bodies that turn, or may, or whose normals turn: an impulse p moves
  * a body of mass m by p / (m size) times the place. Asks for the wrenches and `rub`. */
-world_growth world_grown(const world *w, unsigned effects, const double *v_next,
-                         const double *impulse);
+void world_grown(const world *w, unsigned effects, const double *v_next, const double *impulse,
+                 world_growth *grown);

@@ -128,34 +128,29 @@ static bool hold(const world *w, const feet *s, double scale) {
   return all;
 }
 
-static void note_all(const world *w, bool firm) {
-  for (int i = 0; i < w->n_body; i++) {
-    world_residual(w, i)->firm = firm ? 1.0 : 0.0;
-  }
-}
-
-/* Notes of each body whether it stands firmly with the impulses that there are: they keep its balance nearly, with enough on every foot. Do
- * all? Then no others need to be sought. */
-static bool as_it_is(const world *w, const feet *s, const double *impulse, double scale) {
-  bool all = true;
+/* Notes which bodies, of those not noted yet, do not stand firmly with the impulses that there are: these do not keep their balance
+ * nearly, or not with enough on every foot. Are there any? */
+static bool some_turn(const world *w, const feet *s, const double *impulse, double scale,
+                      world_growth *grown) {
+  bool some = false;
   world_feet_set_rest(w, s);
-  note_all(w, true);
   for (int j = 0; j < s->n; j++) {
     const foot *f = &s->foot[j];
     const double more = fmax(impulse[w->store.row_start[f->contact]], 0.0) - f->least;
     for (int k = 0; k < 2 && more < 0.0; k++) {
       if (f->side[k] >= 0) {
-        world_residual(w, f->side[k])->firm = 0.0;
+        some = some || !grown[f->side[k]].turned;
+        grown[f->side[k]].turned = true;
       }
     }
     world_feet_add(w, f, more, false);
   }
   for (int i = 0; i < w->n_body; i++) {
-    residual *r = world_residual(w, i);
-    r->firm = (r->firm != 0.0 && holds(w, s, i, left_of(w, i), scale)) ? 1.0 : 0.0;
-    all = all && r->firm != 0.0;
+    const bool firm = grown[i].turned || holds(w, s, i, left_of(w, i), scale);
+    some = some || !firm;
+    grown[i].turned = grown[i].turned || !firm;
   }
-  return all;
+  return some;
 }
 
 /* ---- the two ---------------------------------------------------------------------------------- */
@@ -174,20 +169,25 @@ static unsigned turned_by(const world *w, int i, unsigned effects) {
   return world_is_ball(w, i) ? axes & ~turns : axes;
 }
 
-bool world_stands_firmly(const world *w, unsigned effects, const double *impulse) {
+void world_note_firm(const world *w, unsigned effects, bool tied, const double *impulse,
+                     world_growth *grown) {
   feet s;
   double scale;
-  note_all(w, false);
-  if (!world_feet_set_up(w, effects, impulse, turned_by, &s, &scale)) {
-    return false;
+  bool known = false; /* some are known to turn */
+  for (int i = 0; i < w->n_body; i++) {
+    known = known || grown[i].turned;
+  }
+  if (tied || !world_feet_set_up(w, effects, impulse, turned_by, &s, &scale)) {
+    for (int i = 0; i < w->n_body; i++) {
+      grown[i].turned = true;
+    }
+    return;
   }
   press_all(w, &s);
-  if (as_it_is(w, &s, impulse, scale)) {
-    return true;
+  if (some_turn(w, &s, impulse, scale, grown) && !known && hold(w, &s, scale) &&
+      world_feet_balanced(w, &s, scale)) {
+    for (int i = 0; i < w->n_body; i++) {
+      grown[i].turned = false;
+    }
   }
-  const bool all = hold(w, &s, scale) && world_feet_balanced(w, &s, scale);
-  if (all) {
-    note_all(w, true);
-  }
-  return all;
 }

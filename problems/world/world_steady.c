@@ -17,13 +17,51 @@ static bool loads_stay(const world *w) {
   return true;
 }
 
-/* Does body i turn at the start of the step, or at its end? */
-static bool turns(const world *w, int i, const double *v_next) {
+/* Notes of each body the last contact that carries it where all that do are of one plane. */
+static void note_floors(const world *w, const double *impulse, world_growth *grown) {
+  const set_store *s = &w->store;
+  enum { OTHERS = -2 };
+  for (int i = 0; i < w->n_body; i++) {
+    grown[i].floor = -1;
+  }
+  for (int k = 0; k < w->set.n_contact; k++) {
+    const contact_item *c = &s->item[s->key[k].item];
+    if (!(impulse[s->row_start[k]] > 0.0)) {
+      continue;
+    }
+    int *at = &grown[c->a].floor;
+    const bool same = *at == -1 || (*at >= 0 && c->b == s->item[s->key[*at].item].b);
+    *at = (same && c->b >= w->n_body) ? k : OTHERS;
+    if (c->b < w->n_body) {
+      grown[c->b].floor = OTHERS;
+    }
+  }
+}
+
+/* Notes by how much body i turns at the start of the step, or at its end; 0: it is a ball, or it does not, or as it lies on a floor. And
+ * what its friction turns it by there: nothing where it slides straight, as feet that balance it carry it under its centre; not known
+ * where slips differ, or where axes are locked that the impulses do not balance. */
+static void note_turn(const world *w, int i, int floor, unsigned effects, const double *v_next) {
   const body *b = &w->body[i];
-  double speed[3], spin[3];
+  residual *r = world_residual(w, i);
+  double speed[3], spin[3], was[3];
+  r->turn = 0.0;
+  if (world_is_ball(w, i)) {
+    return;
+  }
   world_side_motion(w, i, v_next, b->at.x, speed, spin);
-  const double most = fmax(v3_norm(spin), v3_norm(b->v + 3));
-  return b->bound * most > turning * (v3_norm(speed) + w->h * v3_norm(w->spec.gravity));
+  v3_copy(b->v + 3, was);
+  const double counts = turning * (v3_norm(speed) + w->h * v3_norm(w->spec.gravity));
+  const bool spins = b->bound * fmax(v3_norm(spin), v3_norm(was)) > counts;
+  const bool locked = (world_locked_now(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  r->yaw = (w->dim == 2 || (floor >= 0 && !spins)) ? 0.0 : (spins || locked) ? HUGE_VAL : r->yaw;
+  if (w->dim == 3 && floor >= 0) {
+    const double *n = w->store.frame + 9 * (ptrdiff_t)floor;
+    v3_add_scaled(spin, -v3_dot(spin, n), n, spin);
+    v3_add_scaled(was, -v3_dot(was, n), n, was);
+  }
+  const double most = fmax(v3_norm(spin), v3_norm(was));
+  r->turn = (b->bound * most > counts) ? most : 0.0;
 }
 
 static bool parallel(const double *n, const double *d) {
@@ -47,32 +85,38 @@ static bool is_face_of(const piece *p, const pose *at, const double *n) {
   return face;
 }
 
-/* Is n the normal of a face of side i that does not turn? */
-static bool is_still_face(const world *w, int i, const double *n, const double *v_next) {
+/* Is n the normal of a face of side i, and does that not turn? */
+static bool is_still_face(const world *w, int i, const double *n) {
   if (i >= w->n_body) {
     return true; /* a plane */
   }
   const body *b = &w->body[i];
   bool face = false;
-  for (int k = 0; k < b->n_piece && !face; k++) {
+  for (int k = 0; k < b->n_piece && !face && world_residual(w, i)->turn == 0.0; k++) {
     face = is_face_of(&w->piece[b->first_piece + k], &b->at, n);
   }
-  return face && !turns(w, i, v_next);
+  return face;
 }
 
 /* Of the side of a contact that pushes with f: what counts as going with places. */
-static void add_press(const world *w, int side, bool turned, const double *f) {
+static void add_press(const world *w, int side, bool turned, const double *f,
+                      const world_growth *grown) {
   if (side < w->n_body) {
     residual *r = world_residual(w, side);
-    r->press += (turned || r->firm == 0.0) ? v3_norm(f) : 0.0;
+    r->press += (turned || grown[side].turned) ? v3_norm(f) : 0.0;
+    r->bends += turned ? v3_norm(f) : 0.0;
   }
 }
 
-/* Impulses that go with the places of the bodies, onto each: of contacts whose normal turns, and on bodies that may. */
-static void add_presses(const world *w, const double *v_next, const double *impulse) {
+/* Impulses that go with the places of the bodies, onto each: of contacts whose normal turns, and on bodies that may, whose lever arms
+ * change. */
+static void add_presses(const world *w, const double *impulse, const world_growth *grown) {
   const set_store *s = &w->store;
+  const contact_item *last = NULL;
+  const double *normal = NULL; /* of the last */
+  bool turned = false;
   for (int i = 0; i < w->n_body; i++) {
-    world_residual(w, i)->press = 0.0;
+    world_residual(w, i)->press = world_residual(w, i)->bends = 0.0;
   }
   for (int i = 0; i < w->set.n_contact; i++) {
     const contact_item *c = &s->item[s->key[i].item];
@@ -82,76 +126,111 @@ static void add_presses(const world *w, const double *v_next, const double *impu
     }
     double f[3], m[3];
     world_contact_impulse(w, i, impulse, f, m);
-    const bool turned = !is_still_face(w, c->b, n, v_next) && !is_still_face(w, c->a, n, v_next);
-    add_press(w, c->a, turned, f);
-    add_press(w, c->b, turned, f);
+    const bool same = last != NULL && c->a == last->a && c->b == last->b && n[0] == normal[0] &&
+                      n[1] == normal[1] && n[2] == normal[2];
+    if (!same) {
+      turned = !is_still_face(w, c->b, n) && !is_still_face(w, c->a, n);
+      last = c;
+      normal = n;
+    }
+    add_press(w, c->a, turned, f, grown);
+    add_press(w, c->b, turned, f, grown);
   }
 }
 
-/* Do bodies push each other? */
-static bool shared(const world *w, const double *impulse) {
-  const set_store *s = &w->store;
-  bool some = false;
-  for (int i = 0; i < w->set.n_contact && !some; i++) {
-    some = impulse[s->row_start[i]] > 0.0 && s->item[s->key[i].item].b < w->n_body;
+static int first_of(const world_growth *grown, int i) {
+  while (grown[i].group != i) {
+    i = grown[i].group;
   }
-  return some;
+  return i;
+}
+
+static bool deviates(const world *w, int side) {
+  return side < w->n_body && !w->spec.body[side].kinematic;
+}
+
+/* Notes which bodies are pushed, and which push each other. tied: all may. */
+static void add_groups(const world *w, bool tied, const double *impulse, world_growth *grown) {
+  const set_store *s = &w->store;
+  for (int i = 0; i < w->n_body && tied; i++) {
+    grown[i].group = 0;
+    grown[i].pushed = true;
+  }
+  for (int i = 0; i < w->set.n_contact && !tied; i++) {
+    const contact_item *c = &s->item[s->key[i].item];
+    if (!(impulse[s->row_start[i]] > 0.0)) {
+      continue;
+    }
+    if (deviates(w, c->a)) {
+      grown[c->a].pushed = true;
+    }
+    if (deviates(w, c->b)) {
+      grown[c->b].pushed = true;
+    }
+    if (deviates(w, c->a) && deviates(w, c->b)) {
+      const int one = first_of(grown, c->a), other = first_of(grown, c->b);
+      grown[one > other ? one : other].group = one > other ? other : one;
+    }
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    grown[i].group = first_of(grown, i);
+  }
+}
+
+/* By how much the moments of inertia differ [1]. What turns freely keeps its angular momentum L, and w = J L with J the inverse inertia in
+ * space: an angle a more changes w by [a, J] L, at most by that times w a; which grows as a does, and as J turns, twice that times w^2 a. */
+static double unlike(const world *w, int i) {
+  const double *I = w->body[i].inertia;
+  return fmax(I[0], fmax(I[1], I[2])) / world_least_inertia(w, i) - 1.0;
 }
 
 /* Adds what body i makes of deviations. tied: what acts on it may go with its place. Of what turns with w by some angle more, velocities
  * on its contacts differ by w times that, in a step of h by h w^2 times the place. */
-static void add_body(const world *w, int i, bool tied, const double *v_next, world_growth *g) {
-  const body *b = &w->body[i];
-  double speed[3], spin[3], turn = 0.0;
-  if (!world_is_ball(w, i)) {
-    world_side_motion(w, i, v_next, b->at.x, speed, spin);
-    turn = fmax(v3_norm(spin), v3_norm(b->v + 3));
-  }
+static void add_body(const world *w, int i, bool tied, world_growth *g) {
+  const residual *r = world_residual(w, i);
   const double falls = tied ? w->h * v3_norm(w->spec.gravity) / w->size : 0.0;
-  const double pushed = fmax(falls, world_residual(w, i)->press / (b->mass * w->size));
-  if (pushed > 0.0 || tied) {
-    g->place = fmax(g->place, pushed + w->h * turn * turn);
+  const double carried = w->h * r->turn * r->turn, size = w->body[i].mass * w->size;
+  if (r->press > 0.0 || tied) {
+    g->place = fmax(falls, r->bends / size) + carried;
+    g->arm = fmax(falls, r->press / size) + carried;
   }
-  g->speed = (w->dim == 3) ? fmax(g->speed, w->h * turn) : g->speed;
+  g->speed = (w->dim == 3) ? w->h * r->turn * unlike(w, i) : 0.0;
+  g->whirl = 2.0 * g->speed * r->turn;
 }
 
-/* Does some body turn? What does, or may go with its place, does not stand firmly. */
-static bool any_turns(const world *w, bool tied, const double *v_next) {
-  bool some = false;
-  for (int i = 0; i < w->n_body; i++) {
-    const bool turned = !world_is_ball(w, i) && turns(w, i, v_next);
-    some = some || turned;
-    if (turned || tied) {
-      world_residual(w, i)->firm = 0.0;
-    }
-  }
-  return some;
-}
-
-world_growth world_grown(const world *w, unsigned effects, const double *v_next,
-                         const double *impulse) {
+void world_grown(const world *w, unsigned effects, const double *v_next, const double *impulse,
+                 world_growth *grown) {
   const bool tied = w->n_joint > 0 || !loads_stay(w);
-  const bool firm = !tied && world_stands_firmly(w, effects, impulse);
-  const bool turned = any_turns(w, tied, v_next);
-  world_growth g = {.shared = tied || shared(w, impulse), .turned = !firm || turned};
-  if (g.shared || g.turned) {
-    add_presses(w, v_next, impulse);
+  bool some = false;
+  note_floors(w, impulse, grown);
+  for (int i = 0; i < w->n_body; i++) {
+    note_turn(w, i, grown[i].floor, effects, v_next);
+    grown[i].turned = tied || world_residual(w, i)->turn > 0.0;
+  }
+  world_note_firm(w, effects, tied, impulse, grown);
+  for (int i = 0; i < w->n_body; i++) {
+    some = some || grown[i].turned;
+  }
+  add_groups(w, tied, impulse, grown);
+  for (int i = 0; i < w->n_body && !some; i++) {
+    some = grown[i].group != i;
+  }
+  if (some) {
+    add_presses(w, impulse, grown);
     for (int i = 0; i < w->n_body; i++) {
-      add_body(w, i, tied, v_next, &g);
+      add_body(w, i, tied, &grown[i]);
     }
   }
-  return g;
 }
 
-double world_swing(const world *w) {
-  double most = 1.0;
-  for (int i = 0; i < w->n_body && w->model == NULL; i++) {
-    const body *b = &w->body[i];
-    if (!w->spec.body[i].kinematic && !world_is_ball(w, i)) {
-      most = fmax(most, sqrt(1.0 + b->bound * b->bound * b->mass / world_least_inertia(w, i)));
-    }
+world_inertia world_inertia_of(const world *w, unsigned effects, int i) {
+  const body *b = &w->body[i];
+  world_inertia of = {.mass = w->spec.body[i].kinematic ? 0.0 : b->mass, .bound = b->bound};
+  const bool turns = (world_free_axes(w, i, effects) & (unsigned)SPEC_ROT) != 0;
+  if (of.mass > 0.0 && b->bound > 0.0 && turns) {
+    of.gyration = sqrt(world_least_inertia(w, i) / b->mass) / b->bound;
   }
-  return most;
+  return of;
 }
 
 /* ---- impacts ---------------------------------------------------------------------------------- */
@@ -193,25 +272,40 @@ static bool bounces_alike(const world *w, int i, double before, double unsure,
   return decided && upright(w, i, w->store.item[w->store.key[i].item].a, impulse);
 }
 
-bool world_contacts_alike(const world *w, const double *v_next, const double *impulse, double place,
-                          double speed) {
-  static const unsigned laws = EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION;
+/* Does contact i, whose sides are off by `place` and part by `unsure` more or less? */
+static bool acts_alike(const world *w, int i, double place, double unsure, const double *v_next,
+                       const double *impulse) {
   const double tol = w->set.tol;
-  for (int i = 0; i < w->set.n_contact; i++) {
-    const int row = w->store.row_start[i];
-    const double before = w->store.u_before[row], after = parting(w, i, v_next);
-    const double unsure = 2.0 * speed + turning * (fabs(before) + w->h * v3_norm(w->spec.gravity));
-    const bool carries = impulse[row] > 0.0;
-    const bool pressed = !carries || before - parting(w, i, w->store.v_free) > unsure;
-    const bool rests = pressed && fabs(before) <= unsure && fabs(after) <= unsure;
-    const double gap = w->store.gap[i], gap_before = gap - w->h * before; /* of the last step */
-    const bool passes = !carries && (after > unsure || gap > place + 100.0 * tol);
-    const bool closed = gap_before <= tol - place, open = gap_before > tol + place;
-    const bool hits =
-        gap <= tol - place && (closed || open) && bounces_alike(w, i, before, unsure, impulse);
-    if (!rests && !passes && !hits) {
-      return false;
+  const int row = w->store.row_start[i];
+  const double before = w->store.u_before[row], after = parting(w, i, v_next);
+  unsure += turning * (fabs(before) + w->h * v3_norm(w->spec.gravity));
+  const bool carries = impulse[row] > 0.0;
+  const bool pressed = !carries || before - parting(w, i, w->store.v_free) > unsure;
+  const bool rests = pressed && fabs(before) <= unsure && fabs(after) <= unsure;
+  const double gap = w->store.gap[i], gap_before = gap - w->h * before; /* of the last step */
+  const bool passes = !carries && (after > unsure || gap > place + 100.0 * tol);
+  const bool closed = gap_before <= tol - place, open = gap_before > tol + place;
+  const bool hits =
+      gap <= tol - place && (closed || open) && bounces_alike(w, i, before, unsure, impulse);
+  return rests || passes || hits;
+}
+
+bool world_contacts_alike(const world *w, const double *v_next, const double *impulse,
+                          const world_deviation *off, const world_growth *grown) {
+  static const unsigned laws = EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION;
+  bool all = (w->effects & laws) == 0;
+  for (int i = 0; i < w->set.n_contact && all; i++) {
+    const contact_item *c = &w->store.item[w->store.key[i].item];
+    const int side[2] = {c->a, c->b};
+    double place = 0.0, unsure = 0.0;
+    for (int k = 0; k < 2; k++) {
+      if (deviates(w, side[k])) {
+        const world_growth *g = &grown[side[k]];
+        place += off[side[k]].place;
+        unsure += off[side[k]].speed + g->moved + g->spun;
+      }
     }
+    all = acts_alike(w, i, place, unsure, v_next, impulse);
   }
-  return (w->effects & laws) == 0;
+  return all;
 }

@@ -35,7 +35,8 @@ static void step_without(const scene_spec *s, unsigned without, const double *sh
     impulse[c.row_start[i]] = share[i] * s->body[0].mass * g * h;
   }
   memcpy(v, c.v, (size_t)c.n_dof * sizeof *v);
-  world_omitted(w, all, true, v, impulse, change);
+  world_growth grown[1];
+  world_omitted(w, all, true, 0.0, v, impulse, change, grown);
   world_close(w);
 }
 
@@ -77,6 +78,36 @@ static void friction_left_out_is_bounded_by_the_weight(void **state) {
   spec_free(&s);
 }
 
+/* What is left out changes a body's velocity and its turning, each by its own; up to the least it is none. */
+static void the_least_is_none(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  double change[EFFECT_COUNT], impulse[4] = {0};
+  const double v[3] = {3.0, 0.0, 1.0}, rub = 0.5 * g * h; /* mu and the weight, by the mass */
+  box_on_floor(&s, 2, 3.0);
+  s.body[0].omega[2] = v[2];
+  check_ok(spec_check_all(&s, &err), &err);
+  check_ok(world_open(&w, &s, s.present & ~(unsigned)EFFECT_FRICTION, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_int_equal(c.n_row, 2);
+  impulse[0] = impulse[1] = 0.5 * s.body[0].mass * g * h;
+  const double gyration = world_inertia_of(w, s.present, 0).gyration;
+  const double spun = rub / (gyration * gyration);
+  for (int k = 0; k < 2; k++) {
+    world_growth grown;
+    const double least = (rub + spun) * ((k == 0) ? 0.999 : 1.001);
+    world_omitted(w, s.present, false, least, v, impulse, change, &grown);
+    check_close(change[EFFECT_FRICTION_BIT], (k == 0) ? rub + spun : 0.0, 1e-12);
+    check_close(grown.moved, (k == 0) ? rub : 0.0, 1e-12);
+    check_close(grown.spun, (k == 0) ? spun : 0.0, 1e-12);
+    assert_true(grown.turned && grown.pushed && grown.group == 0);
+  }
+  world_close(w);
+  spec_free(&s);
+}
+
 /* A ball whose centre of mass is where its contact pushes past it: a moment, and no feet to share it. */
 static void a_moment_needs_rotation(void **state) {
   (void)state;
@@ -97,9 +128,27 @@ static void a_moment_needs_rotation(void **state) {
   spec_free(&s);
 }
 
+/* What a step makes of deviations: of any body. */
+typedef struct growth {
+  bool shared, turned;
+  double place, arm, speed, whirl;
+} growth;
+
+static growth of_all(const world_growth *grown, int n) {
+  growth all = {0};
+  for (int i = 0; i < n; i++) {
+    all.shared = all.shared || grown[i].group != i;
+    all.turned = all.turned || grown[i].turned;
+    all.place = fmax(all.place, grown[i].place);
+    all.arm = fmax(all.arm, grown[i].arm);
+    all.speed = fmax(all.speed, grown[i].speed);
+    all.whirl = fmax(all.whirl, grown[i].whirl);
+  }
+  return all;
+}
+
 /* One step without rotation, from rest; the normal impulses of contact i are those of `impulse`. */
-static world_growth step_at_rest(const scene_spec *s, const double *normal, int n_contact,
-                                 double *turn) {
+static growth step_at_rest(const scene_spec *s, const double *normal, int n_contact, double *turn) {
   world *w;
   contact_set c;
   double impulse[64] = {0}, v[12] = {0}, change[EFFECT_COUNT];
@@ -110,13 +159,14 @@ static world_growth step_at_rest(const scene_spec *s, const double *normal, int 
   for (int i = 0; i < n_contact; i++) {
     impulse[c.row_start[i]] = normal[i];
   }
-  const world_growth grown = world_omitted(w, s->present, true, v, impulse, change);
+  world_growth grown[2];
+  world_omitted(w, s->present, true, 0.0, v, impulse, change, grown);
   *turn = change[EFFECT_ROTATION_BIT];
   world_close(w);
-  return grown;
+  return of_all(grown, s->n_body);
 }
 
-static bool stays(world_growth grown) {
+static bool stays(growth grown) {
   return !grown.shared && !grown.turned;
 }
 
@@ -137,10 +187,10 @@ static void boxes_on_each_other_stand_or_topple(void **state) {
       for (int i = 0; i < 2 * feet; i++) { /* bodies come before planes */
         normal[i] = ((i < feet) ? 1.0 : 2.0) * s.body[0].mass * g * h / feet;
       }
-      const world_growth grown = step_at_rest(&s, normal, 2 * feet, &turn);
+      const growth grown = step_at_rest(&s, normal, 2 * feet, &turn);
       assert_true(grown.shared);
       assert_int_equal(grown.turned, k >= 2); /* at 0.099 it stands, but not firmly */
-      assert_int_equal(grown.place > 0.0, k >= 2);
+      assert_int_equal(grown.arm > 0.0, k >= 2);
       if (k < 3) {
         check_close(turn, 0.0, 1e-15);
       } else {
@@ -200,7 +250,7 @@ static void balanced_is_not_steady(void **state) {
 
 /* A step of one body without friction, and all else in, from its velocities to v; `normal` is the sum of its normal impulses. */
 static void moves_on(scene_spec *s, const double *v, double normal, double place, bool *alike,
-                     world_growth *grown) {
+                     growth *grown) {
   world *w;
   contact_set c;
   double impulse[64] = {0}, change[EFFECT_COUNT];
@@ -211,8 +261,11 @@ static void moves_on(scene_spec *s, const double *v, double normal, double place
   for (int i = 0; i < c.n_contact; i++) {
     impulse[c.row_start[i]] = normal / c.n_contact;
   }
-  *grown = world_omitted(w, s->present, true, v, impulse, change);
-  *alike = world_contacts_alike(w, v, impulse, place, 1e-9);
+  world_growth one[1];
+  world_omitted(w, s->present, true, 0.0, v, impulse, change, one);
+  const world_growth none = {0}; /* what the step left out is not what is asked about */
+  *alike = world_contacts_alike(w, v, impulse, &(world_deviation){1e-9, place}, &none);
+  *grown = of_all(one, 1);
   world_close(w);
 }
 
@@ -222,7 +275,7 @@ static void deviations_keep_their_velocity(void **state) {
   for (int dim = 2; dim <= 3; dim++) {
     scene_spec s;
     bool alike;
-    world_growth grown;
+    growth grown;
     const double weight = 2.0 * g * h;
     for (int k = 0; k < 4; k++) { /* it stands; it slides, rough; in the air; there, turning */
       box_on_floor(&s, dim, (k == 1) ? 1.0 : 0.0);
@@ -235,9 +288,12 @@ static void deviations_keep_their_velocity(void **state) {
       assert_false(grown.shared);
       assert_int_equal(!grown.turned, k == 0 || k == 2);
       /* rubbed by much it may fall over, at the rate sqrt(g / size); what turns in the air keeps its turning, in the plane at least */
-      const double size = 0.1 * sqrt((double)dim), turns = (k == 3 && dim == 3) ? h * 1e-3 : 0.0;
-      check_close(grown.place, (k == 1) ? h * g / size : 0.0, 1e-12);
+      const double size = 0.1 * sqrt((double)dim), unlike = 0.5 / 0.3 - 1.0;
+      const double turns = (k == 3 && dim == 3) ? h * 1e-3 * unlike : 0.0;
+      check_close(grown.arm, (k == 1) ? h * g / size : 0.0, 1e-12);
+      check_close(grown.place, 0.0, 1e-15); /* a plane's normal does not turn */
       check_close(grown.speed, turns, 1e-15);
+      check_close(grown.whirl, 2.0 * turns * 1e-3, 1e-15);
       assert_true(alike);
       spec_free(&s);
     }
@@ -278,7 +334,7 @@ static void impacts_are_alike_or_not(void **state) {
   for (int k = 0; k < (int)(sizeof cases / sizeof *cases); k++) {
     scene_spec s;
     bool alike;
-    world_growth grown;
+    growth grown;
     box_on_floor(&s, 2, 0.0);
     s.friction.dflt = 1e-9;
     s.restitution.dflt = cases[k].e;
@@ -291,6 +347,37 @@ static void impacts_are_alike_or_not(void **state) {
     assert_int_equal(alike, cases[k].alike);
     spec_free(&s);
   }
+}
+
+/* What friction and rolling did in a step in which they are simulated. */
+static void what_acted_is_told(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  double impulse[8] = {0};
+  world_growth grown[1] = {{.acted = 1.0, .held = 1.0}};
+  spec_init(&s);
+  s.dim = 2;
+  s.gravity[1] = -g;
+  s.duration = 1.0;
+  s.friction.dflt = 0.5;
+  s.rolling.dflt = 0.01;
+  spec_body *b = add_body(&s, "ball", SPEC_SPHERE, 0.1);
+  b->pos[1] = 0.1;
+  add_floor(&s, 2);
+  check_ok(spec_check_all(&s, &err), &err);
+  check_ok(world_open(&w, &s, s.present, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_true(c.n_contact == 1 && c.rows[0].tangent == 1 && c.rows[0].rolling == 1);
+  world_acted(w, impulse, grown);
+  check_close(grown[0].acted, 0.0, 0.0);
+  impulse[0] = 2.0, impulse[1] = -0.6, impulse[2] = 0.003;
+  world_acted(w, impulse, grown);
+  check_close(grown[0].acted, 0.6 / s.body[0].mass, 1e-15);
+  check_close(grown[0].held, 0.003 * 0.1 / s.body[0].inertia[0], 1e-15);
+  world_close(w);
+  spec_free(&s);
 }
 
 /* In the air, a ball meets a box's face, or a ball: the face's normal stays as it is, that of two balls turns with their places. */
@@ -317,10 +404,13 @@ static void a_face_that_does_not_turn_keeps_its_normal(void **state) {
       check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
       assert_int_equal(c.n_contact, 1);
       impulse[0] = 0.5;
-      const world_growth grown = world_omitted(w, s.present, true, v, impulse, change);
+      world_growth each[2];
+      world_omitted(w, s.present, true, 0.0, v, impulse, change, each);
+      const growth grown = of_all(each, 2);
       assert_true(grown.shared);
       assert_int_equal(grown.turned, k == 0); /* nothing keeps the box from turning */
-      check_close(grown.place, 0.5 / (2.0 * world_size(w)), 1e-12);
+      check_close(grown.arm, 0.5 / (2.0 * world_size(w)), 1e-12);
+      assert_int_equal(grown.place > 0.0, k == 1);
       world_close(w);
       spec_free(&s);
     }
@@ -346,12 +436,60 @@ static void a_ball_that_meets_a_box_that_stands_passes_its_speed_on(void **state
       for (int i = 1; i <= feet; i++) {
         normal[i] = s.body[0].mass * g * h / feet;
       }
-      const world_growth grown = step_at_rest(&s, normal, 1 + feet, &turn);
+      const growth grown = step_at_rest(&s, normal, 1 + feet, &turn);
       assert_true(grown.shared);
       assert_int_equal(grown.turned, k == 1);
-      assert_int_equal(grown.place > 0.0, k == 1);
+      assert_int_equal(grown.arm > 0.0, k == 1);
       spec_free(&s);
     }
+  }
+}
+
+/* Feet hold a body up, and do not keep it from turning about their normal: one that lies on a floor may spin there, and no deviation grows
+ * by it. Its friction turns it then; one that slides is pushed at its centre, or aside of it where something lies on it aside. */
+static void what_lies_may_spin(void **state) {
+  (void)state;
+  static const struct {
+    double spin, aside;
+    bool loaded;
+  } cases[] = {{0.0, 0.0, false}, {1.0, 0.0, false}, {0.0, 0.0, true}, {0.0, 0.06, true}};
+  for (int k = 0; k < (int)(sizeof cases / sizeof *cases); k++) {
+    scene_spec s;
+    world *w;
+    contact_set c;
+    world_growth grown[2];
+    double impulse[64] = {0}, change[EFFECT_COUNT];
+    const double v[12] = {1.0, 0.0, 0.0, 0.0, 0.0, cases[k].spin, 1.0}, edge = 0.1;
+    box_on_floor(&s, 3, 1.0);
+    s.friction.dflt = 1e-6;
+    s.body[0].omega[2] = cases[k].spin;
+    if (cases[k].loaded) {
+      spec_body *upper = add_body(&s, "upper", SPEC_BOX, 0.02);
+      upper->pos[1] = cases[k].aside;
+      upper->pos[2] = 2.0 * edge + 0.02;
+      upper->vel[0] = 1.0;
+    }
+    check_ok(spec_check_all(&s, &err), &err);
+    check_ok(world_open(&w, &s, s.present & ~(unsigned)EFFECT_FRICTION, &err), &err);
+    check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+    assert_int_equal(c.n_contact, cases[k].loaded ? 8 : 4);
+    const double weight = s.body[0].mass * g * h;
+    const double load = cases[k].loaded ? s.body[1].mass * g * h : 0.0;
+    for (int i = 0; i < c.n_contact; i++) {
+      const double y = c.jac[c.jac_start[i] + 3]; /* of its place, from the centre */
+      const double foot = weight + load + load * cases[k].aside * y / (edge * edge);
+      impulse[c.row_start[i]] = 0.25 * (c.body[2 * i + 1] < 0 ? foot : load);
+    }
+    world_omitted(w, s.present, false, 0.0, v, impulse, change, grown);
+    const double rub = s.friction.dflt * (weight + load), bound = edge * sqrt(3.0);
+    const double moment =
+        (cases[k].spin > 0.0) ? rub * bound : s.friction.dflt * load * cases[k].aside;
+    assert_false(grown[0].turned || grown[0].arm > 0.0 || grown[0].speed > 0.0);
+    assert_int_equal(grown[0].floor >= 0, !cases[k].loaded);
+    check_close(grown[0].moved, rub / s.body[0].mass, 1e-15);
+    check_close(grown[0].spun, moment * bound / s.body[0].inertia[0], 1e-15);
+    world_close(w);
+    spec_free(&s);
   }
 }
 
@@ -361,7 +499,7 @@ static void what_nothing_presses_does_not_rest(void **state) {
   for (int k = 0; k < 3; k++) { /* its weight; without gravity a push by another; idle there */
     scene_spec s;
     bool alike;
-    world_growth grown;
+    growth grown;
     box_on_floor(&s, 2, 0.0);
     s.gravity[1] = (k == 0) ? -g : 0.0;
     s.friction.dflt = 1e-9;
@@ -394,11 +532,17 @@ static void joints_go_with_places(void **state) {
     check_ok(world_open(&w, &s, s.present, &err), &err);
     check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
     assert_true(c.n_row <= 64);
-    const world_growth grown = world_omitted(w, s.present, true, v, impulse, change);
-    assert_true(grown.shared && grown.turned);
-    const double falls = (k == 0) ? g / world_size(w) : 0.0, reach = world_size(w);
-    check_close(world_swing(w), sqrt(1.0 + reach * reach * 2.0 / s.body[0].inertia[0]), 1e-12);
+    world_growth grown;
+    world_omitted(w, s.present, true, 0.0, v, impulse, change, &grown);
+    assert_true(grown.pushed && grown.turned);
+    const double falls = (k == 0) ? g / world_size(w) : 0.0;
     check_close(grown.place, h * (falls + 2.0 * 2.0), 1e-12);
+    check_close(grown.arm, grown.place, 0.0);
+    const world_inertia of = world_inertia_of(w, s.present, 0);
+    check_close(of.mass, 2.0, 1e-12);
+    check_close(of.bound, world_size(w), 1e-12);
+    check_close(of.gyration * of.bound, sqrt(s.body[0].inertia[0] / 2.0), 1e-12);
+    check_close(world_inertia_of(w, 0, 0).gyration, 0.0, 0.0); /* without rotation */
     world_close(w);
     spec_free(&s);
   }
@@ -467,12 +611,15 @@ static void some_of_it_is_foreseen(void **state) {
     check_ok(world_open(&w, &s, s.present & ~(unsigned)EFFECT_FRICTION, &err), &err);
     check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
     assert_true(c.n_contact >= 4);
-    world_foreseen(w, ~0u, change);
+    world_growth grown = {0};
+    world_foreseen(w, ~0u, change, &grown);
     const double slope = 0.5 * g * h * cos(0.2); /* mu g h cos, less than g h sin */
     const double rubs = (k == 1) ? 0.5 * g * h : (k == 3) ? fmin(slope, g * h * sin(0.2)) : 0.0;
     check_close(change[EFFECT_FRICTION_BIT], rubs, 1e-12);
     check_close(change[EFFECT_SPATIAL_BIT], (k == 3) ? g * h * cos(0.2) : 0.0, 1e-12);
-    world_foreseen(w, EFFECT_SPATIAL, change);
+    check_close(grown.moved, change[EFFECT_FRICTION_BIT] + change[EFFECT_SPATIAL_BIT], 1e-12);
+    check_close(grown.spun, 0.0, 0.0); /* nothing says that it turns */
+    world_foreseen(w, EFFECT_SPATIAL, change, &grown);
     check_close(change[EFFECT_FRICTION_BIT], 0.0, 0.0);
     world_close(w);
     spec_free(&s);
@@ -516,6 +663,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_box_at_rest_needs_nothing),
       cmocka_unit_test(friction_left_out_is_bounded_by_the_weight),
+      cmocka_unit_test(the_least_is_none),
       cmocka_unit_test(a_moment_needs_rotation),
       cmocka_unit_test(boxes_on_each_other_stand_or_topple),
       cmocka_unit_test(floor_and_wall_share),
@@ -523,6 +671,8 @@ int main(void) {
       cmocka_unit_test(deviations_keep_their_velocity),
       cmocka_unit_test(impacts_are_alike_or_not),
       cmocka_unit_test(what_nothing_presses_does_not_rest),
+      cmocka_unit_test(what_lies_may_spin),
+      cmocka_unit_test(what_acted_is_told),
       cmocka_unit_test(joints_go_with_places),
       cmocka_unit_test(a_face_that_does_not_turn_keeps_its_normal),
       cmocka_unit_test(a_ball_that_meets_a_box_that_stands_passes_its_speed_on),
