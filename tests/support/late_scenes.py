@@ -123,3 +123,56 @@ def crowd_scene(rng: random.Random) -> dict:
         "restitution": {"default": rng.choice([0.0, rng.uniform(0, 0.9)])},
         "observe": ["a.x", "a.vx"],
     }
+
+
+def strewn_scene(rng: random.Random) -> dict:
+    """One to four bodies on a floor in space, aside of each other, turned about the vertical and
+    spinning, some on another off its centre and going with it, with frictions of their own."""
+    statics = [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]
+    if rng.random() < 0.5:
+        a = rng.uniform(-0.5, 0.5)
+        normal = [-math.cos(a), math.sin(a), 0]
+        statics.append({"name": "wall", "normal": normal, "offset": -rng.uniform(1, 2.5)})
+    bodies: list[dict] = []
+    end, names = 0.0, "abcd"[: rng.randint(1, 4)]
+    for name in names:
+        shape, wide, high = shape_of(3, rng)
+        wide = math.hypot(*shape["half"][:2]) if "half" in shape else wide
+        velocity = [rng.choice([0.0, rng.uniform(0, 2)]), rng.choice([0.0, rng.uniform(-1, 1)])]
+        velocity.append(0.0)
+        omega = [0.0, 0.0, rng.choice([0.0, rng.uniform(-1.5, 1.5)])]
+        under = bodies[-1] if bodies and "half" in bodies[-1]["shape"] else None
+        if under and rng.random() < 0.5:
+            most = 0.8 * min(under["shape"]["half"][:2])
+            aside = [rng.uniform(-most, most), rng.uniform(-most, most)]
+            pos = [under["pos"][0] + aside[0], under["pos"][1] + aside[1]]
+            z = under["pos"][2] + under["shape"]["half"][2] + high
+            pos.append(z + rng.choice([0.0, 0.0, rng.uniform(0.01, 0.3)]))
+            if rng.random() < 0.6:
+                omega = list(under["omega"])
+                velocity = [under["vel"][0] - omega[2] * aside[1]]
+                velocity += [under["vel"][1] + omega[2] * aside[0], 0.0]
+        else:
+            pos = [end + wide + rng.uniform(0.02, 0.4), rng.uniform(-0.2, 0.2), high]
+            end = pos[0] + wide
+        yaw = rng.choice([0.0, rng.uniform(-0.7, 0.7)])
+        body = {"name": name, "shape": shape, "mass": rng.choice([1.0, 10 ** rng.uniform(-1, 1)])}
+        body |= {"quat": [math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)], "pos": pos}
+        bodies.append(body | {"vel": velocity, "omega": omega})
+    of_pairs = [
+        [a, b, rng.choice([0.0, 10 ** rng.uniform(-8, -1)])]
+        for a, b in zip(names, names[1:], strict=False)
+        if rng.random() < 0.5
+    ]
+    return {
+        "id": "strewn",
+        "dim": 3,
+        "T": rng.choice([0.5, 1.0]),
+        "hs": [rng.choice([0.005, 0.01, 0.02])],
+        "gravity": [0.0, 0.0, -9.81],
+        "static": statics,
+        "bodies": bodies,
+        "friction": {"default": 10 ** rng.uniform(-8, -2), "pairs": of_pairs},
+        "restitution": {"default": rng.choice([0.0, 0.0, rng.uniform(0, 0.9)])},
+        "observe": ["a.x", "a.vx"],
+    }
