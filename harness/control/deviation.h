@@ -27,13 +27,13 @@ typedef struct deviation_group {
   int n;
 } deviation_group;
 
+/* v and w change at `last` by what the last step left out, and at `rate` in both of the last two at least. If steps go on like the last one it
+ * is to be expected to grow at the rate `grows`: no body falls faster than the smallest. */
 typedef struct deviation_body {
-  double v, w, e; /* [m/s] */
-  double x, a, z; /* [m] */
-  double rate[2]; /* at which the last two steps both changed v and w at least [m/s^2] */
-  double last[2]; /* by the last one, over its length [m/s^2] */
-  double
-      grows; /* rate at which it is to be expected to grow if steps go on like the last one [1/s] */
+  double v, w, e;          /* [m/s] */
+  double x, a, z;          /* [m] */
+  double rate[2], last[2]; /* [m/s^2] */
+  double grows;            /* [1/s] */
   deviation_group group;
 } deviation_body;
 

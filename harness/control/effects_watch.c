@@ -147,8 +147,8 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
 }
 
 /* Would the end be off by more than E if it went on as in the last step, or in the last two, which left their contacts as they were?
- * *bound: how far it may be off without anything more. At the first impact in which something acts there is no doubt: it may leave
- * again behind it. */
+ * *bound: how far it may be off without anything more. The first impact in which something acts is simulated with it if it takes a third
+ * of E: it may leave again behind it. */
 static bool goes_too_far(watch *w, bool changed, double *bound) {
   const double E = w->result->level;
   const bool first = changed && !w->before.any;

@@ -55,9 +55,8 @@ bool world_stands(const world *w, unsigned effects, const double *impulse);
 
 /* The same on all axes that `effects` frees, locked or not, and with a tenth of the load to spare: every foot that a body stands on (on a
  * plane, or on a body that pushes against its load) carries, these feet span a face, and friction that is left out is too small to
- * shift what they carry. Balls, whose contact forces have no moment, stand on one. Which do not
- * is noted (`turned`), and kept of those that are known to turn: all do where some impulses do it, else with those that there are. Asks
- * for the wrenches and `rub`. tied: none does. */
+ * shift what they carry. Balls, whose contact forces have no moment, stand on one. Notes the bodies that do not (`turned`), besides those
+ * noted before: none where some impulses hold all of them, else by those that there are. tied: all. Asks for the wrenches and `rub`. */
 void world_note_firm(const world *w, unsigned effects, bool tied, const double *impulse,
                      world_growth *grown);
 
