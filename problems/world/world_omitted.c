@@ -43,6 +43,18 @@ static void add_yaw(const world *w, int side, const double *x, const double *n, 
   }
 }
 
+/* Is each side of c a ball, or does not move? */
+static bool are_balls(const world *w, const contact_item *c) {
+  return world_is_ball(w, c->a) && (c->b >= w->n_body || world_is_ball(w, c->b));
+}
+
+/* Rolling resistance may shift the load of a foot by its coefficient, though nothing turns: what that changes of the moment of a friction
+ * that is simulated, per length [N s]. */
+static double shifted(const world *w, const contact_item *c, double press) {
+  const bool rubs = (w->effects & EFFECT_FRICTION) != 0 && !are_balls(w, c);
+  return rubs ? pair_value(&w->mu, c->a, c->b) * press : 0.0;
+}
+
 static void add_laws(const world *w, unsigned omitted, int i, const double *v_next, double press) {
   const set_store *s = &w->store;
   const contact_item *c = &s->item[s->key[i].item];
@@ -72,7 +84,8 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
     resist += most_of(pair_value(&w->torsion, c->a, c->b), press, fabs(about), turning);
   }
   if ((omitted & EFFECT_ROLLING) != 0) {
-    resist += most_of(pair_value(&w->rolling, c->a, c->b), press, v3_norm(wa), turning);
+    const double rolling = pair_value(&w->rolling, c->a, c->b);
+    resist += most_of(rolling, press, v3_norm(wa), turning) + rolling * shifted(w, c, press);
   }
   if (resist > 0.0) {
     add_to_sides(w, c, offsetof(residual, resist), resist);
@@ -153,12 +166,12 @@ static bool resists(const world *w, unsigned effects, const double *impulse) {
   bool some = false;
   for (int i = 0; i < w->set.n_contact && !some; i++) {
     const contact_item *c = &s->item[s->key[i].item];
-    const bool ball = world_is_ball(w, c->a) && (c->b >= w->n_body || world_is_ball(w, c->b));
+    const bool balls = are_balls(w, c);
     const double rolling =
         ((effects & EFFECT_ROLLING) != 0) ? pair_value(&w->rolling, c->a, c->b) : 0.0;
     const double torsion =
         ((effects & EFFECT_TORSION) != 0) ? pair_value(&w->torsion, c->a, c->b) : 0.0;
-    some = impulse[s->row_start[i]] > 0.0 && !ball && (rolling > 0.0 || torsion > 0.0);
+    some = impulse[s->row_start[i]] > 0.0 && !balls && (rolling > 0.0 || torsion > 0.0);
   }
   return some;
 }

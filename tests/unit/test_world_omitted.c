@@ -380,6 +380,31 @@ static void what_acted_is_told(void **state) {
   spec_free(&s);
 }
 
+/* Rolling that is left out may have shifted the load of a box that slides with friction, and so turned it; not that of a ball, and not
+ * without friction. */
+static void rolling_shifts_what_rubs(void **state) {
+  (void)state;
+  for (int k = 0; k < 3; k++) {
+    scene_spec s;
+    double change[EFFECT_COUNT];
+    const double rolling = 1e-3;
+    box_on_floor(&s, 3, 1.0);
+    s.rolling.dflt = rolling;
+    if (k == 1) {
+      s.body[0].shape.kind = SPEC_SPHERE;
+      s.body[0].shape.r = 0.1;
+      s.body[0].inertia[0] = s.body[0].inertia[1] = s.body[0].inertia[2];
+    }
+    check_ok(spec_check_all(&s, &err), &err);
+    const unsigned without = EFFECT_ROLLING | ((k == 2) ? EFFECT_FRICTION : 0u);
+    step_without(&s, without, (k == 1) ? (double[]){1.0} : even, change);
+    const double moment = rolling * 0.5 * s.body[0].mass * g * h, bound = 0.1 * sqrt(3.0);
+    check_close(change[EFFECT_ROLLING_BIT], (k == 0) ? moment * bound / s.body[0].inertia[0] : 0.0,
+                1e-15);
+    spec_free(&s);
+  }
+}
+
 /* In the air, a ball meets a box's face, or a ball: the face's normal stays as it is, that of two balls turns with their places. */
 static void a_face_that_does_not_turn_keeps_its_normal(void **state) {
   (void)state;
@@ -673,6 +698,7 @@ int main(void) {
       cmocka_unit_test(what_nothing_presses_does_not_rest),
       cmocka_unit_test(what_lies_may_spin),
       cmocka_unit_test(what_acted_is_told),
+      cmocka_unit_test(rolling_shifts_what_rubs),
       cmocka_unit_test(joints_go_with_places),
       cmocka_unit_test(a_face_that_does_not_turn_keeps_its_normal),
       cmocka_unit_test(a_ball_that_meets_a_box_that_stands_passes_its_speed_on),
