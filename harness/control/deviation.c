@@ -41,10 +41,6 @@ void deviation_copy(deviation *to, const deviation *from) {
   to->body = own;
 }
 
-static bool turns(const world_inertia *of) {
-  return of->gyration > 0.0;
-}
-
 /* Root of twice the energy over the mass, of a velocity and a turning, at most. */
 static double norm_of(const world_inertia *of, double v, double w) {
   return sqrt(v * v + of->gyration * of->gyration * w * w);
@@ -52,7 +48,7 @@ static double norm_of(const world_inertia *of, double v, double w) {
 
 /* The velocity by turning that e may be as a whole. */
 static double turning_of(const world_inertia *of, double e) {
-  return turns(of) ? e / of->gyration : 0.0;
+  return (of->gyration > 0.0) ? e / of->gyration : 0.0;
 }
 
 static void note_rate(deviation_body *b, int k, double change, double h) {
@@ -60,19 +56,24 @@ static void note_rate(deviation_body *b, int k, double change, double h) {
   b->last[k] = change / h;
 }
 
+/* Does contact make turning of its velocity, and velocity of its turning? */
+static bool mixes(const world_growth *g) {
+  return g->turned && g->pushed;
+}
+
 /* What the step changes in a body, before contact passes it on. place: of what pushes it and its own, in the norm of energy over its mass
- * [m]. */
-static void enter(const world_inertia *of, const world_growth *g, double place, double h,
-                  deviation_body *b) {
-  const bool mixes = g->turned && g->pushed;
+ * [m]. Returns in that norm what was left out [m/s]. */
+static double enter(const world_inertia *of, const world_growth *g, double place, double h,
+                    deviation_body *b) {
   const double pull = g->place * place, turn = g->arm * place;
   const double own = norm_of(of, g->moved, g->spun), whirl = g->speed * b->w + g->whirl * b->a;
   const double more = own + (g->turned ? fmax(pull, turn) : pull) + of->gyration * whirl;
-  note_rate(b, 0, mixes ? own : g->moved, h);
-  note_rate(b, 1, mixes ? turning_of(of, own) : g->spun, h);
+  note_rate(b, 0, mixes(g) ? own : g->moved, h);
+  note_rate(b, 1, mixes(g) ? turning_of(of, own) : g->spun, h);
   b->v += g->moved + pull;
   b->w += g->spun + whirl + (g->turned ? turning_of(of, turn) : 0.0);
   b->e = fmin(b->e + more, norm_of(of, b->v, b->w));
+  return own;
 }
 
 /* The velocity that takes part where bodies push each other. */
@@ -87,7 +88,7 @@ static void pass_on(const world_inertia *of, const world_growth *g, double energ
     b->v = energy / sqrt(of->mass);
     b->e = g->turned ? b->v : norm_of(of, b->v, b->w);
   }
-  if (g->turned && g->pushed) {
+  if (mixes(g)) {
     b->v = b->e;
     b->w = turning_of(of, b->e);
   }
@@ -134,9 +135,9 @@ static void enter_all(deviation *d, const deviation_scale *scale, const world_gr
     deviation_body *b = &d->body[i];
     deviation_group *at = &d->body[g->group].group;
     if (of->mass > 0.0) {
-      enter(of, g, fmin(sqrt(at->place), d->place) / sqrt(of->mass), h, b);
+      own +=
+          of->mass * square(enter(of, g, fmin(sqrt(at->place), d->place) / sqrt(of->mass), h, b));
       b->grows = (g->arm > 0.0) ? fmin(scale->fall, sqrt(g->arm / h)) : 0.0;
-      own += of->mass * square(norm_of(of, g->moved, g->spun));
       place = fmax(place, g->whirl + (g->turned ? fmax(g->place, g->arm) : g->place));
       speed = fmax(speed, g->speed);
       all += of->mass * square(b->e);
