@@ -28,6 +28,22 @@ static inline void add_floor(scene_spec *s, int dim) {
   check_ok(spec_add_static(s, "floor", up, 0.0, &f, &err), &err);
 }
 
+#define SMALL_WORLD_GRAVITY 9.81 /* [m/s^2] */
+
+/* A box of edge 0.2 and mass 2 on a floor, rough and elastic, with a speed along x. */
+static inline void box_on_floor(scene_spec *s, int dim, double speed) {
+  spec_init(s);
+  s->dim = dim;
+  s->gravity[dim - 1] = -SMALL_WORLD_GRAVITY;
+  s->duration = 1.0;
+  s->friction.dflt = 0.5;
+  s->restitution.dflt = 0.4;
+  spec_body *b = add_body(s, "box", SPEC_BOX, 0.1);
+  b->pos[dim - 1] = 0.1;
+  b->vel[0] = speed;
+  add_floor(s, dim);
+}
+
 static inline double observe(const world *w, const char *var) {
   double x = 0.0;
   assert_true(world_observe(w, var, NULL, &x));
