@@ -37,6 +37,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     BASE_TRY(sim_step(s, record, h, &taken, err));
     p->solved++;
     end->good = taken && s->out->status == before;
+    end->mixed = end->mixed || (i > 0 && s->carrying.slips != end->carrying.slips);
     end->carrying = s->carrying;
     end->event = end->event || s->carrying.ids != p->carrying.ids;
     end->more = end->more || s->carrying.n > p->carrying.n;
@@ -44,8 +45,11 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
       start = s->depth.start;
       end->closing = s->closing;
       end->stops = s->slip.stops;
+      end->load[0] = s->slip.load;
     }
+    end->load[1] = s->slip.load;
     end->pushed = fmax(end->pushed, s->slip.pushed);
+    end->broke = fmax(end->broke, s->slip.broke);
     end->held = fmax(0.0, s->depth.held - start);
     end->even = fmax(0.0, s->depth.even - start);
     end->sunk = fmax(end->held, s->depth.open - start);

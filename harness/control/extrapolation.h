@@ -16,8 +16,12 @@ typedef struct step_end {
   double even; /* where they were open then, if velocities had changed evenly in it [m] */
   sim_closing closing; /* in its first step */
   double stops;        /* when a slip of its first step would be at rest [s] */
-  double pushed;       /* largest speed of a slip that friction pushes on [m/s] */
-  bool good;           /* nothing failed */
+  double pushed,
+      broke; /* largest speed of a slip that friction pushes on, and of one that broke away in one of its steps [m/s] */
+  double load
+      [2]; /* the largest share that is taken of a friction which falls where it slips, in its first and last step [1] */
+  bool mixed; /* contacts that hold in one of its steps slip in another */
+  bool good;  /* nothing failed */
 } step_end;
 
 typedef struct step_pair {

@@ -263,7 +263,7 @@ static base_status open_effects(simulation *s, const char *text, base_error *err
     return BASE_FAIL(err, BASE_EINVAL,
                      "--effects %.120s: watches one formulation and solver, which change", text);
   }
-  if (automatic && s->steps.n_extrapolated > 0) {
+  if (automatic && s->steps.n_turned + s->steps.n_extrapolated > 0) {
     return BASE_FAIL(err, BASE_EINVAL,
                      "--effects %.120s: watches plain steps, and some of --steps are extrapolated",
                      text);

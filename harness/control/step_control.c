@@ -41,6 +41,11 @@ static double reach(const controlled *c) {
   return (c->fastest * left > way) ? way / c->fastest : left;
 }
 
+/* Do other contacts carry in the step just tried than before it? */
+static bool changes(const controlled *c) {
+  return c->pair.coarse.event || c->pair.fine.event;
+}
+
 /* Do both ways over a step in which contacts change begin to carry, or neither, and the fine one not for its first half only? A contact that
  * has just let go, and whose gap turning opens, carries again in each step so long that it would close along its normal at the start:
  * twice the fine way less the coarse one, which holds, loses the speed at which it opens, in every step and however short that is. */
@@ -61,7 +66,7 @@ static double error_of(controlled *c, double h) {
     return HUGE_VAL;
   }
   world_saved_distance(s->w, coarse->state, fine->state, &position, &velocity);
-  const bool event = coarse->event || fine->event;
+  const bool event = changes(c);
   c->off = position + velocity * reach(c);
   double e = c->off / fmax(part, event ? event_share : least_share);
   if (c->rule->extrapolate) {
@@ -86,8 +91,10 @@ static double error_of(controlled *c, double h) {
   c->located = event ? fmax(position, sunk) : sunk;
   /* a friction that pushes on is one of before the slip turned round, on both ways alike */
   const double pushed = event ? 0.0 : fine->pushed * reach(c);
-  c->located = fmax(c->located, pushed);
-  e = fmax(e, fmax(sunk, pushed) / fmax(part, event_share)) / c->rule->tolerance;
+  /* where a slip breaks away friction falls, and both ways may say so from the start of the step on */
+  const double slips = fmax(pushed, fine->broke * reach(c));
+  c->located = fmax(c->located, slips);
+  e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / c->rule->tolerance;
   return (e == e) ? e : HUGE_VAL;
 }
 
@@ -103,8 +110,20 @@ static double to_impact(const controlled *c) {
 /* The length of a step in the place of one of h in whose second half friction stops: up to there; 0: none does. */
 static double to_rest(const controlled *c, double h) {
   const double at = c->pair.fine.stops;
-  const bool met = c->pair.coarse.event || c->pair.fine.event;
+  const bool met = changes(c);
   return (c->rule->extrapolate && !met && at < 0.9 * h) ? at : 0.0;
+}
+
+/* A share of friction at rest that is less than all of it, to rounding [1]. */
+static const double holds = 1.0 - 1e-6;
+
+/* When a contact breaks away that takes a share of its static friction which grows on as between the halves of a step of h; HUGE_VAL: none
+ * is about to. Loads are those of the start of each half. */
+static double breaks(const controlled *c, double h) {
+  const double *load = c->pair.fine.load;
+  const double at = 0.5 * h * (1.0 - load[0]) / (load[1] - load[0]);
+  const bool grows = c->rule->extrapolate && load[1] > load[0] && load[1] < holds;
+  return (grows && at > 0.5 * h) ? (1.0 + 1e-6) * at : HUGE_VAL;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
@@ -151,13 +170,13 @@ static void places_note(run_places *p, const world *w) {
   }
 }
 
-static base_status count(controlled *c, double h, bool extrapolated, base_error *err) {
+static base_status count(controlled *c, double h, unsigned way, base_error *err) {
   step_account *a = c->account;
   places_note(c->places, c->run.w);
   c->fastest = fmax(c->fastest, world_max_speed(c->run.w));
   a->least = fmin(a->least, h);
   a->most = fmax(a->most, h);
-  return step_list_append(c->kept, h, extrapolated, err);
+  return step_list_append(c->kept, h, way | (c->run.turned ? STEP_TURNED : 0), err);
 }
 
 /* What a place between the ends of the step just tried is off the straight way [m]. */
@@ -171,7 +190,7 @@ static double bow_of(const controlled *c, double h) {
 /* The step just tried is kept. */
 static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_account *a = c->account;
-  const bool changed = c->pair.coarse.event || c->pair.fine.event;
+  const bool changed = changes(c);
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
@@ -183,16 +202,16 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_pair_keep(&c->pair, &c->run, h, extrapolated && !changed);
   if (extrapolated) {
     BASE_TRY(step_pair_extrapolate(&c->pair, &c->run, c->record, err));
-    return count(c, h, true, err);
+    return count(c, h, STEP_EXTRAPOLATED, err);
   }
-  BASE_TRY(count(c, 0.5 * h, false, err));
-  return count(c, 0.5 * h, false, err);
+  BASE_TRY(count(c, 0.5 * h, 0, err));
+  return count(c, 0.5 * h, 0, err);
 }
 
 /* A longer step that met something, where a shorter one did not, is tried again after 2, 4, 8... steps: until what it met is passed, or
  * for good where it is the length that meets it. */
 static bool may_grow(controlled *c, bool met) {
-  const bool changed = c->pair.coarse.event || c->pair.fine.event;
+  const bool changed = changes(c);
   if (changed) {
     c->patience = 1, c->wait = 0;
   } else if (met) {
@@ -200,6 +219,26 @@ static bool may_grow(controlled *c, bool met) {
     c->wait = c->patience;
   }
   return changed || c->wait-- <= 0;
+}
+
+/* Do contacts hold in one of the steps just tried and slip in another, while something turns? The first step from an extrapolated state has
+ * other normal forces than the next one then, by what holds a body on its curved way, and may hold or let slip what the next one does not. */
+static bool mixed(const controlled *c, double h) {
+  const step_pair *p = &c->pair;
+  const bool slips = p->fine.mixed || p->coarse.carrying.slips != p->fine.carrying.slips;
+  return slips && c->rule->extrapolate && !c->run.turned && !changes(c) && world_turns(c->run.w, h);
+}
+
+/* Both ways over h; with contacts that turn in the steps from the first time on that it matters, until others carry. */
+static base_status try_pair(controlled *c, double h, base_error *err) {
+  sim *s = &c->run;
+  BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
+  if (mixed(c, h)) {
+    BASE_TRY(step_pair_undo(&c->pair, s, c->record, err));
+    s->turned = true;
+    BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
+  }
+  return BASE_OK;
 }
 
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
@@ -212,27 +251,31 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
       *limited = true;
       return BASE_OK;
     }
-    BASE_TRY(step_pair_try(&c->pair, &c->run, c->record, c->carrying, *h, err));
+    BASE_TRY(try_pair(c, *h, err));
     c->account->solved = c->pair.solved;
     const double e = error_of(c, *h);
-    if (e <= 1.0 || *h <= rule->least) {
+    const double at = aimed ? HUGE_VAL : breaks(c, *h);
+    const bool passes = e <= 1.0 && at < *h;
+    if ((e <= 1.0 && !passes) || *h <= rule->least) {
       BASE_TRY(keep(c, *h, e, err));
+      c->run.turned = c->run.turned && !changes(c);
       *taken = *h;
       *h = next_length(c, *h, e);
       *h = may_grow(c, met) ? *h : fmin(*h, *taken);
-      if (rule->extrapolate && (c->pair.coarse.event || c->pair.fine.event)) {
+      if (rule->extrapolate && changes(c)) {
         *h = fmax(*h, c->stride); /* behind an impact the motion is as smooth as before it */
         c->stride = 0.0;
       }
       return BASE_OK;
     }
     c->account->rejected++;
-    met = met || c->pair.coarse.event || c->pair.fine.event;
+    met = met || changes(c);
     if (met && c->stride == 0.0) {
       c->stride = *h;
     }
     BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
-    *h = fmax(again(c, *h, e, &aimed), rule->least);
+    *h = fmax(passes ? at : again(c, *h, e, &aimed), rule->least);
+    aimed = aimed || passes;
   }
 }
 
@@ -303,7 +346,7 @@ static base_status even_step(controlled *c, double h, bool *limited, base_error 
   }
   BASE_TRY(sim_step(s, c->record, h, &taken, err));
   c->account->solved++;
-  return count(c, h, false, err);
+  return count(c, h, 0, err);
 }
 
 static base_status run_even(controlled *c, bool *limited, base_error *err) {
@@ -350,7 +393,7 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                   .places = places,
                   .account = account,
                   .last = 1.0};
-  kept->n = kept->n_extrapolated = 0;
+  kept->n = kept->n_turned = kept->n_extrapolated = 0;
   *account = (step_account){.least = HUGE_VAL};
   base_status done = sim_open(&c.run, q, record, out, err);
   if (done == BASE_OK) {

@@ -17,8 +17,17 @@
  * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
  * length is what it was before. A step in which an open gap closes is tried again up to just behind that, where the accelerations of its start
  * tell when; it ends no deeper than a step with a change may sink. A step in whose second half a slip stops is tried again up to there, which the
- * first half tells; where friction pushes a slip on that has turned round inside the step, on both of its ways alike, this counts as what changes. A step that one of its ways begins to carry in and the other does not is never
- * extrapolated: they differ by an impact; nor is one in which the fine way begins to carry and carries at its end what it did before. A length that met something where a shorter one did not is tried again after 2, 4, 8, 16 steps.
+ * first half tells, and one in which contacts would break away up to where the friction they take is all they have, if it grows on as between
+ * the halves. What counts as a change besides: friction that pushes a slip on which has turned round inside the step, on both of its ways
+ * alike, and static friction that still holds the slip which begins in a step, where kinetic friction is less. A step that one of its ways
+ * begins to carry in and the other does not is never extrapolated: they differ by an impact; nor is one in which the fine way begins to
+ * carry and carries at its end what it did before. A length that met something where a shorter one did not is tried again after
+ * 2, 4, 8, 16 steps.
+ *
+ * An extrapolated state obeys the contacts as they are there, the end of a step those at its start. Where something turns, the first step
+ * from it has other normal forces than the next one, by what holds bodies on curved ways, and friction may hold in it that slips in
+ * the next one, in every step however short. Where it does, the step is tried again with contacts that turn within it
+ * (world_contacts_turned), and so are those behind it until others carry.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once

@@ -7,24 +7,44 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char word[] = " extrapolated"; /* behind the length in a file */
+/* Behind the length in a file, in this order: words of the ways. */
+static const struct {
+  unsigned way;
+  const char *word;
+} words[] = {{STEP_TURNED, " turned"}, {STEP_EXTRAPOLATED, " extrapolated"}};
+enum { WORDS = sizeof words / sizeof *words };
 
-base_status step_list_append(step_list *l, double h, bool extrapolated, base_error *err) {
+base_status step_list_append(step_list *l, double h, unsigned way, base_error *err) {
   if (l->n == l->cap) {
     const long cap = 2 * l->cap + 64;
     double *grown = realloc(l->h, (size_t)cap * sizeof *grown);
     l->h = (grown != NULL) ? grown : l->h;
-    bool *marks = realloc(l->extrapolated, (size_t)cap * sizeof *marks);
-    l->extrapolated = (marks != NULL) ? marks : l->extrapolated;
-    if (grown == NULL || marks == NULL) {
+    unsigned char *ways = realloc(l->way, (size_t)cap * sizeof *ways);
+    l->way = (ways != NULL) ? ways : l->way;
+    if (grown == NULL || ways == NULL) {
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for %ld steps", cap);
     }
     l->cap = cap;
   }
   l->h[l->n] = h;
-  l->extrapolated[l->n++] = extrapolated;
-  l->n_extrapolated += extrapolated;
+  l->way[l->n++] = (unsigned char)way;
+  l->n_turned += (way & STEP_TURNED) != 0;
+  l->n_extrapolated += (way & STEP_EXTRAPOLATED) != 0;
   return BASE_OK;
+}
+
+/* Takes the words off the end of a line. */
+static unsigned take_words(char *line) {
+  unsigned way = 0;
+  for (int i = WORDS - 1; i >= 0; i--) {
+    const size_t n = strlen(line);
+    const size_t m = strlen(words[i].word);
+    if (n > m && strcmp(line + n - m, words[i].word) == 0) {
+      line[n - m] = '\0';
+      way |= words[i].way;
+    }
+  }
+  return way;
 }
 
 static base_status read_lines(step_list *l, FILE *from, const char *path, base_error *err) {
@@ -32,13 +52,11 @@ static base_status read_lines(step_list *l, FILE *from, const char *path, base_e
   for (long at = 1; fgets(line, sizeof line, from) != NULL; at++) {
     double h;
     line[strcspn(line, "\n")] = '\0';
-    const size_t n = strlen(line);
-    const bool marked = n > strlen(word) && strcmp(line + n - strlen(word), word) == 0;
-    line[marked ? n - strlen(word) : n] = '\0';
+    const unsigned way = take_words(line);
     if (!base_parse_real(line, &h) || !(h > 0.0)) {
       return BASE_FAIL(err, BASE_EINVAL, "%.200s, line %ld: need a step above 0 [s]", path, at);
     }
-    BASE_TRY(step_list_append(l, h, marked, err));
+    BASE_TRY(step_list_append(l, h, way, err));
   }
   return BASE_OK;
 }
@@ -67,14 +85,18 @@ base_status step_list_write(const step_list *l, const char *path, base_error *er
   base_out file;
   BASE_TRY(base_out_open(&file, path, err));
   for (long i = 0; i < l->n; i++) {
-    (void)fprintf(file.to, "%.17g%s\n", l->h[i], l->extrapolated[i] ? word : "");
+    (void)fprintf(file.to, "%.17g", l->h[i]);
+    for (int k = 0; k < WORDS; k++) {
+      (void)fputs((l->way[i] & words[k].way) != 0 ? words[k].word : "", file.to);
+    }
+    (void)fputc('\n', file.to);
   }
   return base_out_finish(&file, BASE_OK, err);
 }
 
 void step_list_close(step_list *l) {
   free(l->h);
-  free(l->extrapolated);
+  free(l->way);
   *l = (step_list){0};
 }
 
@@ -85,7 +107,8 @@ static base_status repeat(sim *s, const step_list *l, series *record, base_error
   base_status done = step_pair_open(&pair, s, err);
   bool taken = true;
   for (long i = 0; done == BASE_OK && taken && i < l->n && !sim_hopeless(s); i++) {
-    if (!l->extrapolated[i]) {
+    s->turned = (l->way[i] & STEP_TURNED) != 0;
+    if ((l->way[i] & STEP_EXTRAPOLATED) == 0) {
       done = sim_step(s, record, l->h[i], &taken, err);
       continue;
     }
@@ -101,7 +124,7 @@ static base_status repeat(sim *s, const step_list *l, series *record, base_error
 
 base_status step_list_run(const sim_request *q, const step_list *l, series *record, sim_result *out,
                           base_error *err) {
-  if (l->n_extrapolated == 0) {
+  if (l->n_turned + l->n_extrapolated == 0) {
     return simulate(q, record, out, err);
   }
   if (q->form->form->memory == 0) {

@@ -3,16 +3,22 @@
 
 #include "harness/measure/simulate.h"
 
+/* How a step is taken: bits. */
+enum {
+  STEP_TURNED = 1,      /* its contacts are world_contacts_turned */
+  STEP_EXTRAPOLATED = 2 /* one step of h and two of h/2 (extrapolation.h) */
+};
+
 typedef struct step_list {
   double *h;          /* [s]; owned */
-  bool *extrapolated; /* owned; true: one step of h and two of h/2 (extrapolation.h) */
-  long n, cap, n_extrapolated;
+  unsigned char *way; /* STEP_; owned */
+  long n, cap, n_turned, n_extrapolated;
 } step_list;
 
-base_status step_list_append(step_list *l, double h, bool extrapolated, base_error *err);
+base_status step_list_append(step_list *l, double h, unsigned way, base_error *err);
 
-/* Of a file: one length a line [s], with the word `extrapolated` behind it where it is; BASE_EINVAL names the line. The sum
- * must be the duration up to SIM_LAST_STEP. */
+/* Of a file: one length a line [s], with the words `turned` and `extrapolated` behind it where it is; BASE_EINVAL names the line. The
+ * sum must be the duration up to SIM_LAST_STEP. */
 base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
 base_status step_list_write(const step_list *l, const char *path, base_error *err);
 void step_list_close(step_list *l);

@@ -98,10 +98,14 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
 /* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
 static const double at_rest = 0.01;
 
+static unsigned slips(const formulation_answer *a, int i) {
+  return a->mode != NULL && a->mode[i] == 2;
+}
+
 /* Two steps whose contacts with a normal impulse are the same have the same hash. Beside the largest in the step, rounding is none. */
 static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
   static const double rounding = 1e-13;
-  sim_carrying c = {.ids = SIM_HASH_START};
+  sim_carrying c = {.ids = SIM_HASH_START, .slips = SIM_HASH_START};
   double most = 0.0;
   for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
     most = fmax(most, a->impulse[set->row_start[i]]);
@@ -109,6 +113,7 @@ static sim_carrying carrying(const contact_set *set, const formulation_answer *a
   for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
     if (a->impulse[set->row_start[i]] > rounding * most) {
       c.ids = (c.ids ^ set->id[i]) * 0x100000001b3u;
+      c.slips = (c.slips ^ slips(a, i)) * 0x100000001b3u;
       c.n++;
     }
   }
@@ -151,6 +156,51 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   }
 }
 
+/* Of the contacts between two bodies: the friction they take, and could at rest [N s]. */
+typedef struct pair_load {
+  const int *body; /* NULL: no contact yet */
+  double takes, could;
+} pair_load;
+
+static void note_pair(sim_slip *slip, const pair_load *p) {
+  if (p->could > 0.0) {
+    slip->load = fmax(slip->load, p->takes / p->could);
+  }
+}
+
+/* Notes the speed that `much` friction costs contact i, which falls as it slips: from the next step on, and is too much in that in which it
+ * begins to. */
+static void note_fall(sim_slip *slip, const contact_set *set, int i, double much) {
+  double easiest = 0.0;
+  for (int k = 1; k <= set->rows[i].tangent; k++) {
+    easiest = fmax(easiest, contact_mobility(set, i, k));
+  }
+  slip->broke = fmax(slip->broke, much * easiest);
+}
+
+/* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
+static void note_loads(sim_slip *slip, const contact_set *set, const formulation_answer *a) {
+  pair_load pair = {0};
+  for (int i = 0; i < set->n_contact; i++) {
+    const double *impulse = a->impulse + set->row_start[i];
+    const int *body = set->body + 2 * (size_t)i;
+    double takes = 0.0;
+    if (pair.body == NULL || body[0] != pair.body[0] || body[1] != pair.body[1]) {
+      note_pair(slip, &pair);
+      pair = (pair_load){.body = body};
+    }
+    for (int k = 1; k <= set->rows[i].tangent; k++) {
+      takes = hypot(takes, impulse[k]);
+    }
+    pair.takes += takes;
+    pair.could += set->mu_static[i] * impulse[0];
+    if (set->mu_kinetic[i] < set->mu_static[i] && slips(a, i) != 0) {
+      note_fall(slip, set, i, takes - set->mu_kinetic[i] * impulse[0]);
+    }
+  }
+  note_pair(slip, &pair);
+}
+
 /* Contact i of a step at whose end its gap changes by u. */
 static void note_gap(sim_depth *d, const contact_set *set, int i, double u) {
   const double gap = set->gap[i];
@@ -190,6 +240,9 @@ static base_status note_depth(sim *s, const contact_set *set, const formulation_
       note_slip(&s->slip, set->u_before + k + 1, s->u + k + 1, a->impulse + k + 1,
                 set->rows[i].tangent, set->h);
     }
+  }
+  if (a->impulse != NULL) {
+    note_loads(&s->slip, set, a);
   }
   contact_relative_velocity(set, set->v_free, set->u_drift, s->u);
   for (int i = 0; i < set->n_contact; i++) {
@@ -247,8 +300,11 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   sim_times *t = &s->out->time;
   double from = base_seconds();
   const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
-  BASE_TRY(curved ? world_contacts_curved(s->w, s->h, -1.0, &set, err)
-                  : world_contacts(s->w, s->h, -1.0, &set, err));
+  base_status (*const find)(world *, double, double, contact_set *, base_error *) =
+      curved      ? world_contacts_curved
+      : s->turned ? world_contacts_turned
+                  : world_contacts;
+  BASE_TRY(find(s->w, s->h, -1.0, &set, err));
   lap(&t->contacts, &from);
   BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
   from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */

@@ -28,15 +28,16 @@ typedef struct sim_closing {
 } sim_closing;
 
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
- * step already; and the largest speed of a slip at its end that friction pushes on instead of holding it [m/s]. */
+ * step already; and the largest speeds at its end of a slip that friction pushes on instead of holding it, and of one that broke away in it
+ * from friction that is less then [m/s]. The largest share of such a friction that is taken [1]. */
 typedef struct sim_slip {
-  double stops, pushed;
+  double stops, pushed, broke, load;
 } sim_slip;
 
-/* Contacts with a normal impulse: how many, and a hash of their ids. */
+/* Contacts with a normal impulse: how many, a hash of their ids, and one of which of them slip. */
 typedef struct sim_carrying {
   int n;
-  uint64_t ids;
+  uint64_t ids, slips;
 } sim_carrying;
 
 /* Everything one run owns. */
@@ -72,6 +73,8 @@ typedef struct sim {
   solved
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
+  bool
+      turned; /* velocities at the end of a step obey contacts and joints as they have turned by then */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   sim_depth depth; /* of the last step */
   sim_closing closing;

@@ -157,6 +157,22 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
   base_share(base_parts(c->n_group, CONTACT_SHARE), share_velocities, &s);
 }
 
+double contact_mobility(const contact_set *c, int i, int k) {
+  const int rows = c->row_start[i + 1] - c->row_start[i];
+  const double *jac = c->jac + c->jac_start[i];
+  double sum = 0.0;
+  for (int s = 0; s < 2; s++) {
+    const int b = c->body[2 * i + s];
+    const int n = contact_dofs(c, b);
+    const double *row = jac + (ptrdiff_t)k * n;
+    for (int p = 0; p < n * n; p++) {
+      sum += row[p / n] * c->inv_mass[c->mass_start[b] + p] * row[p % n];
+    }
+    jac += (ptrdiff_t)rows * n;
+  }
+  return sum;
+}
+
 /* The normal speed of contact i with the free velocity [m/s], positive when it opens. */
 static double free_normal_speed(const contact_set *c, int i) {
   const int rows = c->row_start[i + 1] - c->row_start[i];

@@ -96,3 +96,6 @@ double contact_approach(const contact_set *c);
 /* u = J v + u_drift (u_drift NULL: J v alone), n_row. */
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u);
+
+/* J W J^T of row k of contact i: the velocity that a unit impulse along it gives it [1/kg]. */
+double contact_mobility(const contact_set *c, int i, int k);

@@ -35,6 +35,14 @@ base_status world_contacts(world *w, double h, double margin, contact_set *out, 
 base_status world_contacts_curved(world *w, double h, double margin, contact_set *out,
                                   base_error *err);
 
+/* The same with u_curve in u_drift, of contacts that are closed and of joints: velocities at the end of the step obey them as they have
+ * turned by then, and a step from velocities that do has the forces which hold bodies on their curved ways. Along a slip friction keeps
+ * the direction of the start. */
+base_status world_contacts_turned(world *w, double h, double margin, contact_set *out,
+                                  base_error *err);
+/* Does a contact frame turn in a step of h [s]? */
+bool world_turns(const world *w, double h);
+
 /* v <- v_next, q <- q + h N v_next, t <- t + h. `impulse` (n_row of the last set) is kept for
  * world_contact_force; NULL: none. */
 base_status world_advance(world *w, const double *v_next, const double *impulse, base_error *err);

@@ -1,13 +1,17 @@
 /* world_curve.c - h (dJ/dt) v of every row. Of contacts by displacing the configuration along the motion
  * by +d and -d seconds at fixed velocities: (u(+d) - u(-d)) / (2 d); of joints in closed form
  * (world_joints.c). */
+#include "problems/vec.h"
 #include "problems/world/world_data.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* Displacement in steps. The truncation is of second order in it, the rounding 1e-16 over it. */
 static const double reach_in_steps = 1e-3;
+/* What turns by less in a step stands still [rad]. */
+static const double still = 1e-10;
 
 static base_status look(world *w, double h, double margin, const double *config, const double *v,
                         curve_store *k, base_error *err) {
@@ -82,5 +86,44 @@ base_status world_contacts_curved(world *w, double h, double margin, contact_set
   BASE_TRY(world_contacts(w, h, margin, out, err));
   BASE_TRY(world_reserve(w, PER_CURVE, (size_t)out->n_row, err));
   difference(w, d, out);
+  return BASE_OK;
+}
+
+bool world_turns(const world *w, double h) {
+  double most = (w->model != NULL) ? HUGE_VAL : 0.0;
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    most = b->round ? most : fmax(most, v3_norm(b->v + 3));
+    for (int k = b->first_piece; k < b->first_piece + b->n_piece; k++) {
+      const piece *p = &w->piece[k];
+      most = (p->r > 0.0) ? fmax(most, v3_norm(b->v) / p->r) : most;
+    }
+  }
+  return most * h > still;
+}
+
+/* Rows of contact i from the first on that obey its frame at the end of the step: all where it holds, or slips by less than the frame turns;
+ * else friction is along the slip where it acts, and the normal only. */
+static int turned_rows(const contact_set *c, int i, const double *curve) {
+  double slip = 0.0;
+  double turn = 0.0;
+  for (int k = 1; k <= c->rows[i].tangent; k++) {
+    slip = hypot(slip, c->u_before[c->row_start[i] + k]);
+    turn = hypot(turn, curve[k]);
+  }
+  return (c->gap[i] > c->tol) ? 0 : 1 + ((slip <= turn) ? c->rows[i].tangent : 0);
+}
+
+base_status world_contacts_turned(world *w, double h, double margin, contact_set *out,
+                                  base_error *err) {
+  BASE_TRY(world_contacts_curved(w, h, margin, out, err));
+  for (int i = 0; i < out->n_group; i++) {
+    const int first = out->row_start[i];
+    const bool contact = i < out->n_contact;
+    const int n = contact ? turned_rows(out, i, w->curve + first) : out->row_start[i + 1] - first;
+    for (int k = 0; k < n; k++) {
+      w->store.u_drift[first + k] += w->curve[first + k];
+    }
+  }
   return BASE_OK;
 }

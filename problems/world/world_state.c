@@ -9,7 +9,10 @@ static int n_config(const world *w, const body *b) {
 }
 
 int world_n_config(const world *w) {
-  int n = (w->model != NULL) ? w->n_dof : 0;
+  if (w->model != NULL) {
+    return w->n_dof;
+  }
+  int n = 0;
   for (int i = 0; i < w->n_free; i++) {
     n += n_config(w, &w->body[w->free_body[i]]);
   }

@@ -302,6 +302,62 @@ static void tangents_of_plane_motion_lie_in_the_plane(void **state) {
   }
 }
 
+/* A box of edge 0.2 on its corner, which is `open` above the floor, turns about it and slips at `slip`. The corner's velocity changes by
+ * omega^2 times the way to the centre of mass, along the normal, and where it holds along the floor. */
+static void on_its_corner(double open, double slip, double normal, double tangent) {
+  const double h = 1e-2;
+  const double omega = 2.0;
+  const double angle = 0.5;
+  const double up[3] = {0.0, 1.0, 0.0};
+  const double way[2] = {0.1 * (cos(angle) - sin(angle)), 0.1 * (sin(angle) + cos(angle))};
+  scene_spec s;
+  world *w;
+  contact_set c;
+  box_on_floor(&s, 2, 0.0);
+  spec_body *b = &s.body[0];
+  b->angle = angle;
+  b->pos[1] = way[1] + open;
+  b->vel[0] = slip - omega * way[1];
+  b->vel[1] = omega * way[0];
+  b->omega[2] = omega;
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  assert_true(world_turns(w, h));
+  check_ok(world_contacts_turned(w, h, 0.05, &c, &err), &err);
+  for (int i = 0; i < c.n_contact; i++) {
+    const double *drift = c.u_drift + c.row_start[i];
+    const double *to = c.frame + 9 * (ptrdiff_t)i + 3;
+    if (fabs(c.gap[i] - open) < 1e-12) {
+      const double change = h * omega * omega;
+      check_close(drift[0], normal * change * way[1], 1e-7 * change);
+      check_close(drift[1], tangent * change * way[0] * to[0], 1e-7 * change);
+      const double arm = way[0];
+      check_close(contact_mobility(&c, i, 0), 1.0 / b->mass + arm * arm / b->inertia[0], 1e-12);
+    }
+    check_close(v3_dot(c.frame + 9 * (ptrdiff_t)i, up), 1.0, 1e-15);
+  }
+  assert_true(c.n_contact > 0);
+  world_close(w);
+  spec_free(&s);
+}
+
+static void contacts_turn_within_a_step(void **state) {
+  (void)state;
+  on_its_corner(0.0, 0.0, 1.0, 1.0);
+  on_its_corner(0.0, 1.0, 1.0, 0.0);
+  on_its_corner(0.01, 0.0, 0.0, 0.0);
+}
+
+static void what_slides_on_a_face_does_not_turn(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w;
+  box_on_floor(&s, 3, 5.0);
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  assert_false(world_turns(w, 1e-2));
+  world_close(w);
+  spec_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(noise_is_what_rounding_leaves_of_positions),
@@ -313,6 +369,8 @@ int main(void) {
       cmocka_unit_test(compounds_touch_with_every_piece),
       cmocka_unit_test(margin_follows_the_speeds),
       cmocka_unit_test(tangents_of_plane_motion_lie_in_the_plane),
+      cmocka_unit_test(contacts_turn_within_a_step),
+      cmocka_unit_test(what_slides_on_a_face_does_not_turn),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
