@@ -29,7 +29,6 @@ void step_pair_close(step_pair *p) {
 static base_status go(step_pair *p, sim *s, series *record, const sim_request *last, double h,
                       int n, step_end *end, base_error *err) {
   const run_status before = s->out->status;
-  double start = 0.0;
   *end = (step_end){.state = end->state, .closing.at = HUGE_VAL, .stops = HUGE_VAL, .good = true};
   for (int i = 0; i < n && end->good; i++) {
     bool taken;
@@ -42,7 +41,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     end->event = end->event || s->carrying.ids != p->carrying.ids;
     end->more = end->more || s->carrying.n > p->carrying.n;
     if (i == 0) {
-      start = s->depth.start;
+      end->start = s->depth.start;
       end->closing = s->closing;
       end->stops = s->slip.stops;
       end->load[0] = s->slip.load;
@@ -50,9 +49,9 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     end->load[1] = s->slip.load;
     end->pushed = fmax(end->pushed, s->slip.pushed);
     end->broke = fmax(end->broke, s->slip.broke);
-    end->held = fmax(0.0, s->depth.held - start);
-    end->even = fmax(0.0, s->depth.even - start);
-    end->sunk = fmax(end->held, s->depth.open - start);
+    end->held = fmax(0.0, s->depth.held - end->start);
+    end->even = fmax(0.0, s->depth.even - end->start);
+    end->sunk = fmax(end->held, s->depth.open - end->start);
   }
   world_save(s->w, end->state);
   return BASE_OK;

@@ -11,9 +11,10 @@ typedef struct step_end {
   sim_carrying carrying; /* last */
   bool event;            /* others than before the step carried on the way */
   bool more;             /* and more of them: not only was one let go */
-  double sunk; /* how much deeper than at its start bodies are in each other at its end [m] */
-  double held; /* of that, where gaps were closed at the start of its last step */
-  double even; /* where they were open then, if velocities had changed evenly in it [m] */
+  double sunk;  /* how much deeper than at its start bodies are in each other at its end [m] */
+  double start; /* how deep bodies are in each other at its start [m] */
+  double held;  /* of that, where gaps were closed at the start of its last step */
+  double even;  /* where they were open then, if velocities had changed evenly in it [m] */
   sim_closing closing; /* in its first step */
   double stops;        /* when a slip of its first step would be at rest [s] */
   double pushed,

@@ -241,6 +241,26 @@ static base_status try_pair(controlled *c, double h, base_error *err) {
   return BASE_OK;
 }
 
+/* Where something turns, a corner may come into a body that no contact at the start of the step has told of: how much deeper bodies are in
+ * each other behind it counts. */
+static base_status look_behind(const controlled *c, double h, double *e, base_error *err) {
+  world *w = c->run.w;
+  double depth;
+  if (!c->rule->extrapolate || !world_turns(w, h)) {
+    return BASE_OK;
+  }
+  if (c->smooth) {
+    world_extrapolate(w, c->pair.coarse.state, c->pair.fine.state);
+  }
+  BASE_TRY(world_depth(w, &depth, err));
+  if (c->smooth) {
+    world_load(w, c->pair.fine.state);
+  }
+  const double share = fmax(h / c->run.q->duration, event_share);
+  *e = fmax(*e, (depth - c->pair.coarse.start) / share / c->rule->tolerance);
+  return BASE_OK;
+}
+
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
@@ -253,7 +273,10 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     }
     BASE_TRY(try_pair(c, *h, err));
     c->account->solved = c->pair.solved;
-    const double e = error_of(c, *h);
+    double e = error_of(c, *h);
+    if (e <= 1.0) {
+      BASE_TRY(look_behind(c, *h, &e, err));
+    }
     const double at = aimed ? HUGE_VAL : breaks(c, *h);
     const bool passes = e <= 1.0 && at < *h;
     if ((e <= 1.0 && !passes) || *h <= rule->least) {

@@ -158,6 +158,8 @@ double world_kinetic(const world *w); /* [J] */
 void world_momentum(const world *w, double p[3]);
 void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
+/* How deep two sides are in each other at most [m]; 0: none are. BASE_ENOMEM. */
+base_status world_depth(world *w, double *depth, base_error *err);
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
 /* Bound of the speed of every point of every body that could meet another side in the last step [m/s]. */
 double world_meeting_speed(const world *w);

@@ -177,6 +177,8 @@ void world_release(world *w);
 base_status world_detect(world *w, double h, double margin, base_error *err);
 /* Least gap over all pairs, HUGE_VAL if there is none. */
 base_status detect_min_gap(world *w, double *gap, base_error *err);
+/* How deep two sides are in each other at most [m]; 0: none are. */
+base_status detect_depth(world *w, double *depth, base_error *err);
 
 /* world_rows.c: groups, rows and Jacobians of the detected points and the joints. */
 base_status world_assemble(world *w, double h, base_error *err);

@@ -271,8 +271,8 @@ static base_status near_gap(world *w, double margin, double *best, base_error *e
   return BASE_OK;
 }
 
-base_status detect_min_gap(world *w, double *gap, base_error *err) {
-  double best = HUGE_VAL;
+/* The least gap to planes that is less than `best`, else that. */
+static double plane_gap(world *w, double best) {
   for (int a = 0; a < w->n_body; a++) {
     for (int i = 0; i < w->spec.n_static; i++) {
       if (plane_distance(&w->body[a], &w->spec.fixed[i]) < best &&
@@ -281,6 +281,18 @@ base_status detect_min_gap(world *w, double *gap, base_error *err) {
       }
     }
   }
+  return best;
+}
+
+base_status detect_depth(world *w, double *depth, base_error *err) {
+  double least = plane_gap(w, 0.0);
+  BASE_TRY(near_gap(w, 0.0, &least, err));
+  *depth = -least;
+  return BASE_OK;
+}
+
+base_status detect_min_gap(world *w, double *gap, base_error *err) {
+  double best = plane_gap(w, HUGE_VAL);
   /* widen until the least gap found is inside the searched shell or every pair was seen */
   double margin = 0.1 * w->size;
   const long all = (long)w->n_body * (w->n_body - 1) / 2;

@@ -186,6 +186,15 @@ double world_min_gap(world *w) {
   return (detect_min_gap(w, &gap, NULL) == BASE_OK) ? gap : (double)NAN;
 }
 
+base_status world_depth(world *w, double *depth, base_error *err) {
+  *depth = 0.0;
+  if (w->model != NULL) {
+    *depth = fmax(0.0, -model_min_gap(w));
+    return BASE_OK;
+  }
+  return world_has(w, EFFECT_CONTACT) ? detect_depth(w, depth, err) : BASE_OK;
+}
+
 double world_max_speed(const world *w) {
   double best = 0.0;
   for (int i = 0; i < w->n_body; i++) {

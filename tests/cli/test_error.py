@@ -48,10 +48,10 @@ def random_file(d, seed):
 
 
 def estimate_and_error(d, seed):
-    """Of a random scene to 1 %: the estimate and, by a run to 3e-5, what it is off by, each over
+    """Of a random scene to 1 %: the estimate and, by a run to 1e-4, what it is off by, each over
     the scale of its quantity."""
     path = random_file(d, seed)
-    one, other = (simulate(path, E, formulation=LEMKE)["error"] for E in ("1e-2", "3e-5"))
+    one, other = (simulate(path, E, formulation=LEMKE)["error"] for E in ("1e-2", "1e-4"))
     assert one["promised"] and other["promised"], (seed, one, other)
     pairs = zip(one["quantities"], other["quantities"], strict=True)
     return one["err_estimate"], max(abs(p["value"] - q["value"]) / p["scale"] for p, q in pairs)
@@ -156,6 +156,16 @@ def what_turns_on_a_contact_is_let_slip(_):
             off = abs(o["observables"]["block.angle"]["value"] - true)
             assert o["error"]["promised"] and off <= E, (way, E, off)
             assert o["error"]["steps_solved"] < 4000, (way, E, o["error"]["steps_solved"])
+
+
+def a_corner_that_turns_into_a_body_is_seen(d):
+    """A light box flies over another on a tenth of a second's step, and its corner comes into it behind
+    no contact of the step's start: b3.x was 1.1037 (252 E off at 1e-3, and promised)."""
+    for E in (1e-2, 1e-3):
+        e = simulate(random_file(d, 70), E)["error"]
+        x = next(q for q in e["quantities"] if q["quantity"].startswith("b3.x"))
+        even = 0.530442  # steps of 1e-5 s: 0.530458
+        assert e["promised"] and abs(x["value"] - even) <= E * x["scale"], (E, x)
 
 
 def extrapolated_steps_are_those_of_the_file(d):
@@ -280,12 +290,12 @@ def an_estimate_falls_by_no_more_than_second_order(d):
 
 def the_first_run_tells_of_the_second(d):
     """By what the steps of the first run over impacts are off by it is known what the second is off
-    by at least: of plain steps two runs that differed by 11 % were said to be within 0.4 %, and
-    off by 3.5 %. By even steps of 2e-5 and 4e-5 s the answer is known to 0.1 %."""
+    by at least: two runs that differed by 11 % were said to be within 0.4 %, and off by 3.5 %. By
+    even steps of 2e-5 and 4e-5 s the answer is known to 0.1 %."""
     path = random_file(d, 49)
     found = simulate(path, "1e-2", formulation=LEMKE)
     even = run_json("simulate", path, *LEMKE, "--step", "2e-5")["observables"]
-    assert found["error"]["promised"] and found["error"]["method"] == "plain steps"
+    assert found["error"]["promised"] and found["error"]["steps_solved"] < 5000, "29898 before"
     for q in found["error"]["quantities"]:
         apart = abs(q["value"] - even[q["quantity"].removesuffix(" at the end")]["value"])
         assert apart <= 1e-2 * q["scale"], (apart, q)
@@ -367,6 +377,7 @@ tap(
         what_happens_early_is_seen,
         where_friction_gives_way_is_met,
         what_turns_on_a_contact_is_let_slip,
+        a_corner_that_turns_into_a_body_is_seen,
         extrapolated_steps_are_those_of_the_file,
         the_steps_repeat_the_run,
         files_are_those_of_the_steps_found,
