@@ -183,8 +183,9 @@ static bool of_law(spec_check_kind k) {
          k == CHECK_ANGULAR_MOMENTUM_DRIFT_REL;
 }
 
-bool error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap) {
+double error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap) {
   const check_context ctx = prediction_context(q, &m->record, &m->out);
+  double most = 0.0;
   for (int i = 0; i < q->spec->n_check; i++) {
     const spec_check *c = &q->spec->check[i];
     check_result got;
@@ -192,12 +193,13 @@ bool error_made_misses(const sim_request *q, const error_made *m, char *name, si
       continue;
     }
     check_evaluate(c, &ctx, &got);
-    if (!got.ok) {
+    const double over = got.error / got.tolerance;
+    if (!got.ok && !(over <= most)) {
       check_label(c, name, cap);
-      return true;
+      most = (over == over) ? over : HUGE_VAL;
     }
   }
-  return false;
+  return most;
 }
 
 double error_made_difference(const error_made *a, const error_made *b, int i) {

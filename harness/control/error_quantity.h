@@ -45,8 +45,9 @@ base_status error_parse(const char *text, error_asked *out, base_error *err);
 
 /* Reads the quantities that E holds for from the run that was made. */
 void error_made_read(const sim_request *q, const error_asked *asked, error_made *m);
-/* Does the run miss a prediction of the scene that its energy or angular momentum is kept? `name` is the first one then. */
-bool error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap);
+/* By how much the run misses the predictions of the scene that its energy or angular momentum is kept, over what they allow [1]; 0: it does
+ * not. `name` is the one that is missed by most. */
+double error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap);
 /* Of quantity i between two runs, in its unit. */
 double error_made_difference(const error_made *a, const error_made *b, int i);
 void error_made_close(error_made *m);

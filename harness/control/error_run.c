@@ -92,8 +92,11 @@ typedef struct climber {
   error_made now, before;
   double off_before;   /* what the run before the last is off by, over E, as far as is known [1] */
   double ratio_before; /* of tolerances, of the two runs before the last */
-  double *stop;        /* of the last run; owned */
-  sim_times spent;     /* by all runs */
+  double
+      missed; /* by how much the last run misses a law, over what that allows; 0: not, or its error is more than E yet [1] */
+  char law[200];   /* which */
+  double *stop;    /* of the last run; owned */
+  sim_times spent; /* by all runs */
 } climber;
 
 /* What E is as a length in the last run [m]. */
@@ -188,6 +191,20 @@ static double fallen(const climber *l) {
              : 0.0;
 }
 
+/* Is it the last run of its kind that keeps E? A law that plain steps keep to rounding, as a midpoint rule keeps the energy, is kept to the
+ * order of the extrapolation only: a quarter of what is missed takes twice the steps. Plain steps of first order that keep E take as many
+ * times these as they would be E off; where that is more the extrapolated ones go on. */
+static bool arrived(climber *l) {
+  error_result *r = l->result;
+  if (!r->promised || l->ladder.steps != ERROR_EXTRAPOLATED) {
+    return r->promised;
+  }
+  l->missed = error_made_misses(l->q, &l->now, l->law, sizeof l->law);
+  const double plain = r->level[r->n_level - 1].account.plain / length_now(l);
+  r->promised = !(l->missed > 0.0);
+  return r->promised || !(sqrt(l->missed) < plain);
+}
+
 /* Judges the run just made; false: it is the last. */
 static bool go_on(climber *l) {
   error_result *r = l->result;
@@ -195,15 +212,19 @@ static bool go_on(climber *l) {
   if (!complete(r, level, &l->now.out)) {
     return false;
   }
+  l->missed = 0.0;
   if (r->n_level == r->first_level + 1) {
     r->promised = as_if_exact(l);
-    return !r->promised;
+    return !arrived(l);
   }
   level->change = largest_change(r, &l->now, &l->before);
   estimate(r, &l->now, &l->before, finer_by(l), fmax(located(l), fallen(l)));
   r->promised = r->estimate <= r->asked.E;
-  if (r->promised) {
+  if (arrived(l)) {
     return false;
+  }
+  if (l->missed > 0.0) {
+    return r->n_level < r->first_level + ERROR_LEVELS;
   }
   if (diverges(r)) {
     refuse(r, "runs with finer steps do not come nearer to each other");
@@ -221,26 +242,24 @@ static base_status climb(climber *l, error_steps steps, double length, double be
   while (go_on(l)) {
     l->ratio_before = l->ladder.ratio;
     l->off_before = known_off(l);
-    error_ladder_finer(&l->ladder, l->off_before, length_now(l), (double)l->result->asked.limit);
+    error_ladder_finer(&l->ladder, fmax(l->off_before, l->missed), length_now(l),
+                       (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }
   return BASE_OK;
 }
 
-/* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. A law that plain steps keep to rounding,
- * as a midpoint rule keeps the energy, is kept to the order of the extrapolation only. Where half of the work is spent there
- * is no beginning anew. */
+/* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no
+ * beginning anew. */
 static bool extrapolated_stands(climber *l) {
   error_result *r = l->result;
-  char missed[sizeof l->now.out.note] = "";
-  if (r->promised && !error_made_misses(l->q, &l->now, missed, sizeof missed)) {
+  const bool missed = l->missed > 0.0;
+  if (r->promised || r->solved >= r->asked.limit / 2) {
+    r->promised = r->promised || missed;
     return true;
   }
-  if (r->solved >= r->asked.limit / 2) {
-    return true;
-  }
-  if (r->promised) {
-    (void)snprintf(r->why_plain, sizeof r->why_plain, "extrapolated steps miss %.160s", missed);
+  if (missed) {
+    (void)snprintf(r->why_plain, sizeof r->why_plain, "extrapolated steps miss %.160s", l->law);
   } else {
     memcpy(r->why_plain, r->reason, sizeof r->why_plain);
   }

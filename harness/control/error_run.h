@@ -14,6 +14,7 @@
  * before and at most E. Otherwise half of the step counts as half of the error: the root of r in the place of r. One run is enough where all of its steps
  * together are off by ERROR_EXACT E at most, and where only states are looked at that steps end at, or what lengths and speeds do between
  * these, where a constant acceleration stays within E / ERROR_SAFETY of the chord: it is as if exact.
+ * A law that plain steps keep to rounding they keep to their order only, and go on until they do, where plain steps would be more.
  * Where these runs do not come nearer to each other, or a step fails, plain steps begin anew, and `why_plain` says why.
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.

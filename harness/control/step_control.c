@@ -20,8 +20,8 @@ typedef struct controlled {
   step_account *account;
   step_pair pair;
   bool smooth; /* the step just tried: both of its ways together are better than the fine one */
-  double off;  /* what it is off by [m] */
-  bool failed; /* a step of the shortest length has no solution: the run ends there */
+  double off, plain;     /* what it is off by, and would be if it were not extrapolated [m] */
+  bool failed;           /* a step of the shortest length has no solution: the run ends there */
   sim_carrying carrying; /* of the last step kept */
   double fastest;        /* largest speed of a body so far [m/s] */
   double located;        /* of the step just tried [m] */
@@ -67,7 +67,7 @@ static double error_of(controlled *c, double h) {
   }
   world_saved_distance(s->w, coarse->state, fine->state, &position, &velocity);
   const bool event = changes(c);
-  c->off = position + velocity * reach(c);
+  c->off = c->plain = position + velocity * reach(c);
   double e = c->off / fmax(part, event ? event_share : least_share);
   if (c->rule->extrapolate) {
     const double bend = world_saved_bend(s->w, h, c->pair.start.state, coarse->state, fine->state);
@@ -195,6 +195,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
   a->off += c->off;
+  a->plain += c->plain;
   a->bow = fmax(a->bow, bow_of(c, h));
   c->failed = !c->pair.fine.good;
   c->carrying = c->pair.fine.carrying;

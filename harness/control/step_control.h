@@ -52,6 +52,7 @@ typedef struct step_account {
   double least, most; /* of the steps kept [s] */
   long changed;   /* steps kept in which other contacts carry than before, the first one aside */
   double off;     /* sum of what the steps kept are off by [m] */
+  double plain;   /* and would be if none of them were extrapolated [m] */
   double located; /* largest error of a step in which the contacts changed [m] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
