@@ -62,11 +62,13 @@ static double length_of(const sim_request *q, const error_asked *a, double scale
   return a->E * scale;
 }
 
-/* Did the last two refinements leave the difference as it was? */
+/* Did the last three refinements leave the difference as it was? */
 static bool diverges(const error_result *r) {
-  const int k = r->n_level - 1;
-  return k >= r->first_level + 3 && r->level[k].change > shown * r->level[k - 1].change &&
-         r->level[k - 1].change > shown * r->level[k - 2].change;
+  bool same = r->n_level > r->first_level + 4;
+  for (int k = r->n_level - 1; same && k >= r->n_level - 3; k--) {
+    same = r->level[k].change > shown * r->level[k - 1].change;
+  }
+  return same;
 }
 
 /* What a run has to say for itself before it is compared with others; false: it is the last. */

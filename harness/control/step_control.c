@@ -242,9 +242,10 @@ static base_status try_pair(controlled *c, double h, base_error *err) {
   return BASE_OK;
 }
 
-/* Where something turns, a corner may come into a body that no contact at the start of the step has told of: how much deeper bodies are in
- * each other behind it counts. */
-static base_status look_behind(const controlled *c, double h, double *e, base_error *err) {
+/* Where something turns, a corner may come to a body that no contact at the start of the step has told of, and may be gone at its end: *at is when one
+ * does. How much deeper bodies are in each other behind the step counts. */
+static base_status look_back(const controlled *c, double h, double *e, double *at,
+                             base_error *err) {
   world *w = c->run.w;
   double depth;
   if (!c->rule->extrapolate || !world_turns(w, h)) {
@@ -254,6 +255,8 @@ static base_status look_behind(const controlled *c, double h, double *e, base_er
     world_extrapolate(w, c->pair.coarse.state, c->pair.fine.state);
   }
   BASE_TRY(world_depth(w, &depth, err));
+  const double near = 0.5 * c->rule->tolerance * event_share;
+  BASE_TRY(world_first_touch(w, h, c->pair.start.state, near, at, err));
   if (c->smooth) {
     world_load(w, c->pair.fine.state);
   }
@@ -275,10 +278,11 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     BASE_TRY(try_pair(c, *h, err));
     c->account->solved = c->pair.solved;
     double e = error_of(c, *h);
+    double at = HUGE_VAL; /* something happens that neither end tells of */
     if (e <= 1.0) {
-      BASE_TRY(look_behind(c, *h, &e, err));
+      BASE_TRY(look_back(c, *h, &e, &at, err));
+      at = aimed ? at : fmin(at, breaks(c, *h));
     }
-    const double at = aimed ? HUGE_VAL : breaks(c, *h);
     const bool passes = e <= 1.0 && at < *h;
     if ((e <= 1.0 && !passes) || *h <= rule->least) {
       BASE_TRY(keep(c, *h, e, err));

@@ -27,7 +27,9 @@
  * An extrapolated state obeys the contacts as they are there, the end of a step those at its start. Where something turns, the first step
  * from it has other normal forces than the next one, by what holds bodies on curved ways, and friction may hold in it that slips in
  * the next one, in every step however short. Where it does, the step is tried again with contacts that turn within it
- * (world_contacts_turned), and so are those behind it until others carry.
+ * (world_contacts_turned), and so are those behind it until others carry. And a corner may come to a body that no contact at the start of a
+ * step has told of: how much deeper bodies are in each other at its end counts as what changes, and where two come near each other and are
+ * gone at the end (world_first_touch), it is tried again up to there.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once

@@ -177,8 +177,14 @@ void world_release(world *w);
 base_status world_detect(world *w, double h, double margin, base_error *err);
 /* Least gap over all pairs, HUGE_VAL if there is none. */
 base_status detect_min_gap(world *w, double *gap, base_error *err);
+/* Of sides a and b, where bodies come first and then the half-spaces: may they touch, and the gap between them [m]. */
+bool detect_may_collide(const world *w, int a, int b);
+double detect_pair_gap(const world *w, int a, int b);
 /* How deep two sides are in each other at most [m]; 0: none are. */
 base_status detect_depth(world *w, double *depth, base_error *err);
+
+/* world_state.c: pose and velocity of body i in a saved state. */
+void world_saved_body(const double *state, int i, body *out);
 
 /* world_rows.c: groups, rows and Jacobians of the detected points and the joints. */
 base_status world_assemble(world *w, double h, base_error *err);

@@ -76,7 +76,7 @@ static void narrow(const finder *f, int a, int b, double margin) {
   }
 }
 
-static bool may_collide(const world *w, int a, int b) {
+bool detect_may_collide(const world *w, int a, int b) {
   const bool still = w->body[a].n_dof == 0 && (b >= w->n_body || w->body[b].n_dof == 0);
   return !still && pair_value(&w->apart, a, b) == 0.0;
 }
@@ -150,7 +150,8 @@ static void against_planes(const finder *f, int a, double margin) {
   const world *w = f->w;
   for (int i = 0; i < w->spec.n_static; i++) {
     const int b = w->n_body + i;
-    if (!(plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin) && may_collide(w, a, b)) {
+    if (!(plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin) &&
+        detect_may_collide(w, a, b)) {
       narrow(f, a, b, margin);
     }
   }
@@ -182,7 +183,7 @@ static void find_points(void *of, int part, int hand) {
       continue;
     }
     const broad_pair p = w->broad.pair[k];
-    if (may_collide(w, p.a, p.b)) {
+    if (detect_may_collide(w, p.a, p.b)) {
       narrow(&f, p.a, p.b, widened(w, p.a) + widened(w, p.b));
     }
   }
@@ -212,7 +213,7 @@ base_status world_detect(world *w, double h, double margin, base_error *err) {
 /* The larger of `so_far` and the rate of a pair that comes nearer at up to `speed`. */
 static double faster(const world *w, int a, int b, double speed, double distance, double so_far) {
   const double rate = speed / distance;
-  return (rate > so_far && may_collide(w, a, b)) ? rate : so_far;
+  return (rate > so_far && detect_may_collide(w, a, b)) ? rate : so_far;
 }
 
 /* Speed of the points of b about its centre of mass, at most. */
@@ -258,13 +259,17 @@ static double pair_gap(const world *w, int a, int b, double margin, double best)
   return best;
 }
 
+double detect_pair_gap(const world *w, int a, int b) {
+  return pair_gap(w, a, b, HUGE_VAL, HUGE_VAL);
+}
+
 /* Pairs of bodies within `margin` of each other by their bounding balls. */
 static base_status near_gap(world *w, double margin, double *best, base_error *err) {
   BASE_TRY(fill_balls(w, 0.0, margin, err));
   BASE_TRY(broad_find(&w->broad, w->dim, err));
   for (int k = 0; k < w->broad.n_pair; k++) {
     const broad_pair p = w->broad.pair[k];
-    if (may_collide(w, p.a, p.b)) {
+    if (detect_may_collide(w, p.a, p.b)) {
       *best = pair_gap(w, p.a, p.b, HUGE_VAL, *best);
     }
   }
@@ -276,7 +281,7 @@ static double plane_gap(world *w, double best) {
   for (int a = 0; a < w->n_body; a++) {
     for (int i = 0; i < w->spec.n_static; i++) {
       if (plane_distance(&w->body[a], &w->spec.fixed[i]) < best &&
-          may_collide(w, a, w->n_body + i)) {
+          detect_may_collide(w, a, w->n_body + i)) {
         best = pair_gap(w, a, w->n_body + i, HUGE_VAL, best);
       }
     }

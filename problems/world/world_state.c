@@ -153,6 +153,15 @@ static void still_locked(body *b) {
   }
 }
 
+void world_saved_body(const double *state, int i, body *out) {
+  body_state then;
+  memcpy(&then, state + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof then);
+  out->at = then.at;
+  out->angle = then.angle;
+  memcpy(out->quat, then.quat, sizeof out->quat);
+  memcpy(out->v, then.v, sizeof out->v);
+}
+
 void world_load(world *w, const double *state) {
   w->t = *state++;
   if (w->model != NULL) {
@@ -160,15 +169,9 @@ void world_load(world *w, const double *state) {
     memcpy(w->qv, state + w->n_dof, (size_t)w->n_dof * sizeof *state);
     return;
   }
-  for (int i = 0; i < w->n_body; i++, state += BODY_NUMBERS) {
-    body *b = &w->body[i];
-    body_state then;
-    memcpy(&then, state, sizeof then);
-    b->at = then.at;
-    b->angle = then.angle;
-    memcpy(b->quat, then.quat, sizeof b->quat);
-    memcpy(b->v, then.v, sizeof b->v);
-    still_locked(b);
+  for (int i = 0; i < w->n_body; i++) {
+    world_saved_body(state - 1, i, &w->body[i]);
+    still_locked(&w->body[i]);
   }
 }
 
