@@ -121,7 +121,9 @@ static base_status one_run(climber *l, base_error *err) {
                                &level->account, err));
   r->n_level++;
   r->solved += level->account.solved;
-  level->tolerance = l->ladder.rule.tolerance;
+  level->tolerance = l->ladder.rule.tolerance =
+      fmax(l->ladder.rule.tolerance, level->account.tolerance);
+  l->ladder.rule.of_travel = 0.0;
   level->seconds = sim_total_seconds(&m->out);
   level->change = HUGE_VAL;
   sim_times_add(&l->spent, &m->out.time);
@@ -239,6 +241,8 @@ static bool go_on(climber *l) {
 static base_status climb(climber *l, error_steps steps, double length, double bears,
                          base_error *err) {
   error_ladder_begin(&l->ladder, l->q, steps, length, bears);
+  /* how far bodies come, which may be much farther than they are large, the first run finds out on its way */
+  l->ladder.rule.of_travel = (l->result->asked.unit[0] == '\0') ? l->result->asked.E : 0.0;
   l->result->first_level = l->result->n_level;
   BASE_TRY(one_run(l, err));
   while (go_on(l)) {

@@ -30,6 +30,10 @@ typedef struct controlled {
   long patience, wait; /* steps kept before longer ones are tried again, next time and yet */
 } controlled;
 
+static double tolerance_of(const controlled *c) {
+  return fmax(c->rule->tolerance, c->rule->of_travel * c->places->travel);
+}
+
 /* ---- one step -------------------------------------------------------------------------------- */
 
 /* How long a difference of velocities lasts: what is left of the run, or the time in which the fastest body has come as
@@ -94,7 +98,7 @@ static double error_of(controlled *c, double h) {
   /* where a slip breaks away friction falls, and both ways may say so from the start of the step on */
   const double slips = fmax(pushed, fine->broke * reach(c));
   c->located = fmax(c->located, slips);
-  e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / c->rule->tolerance;
+  e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);
   return (e == e) ? e : HUGE_VAL;
 }
 
@@ -102,7 +106,7 @@ static double error_of(controlled *c, double h) {
  * sink. 0: nothing closes, or what closes in a step carries in it. */
 static double to_impact(const controlled *c) {
   const step_end *coarse = &c->pair.coarse;
-  const double depth = 0.5 * c->rule->tolerance * event_share;
+  const double depth = 0.5 * tolerance_of(c) * event_share;
   const bool met = c->rule->extrapolate && !coarse->event && coarse->closing.at < HUGE_VAL;
   return met ? coarse->closing.at + depth / coarse->closing.speed : 0.0;
 }
@@ -174,6 +178,7 @@ static base_status count(controlled *c, double h, unsigned way, base_error *err)
   step_account *a = c->account;
   places_note(c->places, c->run.w);
   c->fastest = fmax(c->fastest, world_max_speed(c->run.w));
+  a->tolerance = tolerance_of(c);
   a->least = fmin(a->least, h);
   a->most = fmax(a->most, h);
   return step_list_append(c->kept, h, way | (c->run.turned ? STEP_TURNED : 0), err);
@@ -255,13 +260,13 @@ static base_status look_back(const controlled *c, double h, double *e, double *a
     world_extrapolate(w, c->pair.coarse.state, c->pair.fine.state);
   }
   BASE_TRY(world_depth(w, &depth, err));
-  const double near = 0.5 * c->rule->tolerance * event_share;
+  const double near = 0.5 * tolerance_of(c) * event_share;
   BASE_TRY(world_first_touch(w, h, c->pair.start.state, near, at, err));
   if (c->smooth) {
     world_load(w, c->pair.fine.state);
   }
   const double share = fmax(h / c->run.q->duration, event_share);
-  *e = fmax(*e, (depth - c->pair.coarse.start) / share / c->rule->tolerance);
+  *e = fmax(*e, (depth - c->pair.coarse.start) / share / tolerance_of(c));
   return BASE_OK;
 }
 

@@ -37,8 +37,10 @@
 #include "harness/control/step_list.h"
 
 typedef struct step_rule {
-  double tolerance;   /* [m] over the whole run */
-  double first;       /* step to begin with [s] */
+  double tolerance; /* [m] over the whole run */
+  double
+      of_travel; /* or this share of the longest way of a centre so far, where that is more [1] */
+  double first;  /* step to begin with [s] */
   double least, most; /* [s] */
   bool extrapolate;   /* smooth steps end where both of their ways together say (extrapolation.h) */
   const double *
@@ -52,6 +54,7 @@ typedef struct step_account {
   long solved, rejected,
       forced;         /* forced: taken at the shortest length though not within its share */
   double least, most; /* of the steps kept [s] */
+  double tolerance;   /* that the last step was taken with [m] */
   long changed;   /* steps kept in which other contacts carry than before, the first one aside */
   double off;     /* sum of what the steps kept are off by [m] */
   double plain;   /* and would be if none of them were extrapolated [m] */
