@@ -132,7 +132,11 @@ def what_happens_early_is_seen(_):
 
 WAYS = [
     ("--formulation", form, "--solver", solver)
-    for form, solver in (("velocity", "lemke"), ("coulomb", "cone_newton"), ("regularized", "lemke"))
+    for form, solver in (
+        ("velocity", "lemke"),
+        ("coulomb", "cone_newton"),
+        ("regularized", "lemke"),
+    )
 ]
 
 
@@ -154,7 +158,9 @@ def what_turns_on_a_contact_is_let_slip(_):
     The first half of an extrapolated step has another normal force than the second, by what holds
     the box on its curved way, and held the corner: 28 E off at 1e-4, and promised."""
     event = ("--formulation", "event", "--solver", "lemke")
-    true = simulate("tip:theta_deg=45", 1e-6, formulation=event)["observables"]["block.angle"]["value"]
+    true = simulate("tip:theta_deg=45", 1e-6, formulation=event)["observables"]["block.angle"][
+        "value"
+    ]
     assert abs(true + 1.61506005) < 1e-7, true
     for way in WAYS:
         for E in (1e-2, 1e-3, 1e-4):
@@ -166,7 +172,7 @@ def what_turns_on_a_contact_is_let_slip(_):
 
 def a_corner_that_passes_a_body_is_seen(d):
     """Two boxes pass each other within a step, and a corner of one comes into the other behind no
-    contact of the step's start, or comes and goes: b3.x was 1.1037 (252 E off at 1e-3, and promised)
+    contact of the step's start, or comes and goes: b3.x was 1.1037 (252 E off at 1e-3, promised)
     and 0.94 (no promise by half a million steps). 0.530458 and 1.417315 by even steps of 1e-5 s."""
     for seed, even in ((70, 0.530442), (18, 1.417311)):
         for E in (1e-2, 1e-3):
