@@ -15,14 +15,12 @@ typedef struct step_end {
   double start; /* how deep bodies are in each other at its start [m] */
   double held;  /* of that, where gaps were closed at the start of its last step */
   double even;  /* where they were open then, if velocities had changed evenly in it [m] */
-  sim_closing closing; /* in its first step */
-  double stops;        /* when a slip of its first step would be at rest [s] */
-  double pushed,
-      broke; /* largest speed of a slip that friction pushes on, and of one that broke away in one of its steps [m/s] */
-  double load
-      [2]; /* the largest share that is taken of a friction which falls where it slips, in its first and last step [1] */
-  bool mixed; /* contacts that hold in one of its steps slip in another */
-  bool good;  /* nothing failed */
+  sim_closing closing;  /* in its first step */
+  double stops;         /* when a slip of its first step would be at rest [s] */
+  double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
+  double load[2];       /* in its first and in its last step [1] */
+  bool mixed;           /* contacts that hold in one of its steps slip in another */
+  bool good;            /* nothing failed */
 } step_end;
 
 typedef struct step_pair {

@@ -239,7 +239,7 @@ static bool mixed(const controlled *c, double h) {
 static base_status try_pair(controlled *c, double h, base_error *err) {
   sim *s = &c->run;
   BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
-  if (mixed(c, h)) {
+  if (mixed(c, h) && c->pair.solved + 3 <= c->rule->limit) {
     BASE_TRY(step_pair_undo(&c->pair, s, c->record, err));
     s->turned = true;
     BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
@@ -247,8 +247,8 @@ static base_status try_pair(controlled *c, double h, base_error *err) {
   return BASE_OK;
 }
 
-/* Where something turns, a corner may come to a body that no contact at the start of the step has told of, and may be gone at its end: *at is when one
- * does. How much deeper bodies are in each other behind the step counts. */
+/* Where something turns, a corner may come to a body that no contact at the start of the step has told of, and may be gone at its end: *at is
+ * when one does. How much deeper bodies are in each other behind the step counts. */
 static base_status look_back(const controlled *c, double h, double *e, double *at,
                              base_error *err) {
   world *w = c->run.w;
@@ -270,12 +270,40 @@ static base_status look_back(const controlled *c, double h, double *e, double *a
   return BASE_OK;
 }
 
+/* Error over the share of the step of h just tried; *at: when something happens in it that neither of its ends tells of, h or more: nothing
+ * does. `aimed`: it ends where friction was to stop or to give way. */
+static base_status judge(const controlled *c, double h, bool aimed, double *e, double *at,
+                         base_error *err) {
+  *at = HUGE_VAL;
+  if (*e <= 1.0) {
+    BASE_TRY(look_back(c, h, e, at, err));
+    *at = aimed ? *at : fmin(*at, breaks(c, h));
+  }
+  return BASE_OK;
+}
+
+/* Keeps the step of *h just tried, which was off by e over its share; *h is then the proposal for the next. met: a longer one was tried that met
+ * something. */
+static base_status take(controlled *c, double *h, double e, bool met, base_error *err) {
+  const double taken = *h;
+  BASE_TRY(keep(c, taken, e, err));
+  c->run.turned = c->run.turned && !changes(c);
+  *h = next_length(c, taken, e);
+  *h = may_grow(c, met) ? *h : fmin(*h, taken);
+  if (c->rule->extrapolate && changes(c)) {
+    *h = fmax(*h, c->stride); /* behind an impact the motion is as smooth as before it */
+    c->stride = 0.0;
+  }
+  return BASE_OK;
+}
+
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
   bool met = false;
   bool aimed = false;
   for (;;) {
+    double at;
     if (c->account->solved + 3 > rule->limit) {
       *limited = true;
       return BASE_OK;
@@ -283,23 +311,11 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     BASE_TRY(try_pair(c, *h, err));
     c->account->solved = c->pair.solved;
     double e = error_of(c, *h);
-    double at = HUGE_VAL; /* something happens that neither end tells of */
-    if (e <= 1.0) {
-      BASE_TRY(look_back(c, *h, &e, &at, err));
-      at = aimed ? at : fmin(at, breaks(c, *h));
-    }
+    BASE_TRY(judge(c, *h, aimed, &e, &at, err));
     const bool passes = e <= 1.0 && at < *h;
     if ((e <= 1.0 && !passes) || *h <= rule->least) {
-      BASE_TRY(keep(c, *h, e, err));
-      c->run.turned = c->run.turned && !changes(c);
       *taken = *h;
-      *h = next_length(c, *h, e);
-      *h = may_grow(c, met) ? *h : fmin(*h, *taken);
-      if (rule->extrapolate && changes(c)) {
-        *h = fmax(*h, c->stride); /* behind an impact the motion is as smooth as before it */
-        c->stride = 0.0;
-      }
-      return BASE_OK;
+      return take(c, h, e, met, err);
     }
     c->account->rejected++;
     met = met || changes(c);

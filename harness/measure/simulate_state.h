@@ -28,8 +28,8 @@ typedef struct sim_closing {
 } sim_closing;
 
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
- * step already; and the largest speeds at its end of a slip that friction pushes on instead of holding it, and of one that broke away in it
- * from friction that is less then [m/s]. The largest share of such a friction that is taken [1]. */
+ * step already. The largest speed of a slip at its end that friction pushes on instead of holding it, and the speed that static friction
+ * costs in it where a slip begins and friction falls [m/s]. The largest share of their friction at rest that two bodies take [1]. */
 typedef struct sim_slip {
   double stops, pushed, broke, load;
 } sim_slip;
@@ -73,8 +73,7 @@ typedef struct sim {
   solved
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
-  bool
-      turned; /* velocities at the end of a step obey contacts and joints as they have turned by then */
+  bool turned;     /* contacts are world_contacts_turned */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   sim_depth depth; /* of the last step */
   sim_closing closing;
@@ -109,6 +108,11 @@ bool sim_hopeless(const sim *s);
 
 /* No answer of this step exists. */
 void sim_refuse(sim *s, run_status word, const char *text);
+
+/* Notes what the contacts of the step that ends with the answer tell of it: `carrying`, and of a controlled run depths, by what gaps change at
+ * the velocity of its end, what closes in it, and what slips. BASE_ENOMEM. */
+base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
+                              base_error *err);
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text);

@@ -1,0 +1,165 @@
+/* simulate_contacts.c - what the contacts of a step tell of it: which carry and slip, how deep they are, when one closes, stops or gives way. */
+#include "harness/measure/sim_watch.h"
+#include "harness/measure/simulate_state.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
+static const double at_rest = 0.01;
+
+static unsigned slips(const formulation_answer *a, int i) {
+  return a->mode != NULL && a->mode[i] == 2;
+}
+
+/* Two steps whose contacts with a normal impulse are the same have the same hash. Beside the largest in the step, rounding is none. */
+static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
+  static const double rounding = 1e-13;
+  sim_carrying c = {.ids = SIM_HASH_START, .slips = SIM_HASH_START};
+  double most = 0.0;
+  for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
+    most = fmax(most, a->impulse[set->row_start[i]]);
+  }
+  for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
+    if (a->impulse[set->row_start[i]] > rounding * most) {
+      c.ids = (c.ids ^ set->id[i]) * 0x100000001b3u;
+      c.slips = (c.slips ^ slips(a, i)) * 0x100000001b3u;
+      c.n++;
+    }
+  }
+  return c;
+}
+
+/* Notes when an open gap closes, within a step of h, that changes by u at its start and by u_end at its end. */
+static void note_closing(sim_closing *c, double gap, double u, double u_end, double h) {
+  const double root = u * u - 2.0 * gap * (u_end - u) / h;
+  const double speed = sqrt(fmax(root, 0.0));
+  const double at = (root >= 0.0 && speed > u) ? 2.0 * gap / (speed - u) : HUGE_VAL;
+  if (at <= h && at < c->at) {
+    *c = (sim_closing){at, speed};
+  }
+}
+
+/* Notes when the slip u of a contact's n tangential rows comes to rest that a step of h leaves at u_end, and how fast it is where the
+ * friction of that step pushes it on. */
+static void note_slip(sim_slip *slip, const double *u, const double *u_end, const double *friction,
+                      int n, double h) {
+  double along = 0.0;
+  double slowed = 0.0;
+  double before = 0.0;
+  double after = 0.0;
+  double work = 0.0;
+  for (int k = 0; k < n; k++) {
+    along += u[k] * (u[k] - u_end[k]);
+    slowed += (u[k] - u_end[k]) * (u[k] - u_end[k]);
+    before += u[k] * u[k];
+    after += u_end[k] * u_end[k];
+    work += friction[k] * u_end[k];
+  }
+  const bool passes = before - along * along / slowed <= at_rest * before; /* through rest */
+  const double at = (along > 0.0 && passes) ? h * along / slowed : HUGE_VAL;
+  if (at > h && at < slip->stops) {
+    slip->stops = at;
+  }
+  if (work > 0.0) {
+    slip->pushed = fmax(slip->pushed, sqrt(after));
+  }
+}
+
+/* Of the contacts between two bodies: the friction they take, and could at rest [N s]. */
+typedef struct pair_load {
+  const int *body; /* NULL: no contact yet */
+  double takes, could;
+} pair_load;
+
+static void note_pair(sim_slip *slip, const pair_load *p) {
+  if (p->could > 0.0) {
+    slip->load = fmax(slip->load, p->takes / p->could);
+  }
+}
+
+/* Notes the speed that `much` friction costs contact i, which falls as it slips: from the next step on, and is too much in that in which it
+ * begins to. */
+static void note_fall(sim_slip *slip, const contact_set *set, int i, double much) {
+  double easiest = 0.0;
+  for (int k = 1; k <= set->rows[i].tangent; k++) {
+    easiest = fmax(easiest, contact_mobility(set, i, k));
+  }
+  slip->broke = fmax(slip->broke, much * easiest);
+}
+
+/* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
+static void note_loads(sim_slip *slip, const contact_set *set, const formulation_answer *a) {
+  pair_load pair = {0};
+  for (int i = 0; i < set->n_contact; i++) {
+    const double *impulse = a->impulse + set->row_start[i];
+    const int *body = set->body + 2 * (size_t)i;
+    double takes = 0.0;
+    if (pair.body == NULL || body[0] != pair.body[0] || body[1] != pair.body[1]) {
+      note_pair(slip, &pair);
+      pair = (pair_load){.body = body};
+    }
+    for (int k = 1; k <= set->rows[i].tangent; k++) {
+      takes = hypot(takes, impulse[k]);
+    }
+    pair.takes += takes;
+    pair.could += set->mu_static[i] * impulse[0];
+    if (set->mu_kinetic[i] < set->mu_static[i] && slips(a, i) != 0) {
+      note_fall(slip, set, i, takes - set->mu_kinetic[i] * impulse[0]);
+    }
+  }
+  note_pair(slip, &pair);
+}
+
+/* Contact i of a step at whose end its gap changes by u. */
+static void note_gap(sim_depth *d, const contact_set *set, int i, double u) {
+  const double gap = set->gap[i];
+  const double deep = -gap - set->h * u;
+  d->start = fmax(d->start, -gap);
+  if (gap > set->tol) {
+    d->open = fmax(d->open, deep);
+    d->even = fmax(d->even, -gap - 0.5 * set->h * (set->u_before[set->row_start[i]] + u));
+  } else {
+    d->held = fmax(d->held, deep);
+  }
+}
+
+base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
+                              base_error *err) {
+  s->carrying = carrying(set, a);
+  s->depth = (sim_depth){0};
+  s->closing = (sim_closing){.at = HUGE_VAL};
+  s->slip = (sim_slip){.stops = HUGE_VAL};
+  if (!s->controlled || set->n_contact == 0) {
+    return BASE_OK;
+  }
+  if (set->n_row > s->u_cap) {
+    free(s->u);
+    s->u_cap = 2 * set->n_row;
+    s->u = malloc((size_t)s->u_cap * sizeof *s->u);
+    if (s->u == NULL) {
+      s->u_cap = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the velocities of %d rows", set->n_row);
+    }
+  }
+  contact_relative_velocity(set, a->v_next, set->u_drift, s->u);
+  for (int i = 0; i < set->n_contact; i++) {
+    const int k = set->row_start[i];
+    note_gap(&s->depth, set, i, s->u[k]);
+    if (a->impulse != NULL && a->impulse[k] > 0.0) {
+      note_slip(&s->slip, set->u_before + k + 1, s->u + k + 1, a->impulse + k + 1,
+                set->rows[i].tangent, set->h);
+    }
+  }
+  if (a->impulse != NULL) {
+    note_loads(&s->slip, set, a);
+  }
+  contact_relative_velocity(set, set->v_free, set->u_drift, s->u);
+  for (int i = 0; i < set->n_contact; i++) {
+    const int k = set->row_start[i];
+    if (set->gap[i] > set->tol) {
+      note_closing(&s->closing, set->gap[i], set->u_before[k], s->u[k], set->h);
+    }
+  }
+  return BASE_OK;
+}
