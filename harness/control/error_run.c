@@ -256,12 +256,15 @@ static base_status climb(climber *l, error_steps steps, double length, double be
 }
 
 /* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no
- * beginning anew. */
+ * beginning anew: what keeps E and misses a law stands then. */
 static bool extrapolated_stands(climber *l) {
   error_result *r = l->result;
   const bool missed = l->missed > 0.0;
   if (r->promised || r->solved >= r->asked.limit / 2) {
-    r->promised = r->promised || missed;
+    if (missed) {
+      r->promised = true;
+      r->reason[0] = '\0';
+    }
     return true;
   }
   if (missed) {

@@ -117,6 +117,10 @@ def laws_that_plain_steps_keep_are_kept(_):
         assert e["promised"] and e["method"] == "extrapolated steps", e
         assert all(p["ok"] for p in o["predictions"]) and true <= E * q["scale"]
         assert e["steps_solved"] < 3000, e["steps_solved"]
+    o = simulate("top", 1e-5, "--work", 1500, code=None)  # the run before kept E, and not the law
+    e, (q, true) = o["error"], reference(o)
+    assert e["promised"] and e["reason"] == "" and true <= 1e-5 * q["scale"], e
+    assert not all(p["ok"] for p in o["predictions"])
 
 
 def what_happens_early_is_seen(_):
