@@ -102,13 +102,16 @@ static double error_of(controlled *c, double h) {
   return (e == e) ? e : HUGE_VAL;
 }
 
-/* The length of a step in the place of one that met what closes in it: to just behind where it closes, so deep as half of what a step may
- * sink. 0: nothing closes, or what closes in a step carries in it. */
+/* Half of what a step may sink [m]. */
+static double shallow(const controlled *c) {
+  return 0.5 * tolerance_of(c) * event_share;
+}
+
+/* The length of a step in the place of one that met what closes in it: to just behind where it closes, so deep as `shallow`. 0: nothing closes, or what closes in a step carries in it. */
 static double to_impact(const controlled *c) {
   const step_end *coarse = &c->pair.coarse;
-  const double depth = 0.5 * tolerance_of(c) * event_share;
   const bool met = c->rule->extrapolate && !coarse->event && coarse->closing.at < HUGE_VAL;
-  return met ? coarse->closing.at + depth / coarse->closing.speed : 0.0;
+  return met ? coarse->closing.at + shallow(c) / coarse->closing.speed : 0.0;
 }
 
 /* The length of a step in the place of one of h in whose second half friction stops: up to there; 0: none does. */
@@ -260,8 +263,7 @@ static base_status look_back(const controlled *c, double h, double *e, double *a
     world_extrapolate(w, c->pair.coarse.state, c->pair.fine.state);
   }
   BASE_TRY(world_depth(w, &depth, err));
-  const double near = 0.5 * tolerance_of(c) * event_share;
-  BASE_TRY(world_first_touch(w, h, c->pair.start.state, near, at, err));
+  BASE_TRY(world_first_touch(w, h, c->pair.start.state, shallow(c), at, err));
   if (c->smooth) {
     world_load(w, c->pair.fine.state);
   }

@@ -160,9 +160,9 @@ void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 /* How deep two sides are in each other at most [m]; 0: none are. BASE_ENOMEM. */
 base_status world_depth(world *w, double *depth, base_error *err);
-/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides of which one turns, and
- * which are further apart than `near` [m] at both of its ends and do not carry at its end, come as near [s]; h: none do. Bodies that do not turn tell that by gap and speed at
- * the start. BASE_ENOMEM. */
+/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides come as near as `near` [m] of
+ * which one turns, and which are further apart at both ends and do not carry at the last [s]; h: none do. Sides that do not turn tell that
+ * by gap and speed at the start. BASE_ENOMEM. */
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
                               base_error *err);
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
