@@ -1,7 +1,9 @@
 """Random scenes of one to six bodies: spheres, boxes and rods over a floor, at times between walls,
 with friction up to 2, restitution up to 1 and joints, some of them resting at the start."""
 
+import json
 import math
+import pathlib
 import random
 from typing import Any
 
@@ -118,3 +120,13 @@ def random_scene(seed: int) -> Scene:
     scene["observe"] = [f"{b['name']}.pos" for b in scene["bodies"]]
     scene["checks"] = [{"type": "finite"}]
     return scene
+
+
+def random_file(folder: pathlib.Path, seed: int) -> pathlib.Path:
+    """A random scene that looks at all centres."""
+    scene = random_scene(seed)
+    axes = "xyz"[: scene["dim"]]
+    scene["observe"] = [f"{b['name']}.{x}" for b in scene["bodies"] for x in axes]
+    path = folder / f"random{seed}.json"
+    path.write_text(json.dumps(scene))
+    return path

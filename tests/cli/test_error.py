@@ -3,7 +3,7 @@
 import json
 import math
 
-from random_scenes import random_scene
+from random_scenes import random_file, random_scene
 
 from support import one_line_error, run, run_json, tap
 
@@ -35,16 +35,6 @@ def the_error_asked_for_is_kept(_):
 
 
 LEMKE = ("--formulation", "regularized", "--solver", "lemke")
-
-
-def random_file(d, seed):
-    """A random scene that looks at all centres."""
-    scene = random_scene(seed)
-    axes = "xyz"[: scene["dim"]]
-    scene["observe"] = [f"{b['name']}.{x}" for b in scene["bodies"] for x in axes]
-    path = d / f"random{seed}.json"
-    path.write_text(json.dumps(scene))
-    return path
 
 
 def estimate_and_error(d, seed):
