@@ -114,28 +114,25 @@ static bool carried(const world *w, int a, int b) {
   return false;
 }
 
-/* The two sides of a pair where they turn; `most` where neither does, or the step knows of them: they carry, or are near at its end. */
+/* The two sides of a pair; `most` where neither turns, or the step knows of them: they carry, or are near at its end. */
 static double touch_of(world *w, const double *start, int a, int b, double h, double near,
                        double most) {
   const bool plane = b >= w->n_body;
-  if (carried(w, a, b) || detect_pair_gap(w, a, b) <= near) {
-    return most;
-  }
-  const body end_a = w->body[a];
   path pa;
   path pb;
   path_of(&pa, w, start, a, h);
-  if (plane) {
-    const double at = (spun(&pa) > 0.0) ? touch(w, &pa, NULL, a, b, near, most) : most;
-    w->body[a] = end_a;
-    return at;
+  if (!plane) {
+    path_of(&pb, w, start, b, h);
   }
-  const body end_b = w->body[b];
-  path_of(&pb, w, start, b, h);
-  const double at =
-      (spun(&pa) > 0.0 || spun(&pb) > 0.0) ? touch(w, &pa, &pb, a, b, near, most) : most;
+  const bool turns = spun(&pa) > 0.0 || (!plane && spun(&pb) > 0.0);
+  if (!turns || carried(w, a, b) || detect_pair_gap(w, a, b) <= near) {
+    return most;
+  }
+  const body end_a = w->body[a];
+  const body end_b = w->body[plane ? a : b];
+  const double at = touch(w, &pa, plane ? NULL : &pb, a, b, near, most);
+  w->body[plane ? a : b] = end_b;
   w->body[a] = end_a;
-  w->body[b] = end_b;
   return at;
 }
 
