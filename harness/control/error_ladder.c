@@ -10,29 +10,33 @@ static const struct {
   double longest, tolerance, least;
 } first[] = {{1.0 / 8.0, 256.0, 2.0}, {1.0 / 8.0, 256.0, 2.0}, {1.0 / 2.0, 16.0, 5.0}};
 static const double most_ratio = 64.0;
+/* Plain steps are of first order: a run that is so much finer than it should do is not followed by another for a trifle. */
+static const double plain_spare = 1.2;
 /* Parts of the first extrapolated run, which is enough where all is at rest; and what the next one's count from. */
 static const double first_parts = 2.0, next_parts = 4.0;
 
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
-                        double bears) {
-  const double longest = first[steps].longest * q->duration;
+                        double bears, bool rests) {
   const bool own = steps == ERROR_OWN;
   const bool extrapolate = steps == ERROR_EXTRAPOLATED;
+  const double longest = first[steps].longest * q->duration;
   *l = (error_ladder){.steps = steps, .parts = extrapolate ? first_parts : 1.0, .ratio = 1.0};
   l->rule = (step_rule){.least = 1e-9 * q->duration,
                         .most = own ? longest : fmin(longest, bears),
                         .tolerance = first[steps].tolerance * length,
+                        .rests = extrapolate && rests && bears >= q->duration,
                         .extrapolate = extrapolate};
   l->rule.first = (steps == ERROR_PLAIN) ? fmin(q->h, l->rule.most) : l->rule.most;
 }
 
-void error_ladder_finer(error_ladder *l, double over, double length, double parts) {
+void error_ladder_finer(error_ladder *l, double over, double parts) {
   const double least = first[l->steps].least;
   step_rule *rule = &l->rule;
-  l->ratio = (l->steps == ERROR_OWN) ? least : fmin(fmax(over, least), most_ratio);
+  const double spare = (l->steps == ERROR_PLAIN) ? plain_spare : 1.0;
+  l->ratio = (l->steps == ERROR_OWN) ? least : fmin(fmax(spare * over, least), most_ratio);
   rule->tolerance /= l->ratio;
+  rule->rests = false;
   if (rule->extrapolate) {
-    rule->tolerance = fmax(rule->tolerance, ERROR_EXACT * length);
     l->parts = fmin(fmax(l->parts, next_parts) * sqrt(l->ratio), parts);
   }
   /* or two runs that take the longest steps would be one */

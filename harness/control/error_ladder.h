@@ -4,7 +4,7 @@
 
 #include "harness/control/step_control.h"
 
-/* Off by this much less than E a run is as if exact, and no run is made that is asked for less [1]. */
+/* Off by this much less than E a run is as if exact [1]. */
 #define ERROR_EXACT 1e-3
 
 /* How a run takes its steps: a formulation that integrates by itself, plain steps, extrapolated ones. */
@@ -17,10 +17,11 @@ typedef struct error_ladder {
   double ratio; /* of the last two tolerances */
 } error_ladder;
 
-/* The coarsest run, for an E of `length` [m]; `bears`: the longest step that the springs of the scene do [s]. */
+/* The coarsest run, for an E of `length` [m]; `bears`: the longest step that the springs of the scene do [s]; `rests`: nothing
+ * moves at the start. */
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
-                        double bears);
+                        double bears, bool rests);
 /* The run after one that is `over` times E off, in at most `parts` parts. */
-void error_ladder_finer(error_ladder *l, double over, double length, double parts);
+void error_ladder_finer(error_ladder *l, double over, double parts);
 /* How many times better the last run is than the one before, with second order in the step or first. */
 double error_ladder_gain(const error_ladder *l, bool second);

@@ -127,9 +127,13 @@ static bool named(const error_made *m, const char *name) {
   return false;
 }
 
+static bool of_turning(const char *unit) {
+  return strcmp(unit, "rad") == 0 || strcmp(unit, "rad/s") == 0;
+}
+
 /* Is it known between two states from how far accelerated motion goes from its chord? Speeds keep to it. */
 static bool of_bodies(const char *unit) {
-  return strcmp(unit, "m") == 0 || strcmp(unit, "m/s") == 0;
+  return strcmp(unit, "m") == 0 || strcmp(unit, "m/s") == 0 || of_turning(unit);
 }
 
 static void read_checks(const sim_request *q, const error_asked *asked, error_made *m) {
@@ -154,6 +158,7 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
       const bool state = c->kind == CHECK_STATE;
       m->at_stops = m->at_stops && (state || of_bodies(world_observe_unit(c->var)));
       m->between = m->between || !state;
+      m->angles = m->angles || (!state && of_turning(world_observe_unit(c->var)));
     }
   }
 }

@@ -34,8 +34,10 @@ typedef struct error_made {
   sim_result out;
   step_list kept;
   run_places places;
-  bool at_stops; /* all quantities are of states that steps end at, or of lengths and speeds */
-  bool between;  /* some are of what these do between states */
+  bool
+      at_stops; /* all quantities are of states that steps end at, or of places, angles and speeds */
+  bool angles;  /* some of those between states are angles */
+  bool between; /* some are of what these do between states */
   int n_quantity;
   error_quantity quantity[ERROR_QUANTITIES];
 } error_made;

@@ -134,9 +134,15 @@ static base_status one_run(climber *l, base_error *err) {
                          r->asked.unit);
 }
 
+/* What goes with the order of impacts that the last run does not tell: over E [1]. */
+static double doubted(const climber *l) {
+  return l->result->level[l->result->n_level - 1].account.doubt / length_now(l);
+}
+
 /* What an impact is off by in the last run, and two runs may have in common: over E [1]. */
 static double located(const climber *l) {
-  return l->result->level[l->result->n_level - 1].account.located / length_now(l);
+  const step_account *a = &l->result->level[l->result->n_level - 1].account;
+  return fmax(a->located / length_now(l), doubted(l));
 }
 
 /* Was the run exact, as far as its steps tell? A window or a drift looks at states between them, which are off a chord. */
@@ -148,7 +154,10 @@ static bool as_if_exact(climber *l) {
     return false;
   }
   const double bow = l->now.between ? ERROR_SAFETY * a->bow : 0.0;
-  r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / length_now(l));
+  /* a point as far out as the smallest body is large goes so far along */
+  const double over =
+      l->now.angles ? length_of(l->q, &r->asked, l->now.places.size) : length_now(l);
+  r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / over);
   for (int i = 0; i < l->now.n_quantity; i++) {
     error_quantity *e = &l->now.quantity[i];
     e->estimate = r->estimate * unit_of(r, e);
@@ -238,9 +247,33 @@ static bool go_on(climber *l) {
   return r->reason[0] == '\0';
 }
 
-static base_status climb(climber *l, error_steps steps, double length, double bears,
-                         base_error *err) {
-  error_ladder_begin(&l->ladder, l->q, steps, length, bears);
+/* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear [s], and whether nothing moves. */
+typedef struct start_sizes {
+  double scale, bears;
+  bool rests;
+} start_sizes;
+
+static base_status start_open(const sim_request *q, start_sizes *start, base_error *err) {
+  world *w;
+  BASE_TRY(world_open_over(&w, q->spec, q->effects, err));
+  const double speed = world_max_speed(w);
+  start->scale = fmax(world_size(w), speed * q->duration);
+  start->bears = spring_step * world_longest_step(w);
+  start->rests = world_may_rest(w);
+  world_close(w);
+  return BASE_OK;
+}
+
+base_status error_first_scale(const sim_request *q, double *scale, base_error *err) {
+  start_sizes start;
+  BASE_TRY(start_open(q, &start, err));
+  *scale = start.scale;
+  return BASE_OK;
+}
+
+static base_status climb(climber *l, error_steps steps, const start_sizes *start, base_error *err) {
+  error_ladder_begin(&l->ladder, l->q, steps, length_of(l->q, &l->result->asked, start->scale),
+                     start->bears, start->rests);
   /* how far bodies come, which may be much farther than they are large, the first run finds out on its way */
   l->ladder.rule.of_travel = (l->result->asked.unit[0] == '\0') ? l->result->asked.E : 0.0;
   l->result->first_level = l->result->n_level;
@@ -248,11 +281,17 @@ static base_status climb(climber *l, error_steps steps, double length, double be
   while (go_on(l)) {
     l->ratio_before = l->ladder.ratio;
     l->off_before = known_off(l);
-    error_ladder_finer(&l->ladder, fmax(l->off_before, l->missed), length_now(l),
-                       (double)l->result->asked.limit);
+    error_ladder_finer(&l->ladder, fmax(l->off_before, l->missed), (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }
   return BASE_OK;
+}
+
+/* Did the last run that came to its end not tell the order of impacts? */
+static bool in_doubt(const climber *l) {
+  const error_result *r = l->result;
+  const bool cut = r->n_level > 1 && !r->level[r->n_level - 1].account.ended;
+  return r->level[r->n_level - (cut ? 2 : 1)].account.doubt > length_now(l);
 }
 
 /* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no
@@ -260,6 +299,12 @@ static base_status climb(climber *l, error_steps steps, double length, double be
 static bool extrapolated_stands(climber *l) {
   error_result *r = l->result;
   const bool missed = l->missed > 0.0;
+  if (!r->promised && in_doubt(l)) {
+    refuse(
+        r,
+        "bodies are hit so shortly one after the other that the runs do not tell in which order");
+    return true;
+  }
   if (r->promised || r->solved >= r->asked.limit / 2) {
     if (missed) {
       r->promised = true;
@@ -275,22 +320,6 @@ static bool extrapolated_stands(climber *l) {
   r->promised = false;
   r->reason[0] = '\0';
   return false;
-}
-
-/* A length and a time to begin with, from the scene as it stands [m], [s]. */
-static base_status first_sizes(const sim_request *q, double *scale, double *longest,
-                               base_error *err) {
-  world *w;
-  BASE_TRY(world_open_over(&w, q->spec, q->effects, err));
-  *scale = fmax(world_size(w), world_max_speed(w) * q->duration);
-  *longest = spring_step * world_longest_step(w);
-  world_close(w);
-  return BASE_OK;
-}
-
-base_status error_first_scale(const sim_request *q, double *scale, base_error *err) {
-  double longest;
-  return first_sizes(q, scale, &longest, err);
 }
 
 /* The finest run that came to its end, or the one that failed. */
@@ -314,15 +343,13 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   *result = (error_result){.asked = *asked, .estimate = HUGE_VAL};
   *record = (series){0};
   *kept = (step_list){0};
-  double scale;
-  double longest;
-  BASE_TRY(first_sizes(q, &scale, &longest, err));
-  const double length = length_of(q, asked, scale);
+  start_sizes start;
+  BASE_TRY(start_open(q, &start, err));
   climber l = {.q = q, .result = result};
   const error_steps steps = (q->form->form->memory != 0) ? ERROR_EXTRAPOLATED : ERROR_OWN;
-  base_status done = climb(&l, steps, length, longest, err);
+  base_status done = climb(&l, steps, &start, err);
   if (done == BASE_OK && steps == ERROR_EXTRAPOLATED && !extrapolated_stands(&l)) {
-    done = climb(&l, ERROR_PLAIN, length, longest, err);
+    done = climb(&l, ERROR_PLAIN, &start, err);
   }
   if (done == BASE_OK) {
     hand_over(&l, record, out, kept);

@@ -6,7 +6,8 @@
  * ERROR_SAFETY times that is `estimate`. It covers what local errors grow to, which their sum does not. It is no less than
  * what the worst located impact is off by, which two runs may have in common, and, where contacts begin or cease to carry, than
  * what the run before is off by, over r: its estimate, or what all steps of the first run together are off by. Two runs may be
- * near each other by chance.
+ * near each other by chance. And it is no less than what goes with the order of impacts that the last run does not tell (`doubt`), which
+ * both may have taken alike.
  *
  * First with extrapolated steps (extrapolation.h). A quarter of the tolerance, and of the error, takes twice the steps then;
  * that is counted on only where no contact begins or ceases to carry and three runs show it (the last difference is that much less than the one
@@ -19,8 +20,8 @@
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
  *
- * It says that the error cannot be promised where the runs do not come nearer to each other, where a step has no
- * solution, and where the limit of work comes first. */
+ * It says that the error cannot be promised where the runs do not come nearer to each other, where they do not tell in which order bodies
+ * are hit, where a step has no solution, and where the limit of work comes first. */
 #pragma once
 
 #include "harness/control/error_quantity.h"

@@ -47,6 +47,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
       end->load[0] = s->slip.load;
     }
     end->load[1] = s->slip.load;
+    end->doubt = fmax(end->doubt, s->doubt);
     end->pushed = fmax(end->pushed, s->slip.pushed);
     end->broke = fmax(end->broke, s->slip.broke);
     end->held = fmax(0.0, s->depth.held - end->start);
@@ -57,27 +58,36 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
   return BASE_OK;
 }
 
-static base_status try_both(step_pair *p, sim *s, series *record, const sim_request *q, double h,
+base_status step_pair_begin(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
                             base_error *err) {
-  BASE_TRY(checkpoint_take(&p->start, s, record, err));
-  BASE_TRY(go(p, s, record, &p->quiet, h, 1, &p->coarse, err));
-  BASE_TRY(checkpoint_return(&p->start, s, record, err));
-  p->quiet.dump = q->dump;
-  return go(p, s, record, q, 0.5 * h, 2, &p->fine, err);
-}
-
-base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
-                          base_error *err) {
   const sim_request *q = s->q;
   p->quiet = *q;
   p->quiet.trajectory = NULL;
   p->quiet.dump = NULL;
   p->carrying = carrying;
+  BASE_TRY(checkpoint_take(&p->start, s, record, err));
   s->part = true;
-  const base_status done = try_both(p, s, record, q, h, err);
+  const base_status done = go(p, s, record, &p->quiet, h, 1, &p->coarse, err);
   s->q = q;
   s->part = false;
   return done;
+}
+
+base_status step_pair_finish(step_pair *p, sim *s, series *record, double h, base_error *err) {
+  const sim_request *q = s->q;
+  BASE_TRY(checkpoint_return(&p->start, s, record, err));
+  p->quiet.dump = q->dump;
+  s->part = true;
+  const base_status done = go(p, s, record, q, 0.5 * h, 2, &p->fine, err);
+  s->q = q;
+  s->part = false;
+  return done;
+}
+
+base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
+                          base_error *err) {
+  BASE_TRY(step_pair_begin(p, s, record, carrying, h, err));
+  return step_pair_finish(p, s, record, h, err);
 }
 
 double step_pair_unsteady(const step_pair *p, const sim *s, double h) {

@@ -19,6 +19,7 @@ typedef struct step_end {
   double stops;         /* when a slip of its first step would be at rest [s] */
   double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
   double load[2];       /* in its first and in its last step [1] */
+  double doubt;         /* the most in its steps (sim) [m/s] */
   bool mixed;           /* contacts that hold in one of its steps slip in another */
   bool good;            /* nothing failed */
 } step_end;
@@ -41,6 +42,10 @@ void step_pair_close(step_pair *p);
  * before. Dumps are of the fine way, rows of the trajectory of the contacts in its second half. */
 base_status step_pair_try(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
                           base_error *err);
+/* The same in two: the coarse way, at whose end the run stands, and the fine one. */
+base_status step_pair_begin(step_pair *p, sim *s, series *record, sim_carrying carrying, double h,
+                            base_error *err);
+base_status step_pair_finish(step_pair *p, sim *s, series *record, double h, base_error *err);
 /* Back to where the run stood before the last try. */
 base_status step_pair_undo(const step_pair *p, sim *s, series *record, base_error *err);
 /* What the step of h just tried is off by if extrapolated, as far as the smooth step before tells (world_saved_unsteady); HUGE_VAL if

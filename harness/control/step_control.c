@@ -94,9 +94,10 @@ static double error_of(controlled *c, double h) {
   const double sunk = behind ? fmax(coarse->even, fine->held) : fine->sunk;
   c->located = event ? fmax(position, sunk) : sunk;
   /* a friction that pushes on is one of before the slip turned round, on both ways alike */
-  const double pushed = event ? 0.0 : fine->pushed * reach(c);
+  const double lasts = reach(c) + h;
+  const double pushed = event ? 0.0 : fine->pushed * lasts;
   /* where a slip breaks away friction falls, and both ways may say so from the start of the step on */
-  const double slips = fmax(pushed, fine->broke * reach(c));
+  const double slips = fmax(pushed, fine->broke * lasts);
   c->located = fmax(c->located, slips);
   e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);
   return (e == e) ? e : HUGE_VAL;
@@ -202,6 +203,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
+  a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
   a->off += c->off;
   a->plain += c->plain;
   a->bow = fmax(a->bow, bow_of(c, h));
@@ -241,6 +243,7 @@ static bool mixed(const controlled *c, double h) {
 /* Both ways over h; with contacts that turn in the steps from the first time on that it matters, until others carry. */
 static base_status try_pair(controlled *c, double h, base_error *err) {
   sim *s = &c->run;
+  s->near = c->account->off + event_share * tolerance_of(c);
   BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
   if (mixed(c, h) && c->pair.solved + 3 <= c->rule->limit) {
     BASE_TRY(step_pair_undo(&c->pair, s, c->record, err));
@@ -361,6 +364,32 @@ static base_status places_open(run_places *p, const world *w, base_error *err) {
   return BASE_OK;
 }
 
+/* Is the run at the end of this way where it was at its start, and at rest? */
+static bool has_stayed(const controlled *c, const step_end *end, double h) {
+  static const double still = 1e-6; /* of the tolerance */
+  double position;
+  double velocity;
+  world_saved_distance(c->run.w, c->pair.start.state, end->state, &position, &velocity);
+  return end->good && position + velocity * h <= still * tolerance_of(c);
+}
+
+/* What rests and nothing moves in one step over all of the run stays where it is all the while, whatever times steps are to end at. */
+static base_status stay(controlled *c, bool *stays, base_error *err) {
+  sim *s = &c->run;
+  const double h = s->q->duration;
+  *stays = false;
+  if (!c->rule->rests || c->rule->limit < 3) {
+    return BASE_OK;
+  }
+  BASE_TRY(step_pair_begin(&c->pair, s, c->record, c->carrying, h, err));
+  if (has_stayed(c, &c->pair.coarse, h)) {
+    BASE_TRY(step_pair_finish(&c->pair, s, c->record, h, err));
+    *stays = has_stayed(c, &c->pair.fine, h);
+  }
+  c->account->solved = c->pair.solved;
+  return *stays ? keep(c, h, error_of(c, h), err) : step_pair_undo(&c->pair, s, c->record, err);
+}
+
 /* At this pace the limit of work is far from enough: a fiftieth of it is spent, and ten times all of it would not do. */
 static bool crawls(const controlled *c) {
   const double limit = (double)c->rule->limit;
@@ -425,7 +454,9 @@ static base_status run(controlled *c, base_error *err) {
     c->carrying = s->carrying;
     c->fastest = world_max_speed(s->w);
     double h = c->rule->first;
-    for (int k = 0; k < c->rule->n_stop; k++) {
+    bool stays;
+    BASE_TRY(stay(c, &stays, err));
+    for (int k = 0; k < c->rule->n_stop && !stays; k++) {
       BASE_TRY(run_to(c, c->rule->stop[k], &h, &limited, err));
     }
   }

@@ -19,7 +19,7 @@
  * tell when; it ends no deeper than a step with a change may sink. A step in whose second half a slip stops is tried again up to there, which the
  * first half tells, and one in which contacts would break away up to where the friction they take is all they have, if it grows on as between
  * the halves. What counts as a change besides: friction that pushes a slip on which has turned round inside the step, on both of its ways
- * alike, and static friction that still holds the slip which begins in a step, where kinetic friction is less. A step that one of its ways
+ * alike, or slows it all the while as it does behind the turn, and static friction that still holds the slip which begins in a step, where kinetic friction is less. A step that one of its ways
  * begins to carry in and the other does not is never extrapolated: they differ by an impact; nor is one in which the fine way begins to
  * carry and carries at its end what it did before. A length that met something where a shorter one did not is tried again after
  * 2, 4, 8, 16 steps.
@@ -30,6 +30,14 @@
  * (world_contacts_turned), and so are those behind it until others carry. And a corner may come to a body that no contact at the start of a
  * step has told of: how much deeper bodies are in each other at its end counts as what changes, and where two come near each other and are
  * gone at the end (world_first_touch), it is tried again up to there.
+ *
+ * Impacts on one body that follow each other more closely than gaps are known (by what all steps so far are off by, and a step may sink) are
+ * taken as they come, one by one or in one solve, and what goes with that is told (`doubt`): the part of the speed of one that is taken by
+ * the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once as far as the
+ * solves can tell, and what bounces no higher than the gaps are known count for nothing.
+ *
+ * Where nothing moves at the start, and no load or drive changes with time, one step over all of the run is tried first: if nothing moves
+ * in it, nor in its halves, that is the run.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once
@@ -42,6 +50,7 @@ typedef struct step_rule {
       of_travel; /* or this share of the longest way of a centre so far, where that is more [1] */
   double first;  /* step to begin with [s] */
   double least, most; /* [s] */
+  bool rests;         /* nothing moves at the start: one step is tried in which nothing will */
   bool extrapolate;   /* smooth steps end where both of their ways together say (extrapolation.h) */
   const double *
       stop; /* n_stop times that a step must end at, ascending [s]; the last is the end of the run */
@@ -59,6 +68,7 @@ typedef struct step_account {
   double off;     /* sum of what the steps kept are off by [m] */
   double plain;   /* and would be if none of them were extrapolated [m] */
   double located; /* largest error of a step in which the contacts changed [m] */
+  double doubt;   /* the most that goes with the order of impacts too near each other to tell [m] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
   bool ended; /* the run came to its end within the limit */

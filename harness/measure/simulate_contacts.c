@@ -43,7 +43,7 @@ static void note_closing(sim_closing *c, double gap, double u, double u_end, dou
 /* Notes when the slip u of a contact's n tangential rows comes to rest that a step of h leaves at u_end, and how fast it is where the
  * friction of that step pushes it on. */
 static void note_slip(sim_slip *slip, const double *u, const double *u_end, const double *friction,
-                      int n, double h) {
+                      int n, double h, bool slides) {
   double along = 0.0;
   double slowed = 0.0;
   double before = 0.0;
@@ -58,11 +58,15 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   }
   const bool passes = before - along * along / slowed <= at_rest * before; /* through rest */
   const double at = (along > 0.0 && passes) ? h * along / slowed : HUGE_VAL;
+  const bool turns = slides && before < along && after > at_rest * before; /* the other way */
   if (at > h && at < slip->stops) {
     slip->stops = at;
   }
   if (work > 0.0) {
     slip->pushed = fmax(slip->pushed, sqrt(after));
+  }
+  if (turns) {
+    slip->pushed = fmax(slip->pushed, 2.0 * sqrt(before));
   }
 }
 
@@ -124,11 +128,77 @@ static void note_gap(sim_depth *d, const contact_set *set, int i, double u) {
   }
 }
 
+/* What decides whether two impacts on a body are one after the other: gaps that are no farther from closed than `near` may as well be closed,
+ * and impacts that come `alike` near each other are at once in all runs, as far as the solves can tell [m]. */
+typedef struct doubts {
+  double near, alike;
+} doubts;
+
+/* Does contact j rest, or hold what goes through it, beside an impact at `speed`? */
+static bool rests(const contact_set *set, int j, double speed, const double *u_free) {
+  static const double still = 1e-6, drifts = 1e-3; /* of the speed of the impact */
+  const int k = set->row_start[j];
+  const double u = set->u_before[k];
+  const bool pressed = u_free[k] <= 0.0 && u >= -drifts * speed;
+  return set->gap[j] <= set->tol && (fabs(u) <= still * speed || pressed);
+}
+
+/* The share of the slip of contact j that a unit impulse on contact i, `much` times, takes or gives: its friction goes with that [1]. */
+static double slip_turned(const contact_set *set, int i, int j, double much) {
+  const double *u = set->u_before + set->row_start[j];
+  double given = 0.0;
+  double slip = 0.0;
+  for (int k = 1; k <= set->rows[j].tangent; k++) {
+    given = hypot(given, much * contact_coupling(set, j, k, i, 0));
+    slip = hypot(slip, u[k]);
+  }
+  return (given < slip) ? given / slip : (double)(given > 0.0);
+}
+
+/* What goes with whether contact j of the same body, nearly closed, is hit before contact i, after it or with it, which is at `speed` [m/s]: the
+ * share of it that one takes from the other, or its friction. Nothing does where j is not reached. */
+static double doubt_of(const contact_set *set, int i, int j, double speed, const doubts *d) {
+  const double gap = set->gap[j];
+  const double u = set->u_before[set->row_start[j]];
+  if (fabs(gap) > d->near || fabs(gap * speed + set->gap[i] * u) <= d->alike * speed) {
+    return 0.0;
+  }
+  const double both = contact_coupling(set, i, 0, j, 0);
+  const double own = contact_mobility(set, i, 0);
+  const double met = -fmin(u, u + both * speed / own);
+  if (!(met > 0.0)) {
+    return 0.0;
+  }
+  const double friction = set->mu_kinetic[j] * met * slip_turned(set, i, j, speed / own);
+  return fmax(friction, fabs(both) / sqrt(own * contact_mobility(set, j, 0)) * speed);
+}
+
+/* Notes what goes with the order of impacts. What bounces no higher than the doubt is soon lost. */
+static void note_doubt(sim *s, const contact_set *set, const double *impulse,
+                       const double *u_free) {
+  static const double lost = 32.0, margin = 10.0;
+  const doubts d = {s->near, set->tol + margin * s->out->natural_max * world_time(s->w)};
+  for (int i = 0; i < set->n_contact; i++) {
+    const int k = set->row_start[i];
+    const double speed = -set->u_before[k];
+    const double pressed = fabs(u_free[k] - set->u_before[k]) / set->h;
+    if (!(impulse[k] > 0.0 && speed > 0.0 && speed * speed > lost * pressed * d.near)) {
+      continue;
+    }
+    for (int j = 0; j < set->n_contact; j++) {
+      if (j != i && !rests(set, j, speed, u_free)) {
+        s->doubt = fmax(s->doubt, doubt_of(set, i, j, speed, &d));
+      }
+    }
+  }
+}
+
 base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
   s->carrying = carrying(set, a);
   s->depth = (sim_depth){0};
   s->closing = (sim_closing){.at = HUGE_VAL};
+  s->doubt = 0.0;
   s->slip = (sim_slip){.stops = HUGE_VAL};
   if (!s->controlled || set->n_contact == 0) {
     return BASE_OK;
@@ -148,7 +218,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
     note_gap(&s->depth, set, i, s->u[k]);
     if (a->impulse != NULL && a->impulse[k] > 0.0) {
       note_slip(&s->slip, set->u_before + k + 1, s->u + k + 1, a->impulse + k + 1,
-                set->rows[i].tangent, set->h);
+                set->rows[i].tangent, set->h, slips(a, i) != 0);
     }
   }
   if (a->impulse != NULL) {
@@ -160,6 +230,9 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
     if (set->gap[i] > set->tol) {
       note_closing(&s->closing, set->gap[i], set->u_before[k], s->u[k], set->h);
     }
+  }
+  if (a->impulse != NULL && s->near > 0.0) {
+    note_doubt(s, set, a->impulse, s->u);
   }
   return BASE_OK;
 }

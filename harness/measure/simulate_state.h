@@ -28,7 +28,8 @@ typedef struct sim_closing {
 } sim_closing;
 
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
- * step already. The largest speed of a slip at its end that friction pushes on instead of holding it, and the speed that static friction
+ * step already. The largest speed of a slip at its end that friction pushes on instead of holding it, or twice what one had that slides the
+ * other way at its end; and the speed that static friction
  * costs in it where a slip begins and friction falls [m/s]. The largest share of their friction at rest that two bodies take [1]. */
 typedef struct sim_slip {
   double stops, pushed, broke, load;
@@ -78,6 +79,10 @@ typedef struct sim {
   sim_depth depth; /* of the last step */
   sim_closing closing;
   sim_slip slip;
+  double
+      near; /* a gap that is no farther from closed may as well be so [m]; 0: every gap is certain */
+  double
+      doubt; /* velocity that goes with the order of impacts on one body, of which one is so near another [m/s] */
   double *u; /* u_cap rows' velocities at its end */
   int u_cap;
 } sim;

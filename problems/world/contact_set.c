@@ -157,20 +157,33 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
   base_share(base_parts(c->n_group, CONTACT_SHARE), share_velocities, &s);
 }
 
-double contact_mobility(const contact_set *c, int i, int k) {
+/* The Jacobian of row k of contact i for the body of its side s. */
+static const double *row_of(const contact_set *c, int i, int k, int s) {
   const int rows = c->row_start[i + 1] - c->row_start[i];
-  const double *jac = c->jac + c->jac_start[i];
+  const int first = (s == 0) ? 0 : contact_dofs(c, c->body[2 * i]);
+  const int n = contact_dofs(c, c->body[2 * i + s]);
+  return c->jac + c->jac_start[i] + (ptrdiff_t)rows * first + (ptrdiff_t)k * n;
+}
+
+double contact_coupling(const contact_set *c, int i, int k, int j, int m) {
   double sum = 0.0;
-  for (int s = 0; s < 2; s++) {
-    const int b = c->body[2 * i + s];
-    const int n = contact_dofs(c, b);
-    const double *row = jac + (ptrdiff_t)k * n;
-    for (int p = 0; p < n * n; p++) {
-      sum += row[p / n] * c->inv_mass[c->mass_start[b] + p] * row[p % n];
+  for (int s = 0; s < 4; s++) {
+    const int b = c->body[2 * i + s / 2];
+    if (b != c->body[2 * j + s % 2]) {
+      continue;
     }
-    jac += (ptrdiff_t)rows * n;
+    const int n = contact_dofs(c, b);
+    const double *one = row_of(c, i, k, s / 2);
+    const double *other = row_of(c, j, m, s % 2);
+    for (int p = 0; p < n * n; p++) {
+      sum += one[p / n] * c->inv_mass[c->mass_start[b] + p] * other[p % n];
+    }
   }
   return sum;
+}
+
+double contact_mobility(const contact_set *c, int i, int k) {
+  return contact_coupling(c, i, k, i, k);
 }
 
 /* The normal speed of contact i with the free velocity [m/s], positive when it opens. */

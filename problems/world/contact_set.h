@@ -99,3 +99,5 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
 
 /* J W J^T of row k of contact i: the velocity that a unit impulse along it gives it [1/kg]. */
 double contact_mobility(const contact_set *c, int i, int k);
+/* The velocity along row k of contact i that a unit impulse along row m of contact j gives, and the other way round [1/kg]. */
+double contact_coupling(const contact_set *c, int i, int k, int j, int m);

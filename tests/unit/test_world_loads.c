@@ -117,6 +117,29 @@ static void forces_follow_their_time_laws(void **state) {
   check_ok(world_open(&w, &s, EFFECT_ROTATION, &err), &err);
   free_steps(w, h, n);
   check_close(world_max_speed(w), 0.0, 0.0);
+  assert_true(world_may_rest(w)); /* these loads are not simulated */
+  world_close(w);
+  /* nothing may change with time, nor turn */
+  static const spec_load_kind constant[] = {SPEC_FORCE, SPEC_FORCE, SPEC_FORCE};
+  for (int i = 0; i < 3; i++) {
+    check_ok(world_open(&w, &s, ~0u, &err), &err);
+    assert_int_equal(world_may_rest(w),
+                     s.load[1].kind == SPEC_FORCE && s.load[2].kind == SPEC_FORCE);
+    world_close(w);
+    s.load[i].kind = constant[i];
+  }
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  assert_true(world_may_rest(w));
+  world_close(w);
+  s.body[0].omega[2] = 1e-3;
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  assert_false(world_may_rest(w));
+  world_close(w);
+  s.body[0].omega[2] = 0.0;
+  s.load[0].kind = SPEC_SPRING;
+  s.load[0].anchor_vel[0] = 1e-3;
+  check_ok(world_open(&w, &s, ~0u, &err), &err);
+  assert_false(world_may_rest(w));
   world_close(w);
   spec_free(&s);
 }

@@ -332,8 +332,14 @@ static void on_its_corner(double open, double slip, double normal, double tangen
       check_close(drift[1], tangent * change * way[0] * to[0], 1e-7 * change);
       const double arm = way[0];
       check_close(contact_mobility(&c, i, 0), 1.0 / b->mass + arm * arm / b->inertia[0], 1e-12);
+      check_close(contact_coupling(&c, i, 0, i, 0), contact_mobility(&c, i, 0), 1e-15);
     }
     check_close(v3_dot(c.frame + 9 * (ptrdiff_t)i, up), 1.0, 1e-15);
+    for (int k = 0; k < i; k++) {
+      const double arms = c.jac[c.jac_start[i] + 2] * c.jac[c.jac_start[k] + 2];
+      check_close(contact_coupling(&c, i, 0, k, 0), 1.0 / b->mass + arms / b->inertia[0], 1e-9);
+      check_close(contact_coupling(&c, k, 0, i, 0), contact_coupling(&c, i, 0, k, 0), 1e-15);
+    }
   }
   assert_true(c.n_contact > 0);
   world_close(w);
