@@ -139,10 +139,20 @@ static double doubted(const climber *l) {
   return l->result->level[l->result->n_level - 1].account.doubt / length_now(l);
 }
 
-/* What an impact is off by in the last run, and two runs may have in common: over E [1]. */
+/* What friction that is not Coulomb's moves bodies by, which no step mends [m]. */
+static double law_of(const error_level *level) {
+  return level->account.law + level->account.left;
+}
+
+/* That of the last run, over E [1]. */
+static double bent(const climber *l) {
+  return law_of(&l->result->level[l->result->n_level - 1]) / length_now(l);
+}
+
+/* What an impact is off by in the last run, and two runs may have in common, or the law is: over E [1]. */
 static double located(const climber *l) {
   const step_account *a = &l->result->level[l->result->n_level - 1].account;
-  return fmax(a->located / length_now(l), doubted(l));
+  return fmax(a->located / length_now(l), fmax(doubted(l), bent(l)));
 }
 
 /* Was the run exact, as far as its steps tell? A window or a drift looks at states between them, which are off a chord. */
@@ -218,6 +228,12 @@ static bool arrived(climber *l) {
   return r->promised || !(sqrt(l->missed) < plain);
 }
 
+/* Does the law of friction alone make it more than E, and finer steps not less of it? */
+static bool is_bent(const climber *l) {
+  const error_level *level = &l->result->level[l->result->n_level - 1];
+  return bent(l) > 1.0 && law_of(&level[-1]) < 2.0 * law_of(level);
+}
+
 /* Judges the run just made; false: it is the last. */
 static bool go_on(climber *l) {
   error_result *r = l->result;
@@ -239,7 +255,10 @@ static bool go_on(climber *l) {
   if (l->missed > 0.0) {
     return r->n_level < r->first_level + ERROR_LEVELS;
   }
-  if (diverges(r)) {
+  r->other_law = is_bent(l);
+  if (r->other_law) {
+    refuse(r, "the friction of the formulation is not Coulomb's, by more than E");
+  } else if (diverges(r)) {
     refuse(r, "runs with finer steps do not come nearer to each other");
   } else if (r->n_level == r->first_level + ERROR_LEVELS) {
     refuse(r, "the limit of refinements came first");
@@ -299,6 +318,9 @@ static bool in_doubt(const climber *l) {
 static bool extrapolated_stands(climber *l) {
   error_result *r = l->result;
   const bool missed = l->missed > 0.0;
+  if (r->other_law) {
+    return true;
+  }
   if (!r->promised && in_doubt(l)) {
     refuse(
         r,

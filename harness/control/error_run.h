@@ -20,6 +20,9 @@
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
  *
+ * Nor is it less than what the formulation's friction does beyond Coulomb's (`law`, `left`), which no step mends; where that alone is more
+ * than E the run says so and ends (`other_law`).
+ *
  * It says that the error cannot be promised where the runs do not come nearer to each other, where they do not tell in which order bodies
  * are hit, where a step has no solution, and where the limit of work comes first. */
 #pragma once
@@ -41,7 +44,9 @@ typedef struct error_level {
 typedef struct error_result {
   error_asked asked;
   bool promised;
-  char reason[200];    /* why not; "" where it is */
+  char reason[200]; /* why not; "" where it is */
+  bool
+      other_law; /* that is why: what the formulation's friction is beyond Coulomb's is more than E */
   bool extrapolated;   /* some steps of the run that is handed over are */
   char why_plain[200]; /* why they are not, where they could be */
   int first_level;     /* of the runs with steps of the last kind */

@@ -10,12 +10,15 @@ base_status step_pair_open(step_pair *p, const sim *s, base_error *err) {
   const size_t n = world_saved_size(s->w);
   *p = (step_pair){0};
   BASE_TRY(checkpoint_open(&p->start, s, err));
-  p->coarse.state = malloc(5 * n * sizeof *p->coarse.state);
+  const size_t n_dof = (size_t)world_n_dof(s->w);
+  p->coarse.state = malloc((5 * n + 2 * n_dof) * sizeof *p->coarse.state);
   if (p->coarse.state == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to compare steps");
   }
   p->fine.state = p->coarse.state + n;
   p->past = p->fine.state + n;
+  p->coarse.law = p->past + 3 * n;
+  p->fine.law = p->coarse.law + n_dof;
   return BASE_OK;
 }
 
@@ -25,11 +28,28 @@ void step_pair_close(step_pair *p) {
   *p = (step_pair){0};
 }
 
+/* Adds what the friction of the last step was beyond Coulomb's to that of the way. */
+static void note_law(step_end *end, const sim *s) {
+  const int n = world_n_dof(s->w);
+  if (s->friction.bent && !end->friction.bent) {
+    memset(end->law, 0, (size_t)n * sizeof *end->law);
+  }
+  for (int k = 0; s->friction.bent && k < n; k++) {
+    end->law[k] += s->law[k];
+  }
+  end->friction.bent = end->friction.bent || s->friction.bent;
+  end->friction.left = fmax(end->friction.left, s->friction.left);
+}
+
 /* `n` steps of h from where the run stands, the last one for the files of `last`. */
 static base_status go(step_pair *p, sim *s, series *record, const sim_request *last, double h,
                       int n, step_end *end, base_error *err) {
   const run_status before = s->out->status;
-  *end = (step_end){.state = end->state, .closing.at = HUGE_VAL, .stops = HUGE_VAL, .good = true};
+  *end = (step_end){.state = end->state,
+                    .law = end->law,
+                    .closing.at = HUGE_VAL,
+                    .stops = HUGE_VAL,
+                    .good = true};
   for (int i = 0; i < n && end->good; i++) {
     bool taken;
     s->q = (i == n - 1) ? last : &p->quiet;
@@ -48,6 +68,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     }
     end->load[1] = s->slip.load;
     end->doubt = fmax(end->doubt, s->doubt);
+    note_law(end, s);
     end->pushed = fmax(end->pushed, s->slip.pushed);
     end->broke = fmax(end->broke, s->slip.broke);
     end->held = fmax(0.0, s->depth.held - end->start);

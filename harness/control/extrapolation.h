@@ -20,6 +20,8 @@ typedef struct step_end {
   double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
   double load[2];       /* in its first and in its last step [1] */
   double doubt;         /* the most in its steps (sim) [m/s] */
+  double *law;          /* what the friction of its steps gave beyond a round cone's (sim) */
+  contact_law friction; /* of its steps: any, the most */
   bool mixed;           /* contacts that hold in one of its steps slip in another */
   bool good;            /* nothing failed */
 } step_end;

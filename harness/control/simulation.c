@@ -113,7 +113,7 @@ static base_status take_given(simulation *s, const simulation_texts *t, base_err
   return BASE_OK;
 }
 
-/* The candidates in turn until one has no step that failed. */
+/* The candidates in turn until one has no step that failed, and the friction that is asked for. */
 static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
                               base_error *err) {
   const choice *c = &s->choice;
@@ -122,8 +122,8 @@ static base_status run_chosen(simulation *s, const sim_request *q, series *recor
     step_list_close(&s->steps);
     BASE_TRY(take(s, c->candidate[k].formulation, c->candidate[k].solver, err));
     BASE_TRY(error_run(q, &s->error, record, out, &s->steps, &s->found, err));
-    s->tried[s->n_tried++] = out->status;
-    if (out->status == RUN_OK) {
+    s->tried[s->n_tried++] = s->found.other_law ? RUN_UNSUPPORTED : out->status;
+    if (out->status == RUN_OK && !s->found.other_law) {
       break;
     }
   }

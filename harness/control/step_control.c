@@ -25,7 +25,9 @@ typedef struct controlled {
   sim_carrying carrying; /* of the last step kept */
   double fastest;        /* largest speed of a body so far [m/s] */
   double located;        /* of the step just tried [m] */
-  double last;           /* error over its share, of the last step kept [1] */
+  double *
+      law; /* n_dof velocities that friction gave so far beyond a round cone's; owned, NULL: none */
+  double last;   /* error over its share, of the last step kept [1] */
   double stride; /* of the last step that met something, which is yet to come; 0: nothing is [s] */
   long patience, wait; /* steps kept before longer ones are tried again, next time and yet */
 } controlled;
@@ -167,20 +169,9 @@ static double next_length(controlled *c, double h, double e) {
   return fmax(h * ((e > 1.0) ? grow : fmin(fmax(factor, shrink), grow)), c->rule->least);
 }
 
-static void places_note(run_places *p, const world *w) {
-  for (int i = 0; i < p->n; i++) {
-    double quat[4];
-    const double *from = p->start + 3 * (size_t)i;
-    double *to = p->end + 3 * (size_t)i;
-    world_body_pose(w, i, to, quat);
-    p->travel = fmax(p->travel, sqrt(pow(to[0] - from[0], 2) + pow(to[1] - from[1], 2) +
-                                     pow(to[2] - from[2], 2)));
-  }
-}
-
 static base_status count(controlled *c, double h, unsigned way, base_error *err) {
   step_account *a = c->account;
-  places_note(c->places, c->run.w);
+  run_places_note(c->places, c->run.w);
   c->fastest = fmax(c->fastest, world_max_speed(c->run.w));
   a->tolerance = tolerance_of(c);
   a->least = fmin(a->least, h);
@@ -196,6 +187,24 @@ static double bow_of(const controlled *c, double h) {
   return 0.125 * h * velocity;
 }
 
+/* Friction that is not of a round cone gives velocities that the bodies keep. */
+static base_status bend(controlled *c, double h, base_error *err) {
+  const world *w = c->run.w;
+  const int n = world_n_dof(w);
+  if (c->pair.fine.friction.bent && c->law == NULL) {
+    c->law = calloc((size_t)n, sizeof *c->law);
+    if (c->law == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the velocities of %d dofs", n);
+    }
+  }
+  for (int k = 0; c->pair.fine.friction.bent && k < n; k++) {
+    c->law[k] += c->pair.fine.law[k];
+  }
+  c->account->law += (c->law != NULL) ? h * world_speed_at(w, c->law) : 0.0;
+  c->account->left = fmax(c->account->left, c->pair.fine.friction.left * reach(c));
+  return BASE_OK;
+}
+
 /* The step just tried is kept. */
 static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_account *a = c->account;
@@ -204,6 +213,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
+  BASE_TRY(bend(c, h, err));
   a->off += c->off;
   a->plain += c->plain;
   a->bow = fmax(a->bow, bow_of(c, h));
@@ -342,28 +352,6 @@ static double towards(const controlled *c, double left, double h) {
   return (h >= left - c->rule->least) ? left : fmin(h, half * left);
 }
 
-void run_places_close(run_places *p) {
-  free(p->start);
-  *p = (run_places){0};
-}
-
-static base_status places_open(run_places *p, const world *w, base_error *err) {
-  run_places_close(p);
-  p->n = world_n_body(w);
-  p->size = world_size(w);
-  p->start = calloc(6 * (size_t)p->n + 1, sizeof *p->start);
-  if (p->start == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the places of %d bodies", p->n);
-  }
-  p->end = p->start + 3 * (size_t)p->n;
-  double quat[4];
-  for (int i = 0; i < p->n; i++) {
-    world_body_pose(w, i, p->start + 3 * (size_t)i, quat);
-  }
-  memcpy(p->end, p->start, 3 * (size_t)p->n * sizeof *p->end);
-  return BASE_OK;
-}
-
 /* Is the run at the end of this way where it was at its start, and at rest? */
 static bool has_stayed(const controlled *c, const step_end *end, double h) {
   static const double still = 1e-6; /* of the tolerance */
@@ -445,7 +433,7 @@ static base_status run_even(controlled *c, bool *limited, base_error *err) {
 static base_status run(controlled *c, base_error *err) {
   sim *s = &c->run;
   bool limited = false;
-  BASE_TRY(places_open(c->places, s->w, err));
+  BASE_TRY(run_places_open(c->places, s->w, err));
   if (s->q->form->form->memory == 0) {
     BASE_TRY(run_even(c, &limited, err));
   } else {
@@ -482,6 +470,7 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
     done = run(&c, err);
   }
   step_pair_close(&c.pair);
+  free(c.law);
   sim_close(&c.run);
   return done;
 }

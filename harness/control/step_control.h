@@ -36,12 +36,16 @@
  * the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once as far as the
  * solves can tell, and what bounces no higher than the gaps are known count for nothing.
  *
+ * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body, and `law`
+ * is how far it goes; `left` is what slip does that an impact left to a contact that holds.
+ *
  * Where nothing moves at the start, and no load or drive changes with time, one step over all of the run is tried first: if nothing moves
  * in it, nor in its halves, that is the run.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once
 
+#include "harness/control/run_places.h"
 #include "harness/control/step_list.h"
 
 typedef struct step_rule {
@@ -68,23 +72,16 @@ typedef struct step_account {
   double off;     /* sum of what the steps kept are off by [m] */
   double plain;   /* and would be if none of them were extrapolated [m] */
   double located; /* largest error of a step in which the contacts changed [m] */
-  double doubt;   /* the most that goes with the order of impacts too near each other to tell [m] */
+  double law;     /* what friction that is not of a round cone moves bodies by [m] */
+  double
+      left; /* the most that slip does which an impact left to a contact that holds: the next one takes it [m] */
+  double doubt; /* the most that goes with the order of impacts too near each other to tell [m] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
   bool ended; /* the run came to its end within the limit */
 } step_account;
 
-/* Where the bodies are at the end, and how far they came. */
-typedef struct run_places {
-  int n;         /* bodies */
-  double *start; /* 3 n [m]; owned, `end` behind it */
-  double *end;
-  double travel; /* the longest way of a centre from where it began, at the end of any step [m] */
-  double size;   /* of the smallest body (world_size) [m] */
-} run_places;
-
 /* As simulate(), with the steps that were kept; q->h is the first. The request must not ask for files. */
 base_status simulate_controlled(const sim_request *q, const step_rule *rule, series *record,
                                 sim_result *out, step_list *kept, run_places *places,
                                 step_account *account, base_error *err);
-void run_places_close(run_places *p);

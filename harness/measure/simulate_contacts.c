@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
 static const double at_rest = 0.01;
@@ -193,46 +194,68 @@ static void note_doubt(sim *s, const contact_set *set, const double *impulse,
   }
 }
 
-base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
-                              base_error *err) {
-  s->carrying = carrying(set, a);
-  s->depth = (sim_depth){0};
-  s->closing = (sim_closing){.at = HUGE_VAL};
-  s->doubt = 0.0;
-  s->slip = (sim_slip){.stops = HUGE_VAL};
-  if (!s->controlled || set->n_contact == 0) {
-    return BASE_OK;
-  }
-  if (set->n_row > s->u_cap) {
+/* Room for the row velocities at the end of the step and without contacts, behind each other in s->u, and behind these for s->law. */
+static base_status make_room(sim *s, const contact_set *set, base_error *err) {
+  const int need = 2 * set->n_row + set->n_dof;
+  if (need > s->u_cap) {
     free(s->u);
-    s->u_cap = 2 * set->n_row;
+    s->u_cap = 2 * need;
     s->u = malloc((size_t)s->u_cap * sizeof *s->u);
     if (s->u == NULL) {
       s->u_cap = 0;
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for the velocities of %d rows", set->n_row);
     }
   }
-  contact_relative_velocity(set, a->v_next, set->u_drift, s->u);
+  s->law = s->u + 2 * (size_t)set->n_row;
+  return BASE_OK;
+}
+
+/* What gaps and slips do by the row velocities at the end of the step. */
+static void note_motion(sim *s, const contact_set *set, const formulation_answer *a,
+                        const double *u) {
   for (int i = 0; i < set->n_contact; i++) {
     const int k = set->row_start[i];
-    note_gap(&s->depth, set, i, s->u[k]);
+    note_gap(&s->depth, set, i, u[k]);
     if (a->impulse != NULL && a->impulse[k] > 0.0) {
-      note_slip(&s->slip, set->u_before + k + 1, s->u + k + 1, a->impulse + k + 1,
+      note_slip(&s->slip, set->u_before + k + 1, u + k + 1, a->impulse + k + 1,
                 set->rows[i].tangent, set->h, slips(a, i) != 0);
     }
   }
-  if (a->impulse != NULL) {
-    note_loads(&s->slip, set, a);
+}
+
+base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
+                              base_error *err) {
+  s->carrying = carrying(set, a);
+  s->depth = (sim_depth){0};
+  s->closing = (sim_closing){.at = HUGE_VAL};
+  s->doubt = 0.0;
+  s->friction = (contact_law){0};
+  s->slip = (sim_slip){.stops = HUGE_VAL};
+  if (!s->controlled || set->n_contact == 0) {
+    return BASE_OK;
   }
-  contact_relative_velocity(set, set->v_free, set->u_drift, s->u);
+  BASE_TRY(make_room(s, set, err));
+  double *u = s->u;
+  double *u_free = s->u + set->n_row;
+  contact_relative_velocity(set, a->v_next, set->u_drift, u);
+  contact_relative_velocity(set, set->v_free, set->u_drift, u_free);
+  note_motion(s, set, a, u);
   for (int i = 0; i < set->n_contact; i++) {
     const int k = set->row_start[i];
     if (set->gap[i] > set->tol) {
-      note_closing(&s->closing, set->gap[i], set->u_before[k], s->u[k], set->h);
+      note_closing(&s->closing, set->gap[i], set->u_before[k], u_free[k], set->h);
     }
   }
-  if (a->impulse != NULL && s->near > 0.0) {
-    note_doubt(s, set, a->impulse, s->u);
+  if (a->impulse == NULL) {
+    return BASE_OK;
+  }
+  note_loads(&s->slip, set, a);
+  if (s->near > 0.0) {
+    note_doubt(s, set, a->impulse, u_free);
+  }
+  if (a->mode != NULL) {
+    memset(s->law, 0, (size_t)set->n_dof * sizeof *s->law);
+    s->friction = contact_law_at(set, a->impulse, a->mode, u, u_free, s->law);
   }
   return BASE_OK;
 }

@@ -6,6 +6,7 @@
 #include "harness/measure/simulate.h"
 #include "lcp/lcp_islands.h"
 #include "lcp/share/lcp_share_parts.h"
+#include "problems/world/contact_law.h"
 
 /* What a solve came to. */
 typedef struct solved {
@@ -83,8 +84,11 @@ typedef struct sim {
       near; /* a gap that is no farther from closed may as well be so [m]; 0: every gap is certain */
   double
       doubt; /* velocity that goes with the order of impacts on one body, of which one is so near another [m/s] */
-  double *u; /* u_cap rows' velocities at its end */
+  double *u; /* u_cap: row velocities at its end, and without contacts */
+  double
+      *law; /* n_dof velocities that sliding friction gave beyond Coulomb's in it: behind these */
   int u_cap;
+  contact_law friction; /* of the last step */
 } sim;
 
 /* A run from its start to what it leaves behind: open, steps, finish, close. sim_close takes whatever sim_open left. */

@@ -165,6 +165,17 @@ static const double *row_of(const contact_set *c, int i, int k, int s) {
   return c->jac + c->jac_start[i] + (ptrdiff_t)rows * first + (ptrdiff_t)k * n;
 }
 
+void contact_push(const contact_set *c, int i, int k, double impulse, double *v) {
+  for (int s = 0; s < 2; s++) {
+    const int b = c->body[2 * i + s];
+    const int n = contact_dofs(c, b);
+    const double *row = row_of(c, i, k, s);
+    for (int p = 0; p < n * n; p++) {
+      v[c->dof_start[b] + p / n] += c->inv_mass[c->mass_start[b] + p] * row[p % n] * impulse;
+    }
+  }
+}
+
 double contact_coupling(const contact_set *c, int i, int k, int j, int m) {
   double sum = 0.0;
   for (int s = 0; s < 4; s++) {

@@ -99,5 +99,7 @@ void contact_relative_velocity(const contact_set *c, const double *v, const doub
 
 /* J W J^T of row k of contact i: the velocity that a unit impulse along it gives it [1/kg]. */
 double contact_mobility(const contact_set *c, int i, int k);
+/* Adds W J^T of an impulse along row k of contact i to the n_dof velocities v. */
+void contact_push(const contact_set *c, int i, int k, double impulse, double *v);
 /* The velocity along row k of contact i that a unit impulse along row m of contact j gives, and the other way round [1/kg]. */
 double contact_coupling(const contact_set *c, int i, int k, int j, int m);

@@ -166,6 +166,8 @@ base_status world_depth(world *w, double *depth, base_error *err);
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
                               base_error *err);
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
+/* Bound of the speed of every point of every body whose n_dof velocities are v [m/s]. */
+double world_speed_at(const world *w, const double *v);
 /* Does nothing move or turn, and no load or drive change with time? */
 bool world_may_rest(const world *w);
 /* Bound of the speed of every point of every body that could meet another side in the last step [m/s]. */

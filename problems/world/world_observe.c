@@ -207,6 +207,22 @@ double world_max_speed(const world *w) {
   return best;
 }
 
+double world_speed_at(const world *w, const double *v) {
+  double best = 0.0;
+  for (int i = 0; w->model == NULL && i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    double part[2] = {0.0, 0.0};
+    for (int k = 0; k < b->n_dof; k++) {
+      part[b->axis[k] >= 3] = hypot(part[b->axis[k] >= 3], v[b->dof + k]);
+    }
+    best = fmax(best, part[0] + part[1] * b->bound);
+  }
+  for (int k = 0; w->model != NULL && k < w->n_dof; k++) {
+    best = fmax(best, fabs(v[k]));
+  }
+  return best;
+}
+
 bool world_may_rest(const world *w) {
   bool rests = !(world_max_speed(w) > 0.0);
   for (int i = 0; rests && i < w->n_body; i++) {

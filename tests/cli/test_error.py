@@ -36,14 +36,16 @@ def the_error_asked_for_is_kept(_):
 
 
 EVENT = ("--formulation", "event", "--solver", "lemke")
+STIFF = ("--formulation", "regularized:ratio=1000000", "--solver", "lemke")
 LEMKE = ("--formulation", "regularized", "--solver", "lemke")
 
 
-def estimate_and_error(d, seed):
+def estimate_and_error(d, seed, truth=LEMKE):
     """Of a random scene to 1 %: the estimate and, by a run to 1e-4, what it is off by, each over
     the scale of its quantity."""
     path = random_file(d, seed)
-    one, other = (simulate(path, E, formulation=LEMKE)["error"] for E in ("1e-2", "1e-4"))
+    one = simulate(path, "1e-2", formulation=LEMKE)["error"]
+    other = simulate(path, "1e-4", formulation=truth)["error"]
     assert one["promised"] and other["promised"], (seed, one, other)
     pairs = zip(one["quantities"], other["quantities"], strict=True)
     return one["err_estimate"], max(abs(p["value"] - q["value"]) / p["scale"] for p, q in pairs)
@@ -131,6 +133,32 @@ def impacts_whose_order_is_not_told_are_said(d):
     for scene in (groove(0.0, 0.5, 0.3, 0.5), flat(0.0, [0.1, 0.05], 0.4, 0.5)):
         e = simulate(scene_file(d, "at_once", scene), "1e-3")["error"]
         assert e["promised"] and e["steps_solved"] < 500, e
+
+
+def friction_that_is_not_coulombs_is_told(_):
+    """No step shows what a cone with edges does to a spinning box, or bristles to a bouncing ball:
+    `boxed` was 15 % off to 1e-4, and promised. What is off by less is promised."""
+    for scene, form, solver, E, keeps in (
+        ("spin", "boxed", "newton", 1e-1, False),
+        ("spin", "velocity:facets=8", "lemke", 1e-2, False),
+        ("spin", "velocity:facets=32", "lemke", 1e-2, True),
+        ("spin", "coulomb", "nsgs", 1e-4, True),
+        ("slide", "velocity:facets=8", "lemke", 1e-3, True),
+        ("impact", "regularized", "lemke", 1e-3, False),
+        ("impact", "regularized", "lemke", 1e-2, True),
+        ("impact", "regularized:ratio=1000000", "lemke", 1e-4, True),
+    ):
+        way = ("--formulation", form, "--solver", solver)
+        o = simulate(scene, E, formulation=way, code=0 if keeps else 3)
+        e, (q, true) = o["error"], reference(o)
+        assert e["promised"] == keeps and true <= q["err_estimate"], (scene, form, E, e, true)
+        assert keeps or ("not Coulomb's" in e["reason"] and e["steps_solved"] < 100), (form, e)
+        assert e["err_estimate"] < 20 * max(true / q["scale"], E), (
+            form,
+            E,
+            e["err_estimate"],
+            true,
+        )
 
 
 def estimates_fall_with_the_steps_alone(_):
@@ -373,7 +401,7 @@ def an_estimate_falls_by_no_more_than_second_order(d):
     """The last two runs over impacts were nearer to each other than to the motion, by chance:
     estimates of 0.00090 and 0.00064 for errors of 0.0052 and 0.00066 of the scale."""
     for seed in (58, 19):
-        estimate, true = estimate_and_error(d, seed)
+        estimate, true = estimate_and_error(d, seed, STIFF)
         assert true <= estimate, (seed, estimate, true)
 
 
@@ -464,6 +492,7 @@ tap(
         what_rests_is_one_step,
         impacts_that_nearly_coincide_are_told_apart,
         impacts_whose_order_is_not_told_are_said,
+        friction_that_is_not_coulombs_is_told,
         estimates_fall_with_the_steps_alone,
         impacts_and_turning_contacts_are_few_steps,
         laws_that_plain_steps_keep_are_kept,

@@ -1,0 +1,18 @@
+/* harness/control/run_places.h - where the bodies of a run began and are, and how far they came. */
+#pragma once
+
+#include "problems/world/world.h"
+
+typedef struct run_places {
+  int n;         /* bodies */
+  double *start; /* 3 n [m]; owned, `end` behind it */
+  double *end;
+  double travel; /* the longest way of a centre from where it began, at the end of any step [m] */
+  double size;   /* of the smallest body (world_size) [m] */
+} run_places;
+
+/* Forgets what p holds, and begins with the world as it stands. BASE_ENOMEM. */
+base_status run_places_open(run_places *p, const world *w, base_error *err);
+/* A step has ended. */
+void run_places_note(run_places *p, const world *w);
+void run_places_close(run_places *p);

@@ -1,0 +1,64 @@
+#include "problems/world/contact_law.h"
+
+#include <math.h>
+
+/* Slower than this share of what its friction could do in the step a contact does not slide, and an impulse that is off by no more than this
+ * share of it is off by the solve. */
+static const double directed = 1e-6;
+
+/* Contact i, which slides at u in space: adds what its friction l is beyond mu_k l_n against the slip. */
+static bool bends(const contact_set *c, int i, const double *l, const double *u, double *v) {
+  const double slip = hypot(u[1], u[2]);
+  const double limit = c->mu_kinetic[i] * l[0];
+  const double beyond[2] = {l[1] + limit * u[1] / slip, l[2] + limit * u[2] / slip};
+  if (l[1] * u[1] + l[2] * u[2] > 0.0 || !(hypot(beyond[0], beyond[1]) > directed * limit)) {
+    return false;
+  }
+  contact_push(c, i, 1, beyond[0], v);
+  contact_push(c, i, 2, beyond[1], v);
+  return true;
+}
+
+/* Does contact i, which opens at u behind the step, come back from an impact? */
+static bool bounces(const contact_set *c, int i, double u) {
+  const double e = (c->restitution != NULL) ? c->restitution[i] : 0.0;
+  const double before = c->u_before[c->row_start[i]];
+  return e > 0.0 && before < 0.0 && u > -0.5 * e * before;
+}
+
+/* The slip of contact i, which holds, beyond what loads give it within the step. */
+static double left_to(const contact_set *c, int i, double slip, const double *u_free) {
+  static const double beyond = 4.0; /* times what loads give */
+  const double *before = c->u_before + c->row_start[i];
+  double loads = 0.0;
+  for (int k = 1; k <= c->rows[i].tangent; k++) {
+    loads = hypot(loads, u_free[k] - before[k]);
+  }
+  return (slip > beyond * loads) ? slip : 0.0;
+}
+
+contact_law contact_law_at(const contact_set *c, const double *impulse, const unsigned char *mode,
+                           const double *u, const double *u_free, double *v) {
+  enum { HOLDS = 1, SLIDES = 2 };
+  contact_law law = {0};
+  for (int i = 0; i < c->n_contact; i++) {
+    const int k = c->row_start[i];
+    const int tangent = c->rows[i].tangent;
+    if (tangent == 0 || !(c->mu_kinetic[i] * impulse[k] > 0.0)) {
+      continue;
+    }
+    double slip = 0.0;
+    for (int m = 1; m <= tangent; m++) {
+      slip = hypot(slip, u[k + m]);
+    }
+    if (!(slip > directed * c->mu_kinetic[i] * impulse[k] * contact_mobility(c, i, 1))) {
+      continue;
+    }
+    if (mode[i] == SLIDES && tangent == 2) {
+      law.bent = bends(c, i, impulse + k, u + k, v) || law.bent;
+    } else if (mode[i] == HOLDS && bounces(c, i, u[k])) {
+      law.left = fmax(law.left, left_to(c, i, slip, u_free + k));
+    }
+  }
+  return law;
+}
