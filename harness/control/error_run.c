@@ -306,11 +306,12 @@ static base_status climb(climber *l, error_steps steps, const start_sizes *start
   return BASE_OK;
 }
 
-/* Did the last run that came to its end not tell the order of impacts? */
+/* Did the last run that came to its end not tell the order of impacts? A step without a solution is another reason. */
 static bool in_doubt(const climber *l) {
   const error_result *r = l->result;
   const bool cut = r->n_level > 1 && !r->level[r->n_level - 1].account.ended;
-  return r->level[r->n_level - (cut ? 2 : 1)].account.doubt > length_now(l);
+  return l->now.out.status == RUN_OK &&
+         r->level[r->n_level - (cut ? 2 : 1)].account.doubt > length_now(l);
 }
 
 /* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no
