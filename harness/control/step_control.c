@@ -188,7 +188,7 @@ static double bow_of(const controlled *c, double h) {
 }
 
 /* Friction that is not of a round cone gives velocities that the bodies keep. */
-static base_status bend(controlled *c, double h, base_error *err) {
+static base_status keep_law(controlled *c, double h, base_error *err) {
   const world *w = c->run.w;
   const int n = world_n_dof(w);
   if (c->pair.fine.friction.bent && c->law == NULL) {
@@ -213,7 +213,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
-  BASE_TRY(bend(c, h, err));
+  BASE_TRY(keep_law(c, h, err));
   a->off += c->off;
   a->plain += c->plain;
   a->bow = fmax(a->bow, bow_of(c, h));
