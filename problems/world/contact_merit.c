@@ -74,28 +74,6 @@ static void project(const cone *k, double *x) {
   }
 }
 
-/* (J_n W J_n')_ii. */
-static double normal_mobility(const contact_set *c, int i) {
-  const double *jac = c->jac + c->jac_start[i];
-  const int rows = c->row_start[i + 1] - c->row_start[i];
-  double a = 0;
-  for (int side = 0; side < 2; side++) {
-    const int b = c->body[2 * i + side];
-    if (b < 0) {
-      continue;
-    }
-    const int n = c->dof_start[b + 1] - c->dof_start[b];
-    const double *w = c->inv_mass + c->mass_start[b];
-    for (int k = 0; k < n; k++) {
-      for (int m = 0; m < n; m++) {
-        a += jac[k] * w[k * n + m] * jac[m];
-      }
-    }
-    jac += (ptrdiff_t)rows * n;
-  }
-  return a;
-}
-
 /* Natural map of one contact at friction mu. */
 static double natural_map(const contact_set *c, int i, double mu, double a, double bias,
                           const double *l, const double *u) {
@@ -121,7 +99,7 @@ static double natural_map(const contact_set *c, int i, double mu, double a, doub
 
 static void judge_contact(const contact_set *c, int i, double bias, const double *l,
                           const double *u, contact_merit *out) {
-  const double a = normal_mobility(c, i);
+  const double a = contact_mobility(c, i, 0);
   const double mu = c->mu_static[i];
   /* between mu_k and mu_s the law has two branches: sticking up to mu_s, sliding at mu_k */
   const double stick = natural_map(c, i, mu, a, bias, l, u);
