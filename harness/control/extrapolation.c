@@ -62,7 +62,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
     end->more = end->more || s->carrying.n > p->carrying.n;
     if (i == 0) {
       end->start = s->depth.start;
-      end->closing = s->closing;
+      end->closing = end->event ? s->struck : s->closing;
       end->stops = s->slip.stops;
       end->load[0] = s->slip.load;
     }

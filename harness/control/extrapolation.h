@@ -15,8 +15,9 @@ typedef struct step_end {
   double start; /* how deep bodies are in each other at its start [m] */
   double held;  /* of that, where gaps were closed at the start of its last step */
   double even;  /* where they were open then, if velocities had changed evenly in it [m] */
-  sim_closing closing;  /* in its first step */
-  double stops;         /* when a slip of its first step would be at rest [s] */
+  sim_closing
+      closing;  /* in its first step; behind the impact where others carry in that than before */
+  double stops; /* when a slip of its first step would be at rest [s] */
   double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
   double load[2];       /* in its first and in its last step [1] */
   double doubt;         /* the most in its steps (sim) [m/s] */

@@ -11,6 +11,23 @@ static const double event_share = 1.0 / 32.0, least_share = 1.0 / 16384.0;
 /* PI control of a step whose error for a share that grows with it is of first order (Gustafsson 1991). */
 static const double safety = 0.9, integral = 0.7, proportional = 0.4, shrink = 0.2, grow = 4.0;
 
+/* What did not come off is tried again after 2, 4, 8, 16 occasions. */
+typedef struct patience {
+  long most, left; /* occasions to let pass, next time and yet */
+} patience;
+
+static const patience untried = {.most = 1};
+
+static void lose(patience *p) {
+  p->most = (p->most < 16) ? 2 * p->most : p->most;
+  p->left = p->most;
+}
+
+/* Is it time? */
+static bool again_now(patience *p) {
+  return p->left-- <= 0;
+}
+
 typedef struct controlled {
   sim run;
   const step_rule *rule;
@@ -29,7 +46,9 @@ typedef struct controlled {
       law; /* n_dof velocities that friction gave so far beyond a round cone's; owned, NULL: none */
   double last;   /* error over its share, of the last step kept [1] */
   double stride; /* of the last step that met something, which is yet to come; 0: nothing is [s] */
-  long patience, wait; /* steps kept before longer ones are tried again, next time and yet */
+  bool strides;  /* the next step is tried with it */
+  patience longer,
+      onward; /* with longer steps, and behind an impact with one as long as before it */
 } controlled;
 
 static double tolerance_of(const controlled *c) {
@@ -110,18 +129,35 @@ static double shallow(const controlled *c) {
   return 0.5 * tolerance_of(c) * event_share;
 }
 
-/* The length of a step in the place of one that met what closes in it: to just behind where it closes, so deep as `shallow`. 0: nothing closes, or what closes in a step carries in it. */
-static double to_impact(const controlled *c) {
-  const step_end *coarse = &c->pair.coarse;
-  const bool met = c->rule->extrapolate && !coarse->event && coarse->closing.at < HUGE_VAL;
-  return met ? coarse->closing.at + shallow(c) / coarse->closing.speed : 0.0;
+/* The length of a step in the place of one of h in which a gap closes: to just behind that, so deep as `shallow`, and so that the gap is open
+ * yet at half of it, where the fine way would meet it. h: none does. */
+static double to_impact(const controlled *c, double h) {
+  static const double most = 1.8; /* of when it closes */
+  const sim_closing *closing = &c->pair.coarse.closing;
+  const bool met = c->rule->extrapolate && closing->at < HUGE_VAL;
+  return met ? fmin(closing->at + shallow(c) / closing->speed, most * closing->at) : h;
 }
 
-/* The length of a step in the place of one of h in whose second half friction stops: up to there; 0: none does. */
+/* Does the coarse way over h tell that the step is too long: what closes in it sinks by more than its share? */
+static bool foreseen(const controlled *c, double h) {
+  const step_end *coarse = &c->pair.coarse;
+  const double share = tolerance_of(c) * fmax(h / c->run.q->duration, event_share);
+  return coarse->good && h > c->rule->least && to_impact(c, h) < 0.9 * h &&
+         coarse->closing.deep > share;
+}
+
+/* Does the solver find the mode of a contact that takes all of its friction when its slip is at an end, and may hold as well? Sweeps do not. */
+static bool decides(const controlled *c) {
+  const lcp_solver *solver = c->run.q->solver->solver;
+  return solver == NULL || solver->exact || solver->newton;
+}
+
+/* The length of a step in the place of one of h in whose second half friction stops: up to there, or just before. 0: none does. */
 static double to_rest(const controlled *c, double h) {
+  const double before = decides(c) ? 1.0 : 0.99;
   const double at = c->pair.fine.stops;
   const bool met = changes(c);
-  return (c->rule->extrapolate && !met && at < 0.9 * h) ? at : 0.0;
+  return (c->rule->extrapolate && !met && at < 0.9 * h) ? before * at : 0.0;
 }
 
 /* A share of friction at rest that is less than all of it, to rounding [1]. */
@@ -142,16 +178,16 @@ static double shorter(const controlled *c, double e) {
   const bool both = c->pair.coarse.event && c->pair.fine.event;
   const bool met = c->pair.coarse.event != c->pair.fine.event || c->pair.fine.sunk > 0.0;
   const double wish = c->smooth ? sqrt(safety / e) : safety / e;
-  if (c->rule->extrapolate && both && !c->smooth) {
-    return fmin(wish, 0.5);
+  if (c->rule->extrapolate && both) {
+    return fmin(c->smooth ? fmax(safety / e, shrink) : wish, 0.5);
   }
   return fmin(fmax(wish, met ? 0.5 : shrink), 0.5);
 }
 
 /* The length to try in the place of h, which was off by e over its share; twice in a row none is aimed at where friction stops. */
 static double again(const controlled *c, double h, double e, bool *aimed) {
-  const double impact = to_impact(c);
-  if (impact > 0.0 && impact < 0.9 * h) {
+  const double impact = to_impact(c, h);
+  if (impact < 0.9 * h) {
     *aimed = false;
     return impact;
   }
@@ -234,12 +270,11 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
 static bool may_grow(controlled *c, bool met) {
   const bool changed = changes(c);
   if (changed) {
-    c->patience = 1, c->wait = 0;
+    c->longer = untried;
   } else if (met) {
-    c->patience = (c->patience < 16) ? 2 * c->patience : c->patience;
-    c->wait = c->patience;
+    lose(&c->longer);
   }
-  return changed || c->wait-- <= 0;
+  return changed || again_now(&c->longer);
 }
 
 /* Do contacts hold in one of the steps just tried and slip in another, while something turns? The first step from an extrapolated state has
@@ -250,15 +285,23 @@ static bool mixed(const controlled *c, double h) {
   return slips && c->rule->extrapolate && !c->run.turned && !changes(c) && world_turns(c->run.w, h);
 }
 
-/* Both ways over h; with contacts that turn in the steps from the first time on that it matters, until others carry. */
-static base_status try_pair(controlled *c, double h, base_error *err) {
+/* Both ways over h, or the coarse one alone where that tells that the step is too long. */
+static base_status both_ways(controlled *c, double h, bool *too_long, base_error *err) {
+  sim *s = &c->run;
+  BASE_TRY(step_pair_begin(&c->pair, s, c->record, c->carrying, h, err));
+  *too_long = foreseen(c, h);
+  return *too_long ? BASE_OK : step_pair_finish(&c->pair, s, c->record, h, err);
+}
+
+/* The same with contacts that turn in the steps from the first time on that it matters, until others carry. */
+static base_status try_pair(controlled *c, double h, bool *too_long, base_error *err) {
   sim *s = &c->run;
   s->near = c->account->off + event_share * tolerance_of(c);
-  BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
-  if (mixed(c, h) && c->pair.solved + 3 <= c->rule->limit) {
+  BASE_TRY(both_ways(c, h, too_long, err));
+  if (!*too_long && mixed(c, h) && c->pair.solved + 3 <= c->rule->limit) {
     BASE_TRY(step_pair_undo(&c->pair, s, c->record, err));
     s->turned = true;
-    BASE_TRY(step_pair_try(&c->pair, s, c->record, c->carrying, h, err));
+    BASE_TRY(both_ways(c, h, too_long, err));
   }
   return BASE_OK;
 }
@@ -305,8 +348,9 @@ static base_status take(controlled *c, double *h, double e, bool met, base_error
   c->run.turned = c->run.turned && !changes(c);
   *h = next_length(c, taken, e);
   *h = may_grow(c, met) ? *h : fmin(*h, taken);
-  if (c->rule->extrapolate && changes(c)) {
-    *h = fmax(*h, c->stride); /* behind an impact the motion is as smooth as before it */
+  c->strides = c->rule->extrapolate && changes(c) && c->stride > *h && again_now(&c->onward);
+  if (c->strides) {
+    *h = c->stride; /* behind an impact the motion is as smooth as before it */
     c->stride = 0.0;
   }
   return BASE_OK;
@@ -315,25 +359,32 @@ static base_status take(controlled *c, double *h, double e, bool met, base_error
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
+  const bool strides = c->strides;
   bool met = false;
   bool aimed = false;
+  c->strides = false;
   for (;;) {
     double at;
+    bool too_long;
     if (c->account->solved + 3 > rule->limit) {
       *limited = true;
       return BASE_OK;
     }
-    BASE_TRY(try_pair(c, *h, err));
+    BASE_TRY(try_pair(c, *h, &too_long, err));
     c->account->solved = c->pair.solved;
-    double e = error_of(c, *h);
+    double e = too_long ? HUGE_VAL : error_of(c, *h);
     BASE_TRY(judge(c, *h, aimed, &e, &at, err));
     const bool passes = e <= 1.0 && at < *h;
     if ((e <= 1.0 && !passes) || *h <= rule->least) {
+      c->onward = (strides && !met) ? untried : c->onward;
       *taken = *h;
       return take(c, h, e, met, err);
     }
     c->account->rejected++;
-    met = met || changes(c);
+    if (strides && !met && !too_long) {
+      lose(&c->onward);
+    }
+    met = met || too_long || changes(c);
     if (met && c->stride == 0.0) {
       c->stride = *h;
     }
@@ -457,7 +508,8 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                                 sim_result *out, step_list *kept, run_places *places,
                                 step_account *account, base_error *err) {
   controlled c = {.rule = rule,
-                  .patience = 1,
+                  .longer = untried,
+                  .onward = untried,
                   .record = record,
                   .kept = kept,
                   .places = places,

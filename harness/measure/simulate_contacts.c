@@ -6,8 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. */
-static const double at_rest = 0.01;
+/* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. What seems to stop no later than so many times a
+ * step was stopped in it, when it does not say [1]. */
+static const double at_rest = 0.01, resting = 1.0 + 1e-6;
 
 static unsigned slips(const formulation_answer *a, int i) {
   return a->mode != NULL && a->mode[i] == 2;
@@ -31,13 +32,17 @@ static sim_carrying carrying(const contact_set *set, const formulation_answer *a
   return c;
 }
 
-/* Notes when an open gap closes, within a step of h, that changes by u at its start and by u_end at its end. */
+/* Notes when an open gap closes, within a step of h, that changes by u at its start and by u_end at its end, and how deep it is then. */
 static void note_closing(sim_closing *c, double gap, double u, double u_end, double h) {
   const double root = u * u - 2.0 * gap * (u_end - u) / h;
   const double speed = sqrt(fmax(root, 0.0));
   const double at = (root >= 0.0 && speed > u) ? 2.0 * gap / (speed - u) : HUGE_VAL;
+  if (at <= h) {
+    c->deep = fmax(c->deep, -gap - 0.5 * h * (u + u_end));
+  }
   if (at <= h && at < c->at) {
-    *c = (sim_closing){at, speed};
+    c->at = at;
+    c->speed = speed;
   }
 }
 
@@ -60,7 +65,7 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   const bool passes = before - along * along / slowed <= at_rest * before; /* through rest */
   const double at = (along > 0.0 && passes) ? h * along / slowed : HUGE_VAL;
   const bool turns = slides && before < along && after > at_rest * before; /* the other way */
-  if (at > h && at < slip->stops) {
+  if (at > resting * h && at < slip->stops) {
     slip->stops = at;
   }
   if (work > 0.0) {
@@ -227,7 +232,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
                               base_error *err) {
   s->carrying = carrying(set, a);
   s->depth = (sim_depth){0};
-  s->closing = (sim_closing){.at = HUGE_VAL};
+  s->closing = s->struck = (sim_closing){.at = HUGE_VAL};
   s->doubt = 0.0;
   s->friction = (contact_law){0};
   s->slip = (sim_slip){.stops = HUGE_VAL};
@@ -243,7 +248,9 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
   for (int i = 0; i < set->n_contact; i++) {
     const int k = set->row_start[i];
     if (set->gap[i] > set->tol) {
-      note_closing(&s->closing, set->gap[i], set->u_before[k], u_free[k], set->h);
+      const double given = u[k] - u_free[k];
+      note_closing(&s->closing, set->gap[i], set->u_before[k], u[k], set->h);
+      note_closing(&s->struck, set->gap[i], set->u_before[k] + given, u[k], set->h);
     }
   }
   if (a->impulse == NULL) {

@@ -22,10 +22,10 @@ typedef struct sim_depth {
   double start, held, open, even;
 } sim_depth;
 
-/* When the first gap that is open closes as the bodies are accelerated without contacts, from the start of a step on [s], HUGE_VAL: not
- * within it; and how fast [m/s]. */
+/* When the first gap that is open closes if velocities change evenly in a step, from its start on [s], HUGE_VAL: not within it; how fast
+ * [m/s]; and how deep the deepest of those that close is at its end [m]. */
 typedef struct sim_closing {
-  double at, speed;
+  double at, speed, deep;
 } sim_closing;
 
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
@@ -78,7 +78,8 @@ typedef struct sim {
   bool turned;     /* contacts are world_contacts_turned */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   sim_depth depth; /* of the last step */
-  sim_closing closing;
+  sim_closing closing; /* as the velocities at its ends are */
+  sim_closing struck;  /* as they are if what contacts gave came at its start: an impact */
   sim_slip slip;
   double
       near; /* a gap that is no farther from closed may as well be so [m]; 0: every gap is certain */
