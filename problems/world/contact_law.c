@@ -6,16 +6,19 @@
  * share of it is off by the solve. */
 static const double directed = 1e-6;
 
-/* Contact i, which slides at u in space: adds what its friction l is beyond mu_k l_n against the slip. */
+/* Contact i, which slides at u in space: adds what its friction l is beyond mu_k l_n against the slip. What that does is no faster than the slip:
+ * as soon as it were, it would turn round. */
 static bool bends(const contact_set *c, int i, const double *l, const double *u, double *v) {
   const double slip = hypot(u[1], u[2]);
   const double limit = c->mu_kinetic[i] * l[0];
   const double beyond[2] = {l[1] + limit * u[1] / slip, l[2] + limit * u[2] / slip};
-  if (l[1] * u[1] + l[2] * u[2] > 0.0 || !(hypot(beyond[0], beyond[1]) > directed * limit)) {
+  const double much = hypot(beyond[0], beyond[1]);
+  if (l[1] * u[1] + l[2] * u[2] > 0.0 || !(much > directed * limit)) {
     return false;
   }
-  contact_push(c, i, 1, beyond[0], v);
-  contact_push(c, i, 2, beyond[1], v);
+  const double share = fmin(1.0, slip / (much * contact_mobility(c, i, 1)));
+  contact_push(c, i, 1, share * beyond[0], v);
+  contact_push(c, i, 2, share * beyond[1], v);
   return true;
 }
 
