@@ -166,6 +166,10 @@ static void put_error(json_t *o, const simulation *s) {
     json_out_int(one, "steps_forced", l->account.forced);
     json_out_real(one, "step_min_s", l->account.least);
     json_out_real(one, "step_max_s", l->account.most);
+    json_out_real(one, "off_m", l->account.off);
+    json_out_real(one, "located_m", l->account.located);
+    json_out_real(one, "order_m", l->account.doubt);
+    json_out_real(one, "law_m", l->account.law + l->account.left);
     json_out_real(one, "t_total_s", l->seconds);
     (void)json_array_append_new(all, one);
   }
