@@ -164,12 +164,12 @@ static double to_rest(const controlled *c, double h) {
 static const double holds = 1.0 - 1e-6;
 
 /* When a contact breaks away that takes a share of its static friction which grows on as between the halves of a step of h; HUGE_VAL: none
- * is about to. Loads are those of the start of each half. */
+ * is about to. Loads are those of the start of each half: all of it at the second one holds through that on both ways, if to rounding. */
 static double breaks(const controlled *c, double h) {
   const double *load = c->pair.fine.load;
-  const double at = 0.5 * h * (1.0 - load[0]) / (load[1] - load[0]);
-  const bool grows = c->rule->extrapolate && load[1] > load[0] && load[1] < holds;
-  return (grows && at > 0.5 * h) ? (1.0 + 1e-6) * at : HUGE_VAL;
+  const double at = 0.5 * h * fmax((1.0 - load[0]) / (load[1] - load[0]), 1.0);
+  const bool grows = c->rule->extrapolate && load[1] > load[0] && load[0] < holds;
+  return grows ? (1.0 + 1e-6) * at : HUGE_VAL;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
