@@ -228,6 +228,18 @@ def where_friction_gives_way_is_met(_):
             assert e["steps_solved"] < most, (way, E, e["steps_solved"])
     o = simulate("push", 1e-4, formulation=WAYS[0])
     assert reference(o)[1] < 1e-9 and o["error"]["steps_solved"] < 3000, o["error"]
+    # It breaks away at 5/8 of the run, just at the middle of a step: 82 E off, and promised.
+    o = simulate("push", 1e-5, formulation=("--formulation", "boxed", "--solver", "newton"))
+    q, true = reference(o)
+    assert true <= 1e-5 * q["scale"] and o["error"]["steps_solved"] < 20000, (true, o["error"])
+
+
+def what_closes_behind_an_impact_is_foreseen(_):
+    """2058 steps where such gaps were met by halving; what its runs are off by is told."""
+    o = simulate("slider_crank", 1e-3, formulation=WAYS[0])
+    assert o["error"]["promised"] and o["error"]["steps_solved"] < 1200, o["error"]
+    for level in o["error"]["runs"]:
+        assert level["off_m"] > 0 and level["order_m"] >= 0, level
 
 
 def what_turns_on_a_contact_is_let_slip(_):
@@ -498,6 +510,7 @@ tap(
         laws_that_plain_steps_keep_are_kept,
         what_happens_early_is_seen,
         where_friction_gives_way_is_met,
+        what_closes_behind_an_impact_is_foreseen,
         what_turns_on_a_contact_is_let_slip,
         it_is_in_space_too,
         a_corner_that_passes_a_body_is_seen,
