@@ -15,9 +15,10 @@
  * (world_saved_bend), and the distance of the velocities over h; or, behind another smooth step, what the two of them do not explain
  * (world_saved_unsteady), which is of third order also where contacts or joints hold. Steps in which the contacts change are as above, unless this e
  * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
- * length is what it was before. A step in which an open gap closes is tried again up to just behind that, where the accelerations of its start
- * tell when; it ends no deeper than a step with a change may sink. A step in whose second half a slip stops is tried again up to there, which the
- * first half tells, and one in which contacts would break away up to where the friction they take is all they have, if it grows on as between
+ * length is what it was before; where that did not come off, again behind the 2nd, 4th, 8th, 16th of them. A step in which an open gap closes is
+ * tried again up to just behind that, where its velocities tell when (behind an impact at its start those that this leaves); it ends no deeper
+ * than a step with a change may sink, and the coarse way alone is enough to tell. A step in whose second half a slip stops is tried again up to there (for
+ * solvers by sweeps up to just before), which the first half tells, and one in which contacts would break away up to where the friction they take is all they have, if it grows on as between
  * the halves. What counts as a change besides: friction that pushes a slip on which has turned round inside the step, on both of its ways
  * alike, or slows it all the while as it does behind the turn, and static friction that still holds the slip which begins in a step, where kinetic friction is less. A step that one of its ways
  * begins to carry in and the other does not is never extrapolated: they differ by an impact; nor is one in which the fine way begins to
