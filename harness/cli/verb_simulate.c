@@ -181,7 +181,7 @@ static void put_error(json_t *o, const simulation *s) {
 static void repeat_command(const simulation *s, const simulation_texts *t, const char *steps,
                            shell_line *l) {
   const choice *c = &s->choice;
-  const choice_candidate *taken = &c->candidate[s->n_tried > 0 ? s->n_tried - 1 : 0];
+  const choice_candidate *taken = &c->candidate[s->taken];
   char effects[EFFECTS_TEXT];
   char error[64];
   effects_plan_print(&s->watched.plan, s->spec.effects, effects);

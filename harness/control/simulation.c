@@ -113,21 +113,33 @@ static base_status take_given(simulation *s, const simulation_texts *t, base_err
   return BASE_OK;
 }
 
-/* The candidates in turn until one has no step that failed, and the friction that is asked for. */
+static base_status run_candidate(simulation *s, int k, const sim_request *q, series *record,
+                                 sim_result *out, base_error *err) {
+  const choice_candidate *c = &s->choice.candidate[k];
+  s->taken = k;
+  series_close(record);
+  step_list_close(&s->steps);
+  BASE_TRY(take(s, c->formulation, c->solver, err));
+  return error_run(q, &s->error, record, out, &s->steps, &s->found, err);
+}
+
+/* The candidates in turn until one has no step that failed, and the friction that is asked for. Where none is, the first that proved a step
+ * to have no solution says more than the last that found none. */
 static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
                               base_error *err) {
   const choice *c = &s->choice;
+  int proved = -1;
   for (int k = 0; k < c->n && k < CHOICE_TRIES; k++) {
-    series_close(record);
-    step_list_close(&s->steps);
-    BASE_TRY(take(s, c->candidate[k].formulation, c->candidate[k].solver, err));
-    BASE_TRY(error_run(q, &s->error, record, out, &s->steps, &s->found, err));
+    BASE_TRY(run_candidate(s, k, q, record, out, err));
     s->tried[s->n_tried++] = s->found.other_law ? RUN_UNSUPPORTED : out->status;
     if (out->status == RUN_OK && !s->found.other_law) {
-      break;
+      return BASE_OK;
     }
+    proved = (proved < 0 && out->status == RUN_INFEASIBLE) ? k : proved;
   }
-  return BASE_OK;
+  return (proved >= 0 && out->status != RUN_OK && out->status != RUN_INFEASIBLE)
+             ? run_candidate(s, proved, q, record, out, err)
+             : BASE_OK;
 }
 
 /* Is its cone of friction made of facets or boxes, so that it is off in space by an angle that no step shows? */

@@ -34,7 +34,8 @@ typedef struct simulation {
   bool chooses;                  /* formulation and solver, below */
   features features;
   choice choice;
-  int n_tried; /* candidates that were run; the last one stands */
+  int n_tried; /* candidates that were run */
+  int taken;   /* the one that stands */
   run_status tried[CHOICE_TRIES];
   char tol[32]; /* of whatever solver is chosen; "": its own */
 } simulation;

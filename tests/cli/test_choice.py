@@ -102,6 +102,16 @@ def what_cannot_run_gives_way(d):
     assert o["formulation"] == "regularized" and o["error"]["promised"]
 
 
+def a_proof_says_more_than_a_failure(_):
+    """Nothing solves a closing vise; Lemke's method proves that, sweeps only do not end."""
+    o = run_json("simulate", "vise", "--error", 0.01, code=3)
+    c = o["choice"]["candidates"]
+    assert [x["tried"] for x in c if x["tried"]].count("infeasible") >= 1, c
+    assert "infeasible" in o["error"]["reason"] and o["status"] == "infeasible", o["error"]
+    first = next(x for x in c if x["tried"] == "infeasible")
+    assert f"'{first['formulation']}' --solver '{first['solver']}'" in o["choice"]["repeat"]
+
+
 def the_command_told_repeats_the_run(d):
     x = features("tip")
     rows = write(d / "r.tsv", [row("tip", 0.1, QUICK, 1, 0.01, x)])
@@ -198,6 +208,7 @@ tap(
         one_row_does_not_turn_several,
         flat_cones_come_last_in_space,
         what_cannot_run_gives_way,
+        a_proof_says_more_than_a_failure,
         the_command_told_repeats_the_run,
         the_program_comes_with_rows,
         choose_predicts_and_measures,
