@@ -45,6 +45,19 @@ static void edges_turn_friction(void **state) {
   free(r);
 }
 
+/* The same friction at a slip of (3, 4) / 10000 m/s: what it gives beyond would be 0.9 m/s, and is no more than the slip. */
+static void friction_does_no_more_than_its_slip(void **state) {
+  (void)state;
+  rig *r = rig_new(3, 0.01);
+  (void)rig_touch(r, rig_body(r, 2, 1, 1, 1), -1, zero, zero, up, 0.5);
+  const double u[3] = {0, 3e-4, 4e-4};
+  const double edge[3] = {4, -2, 0};
+  double v[6];
+  assert_true(law_of(r, edge, SLIDES, u, u, v).bent);
+  check_close(hypot(v[0], v[1]), 5e-4, 1e-15);
+  free(r);
+}
+
 /* A ball that comes down at 2 m/s and goes up at 1, its contact holding, still slips at 0.1 m/s. */
 static void bristles_leave_slip(void **state) {
   (void)state;
@@ -66,6 +79,7 @@ static void bristles_leave_slip(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(edges_turn_friction),
+      cmocka_unit_test(friction_does_no_more_than_its_slip),
       cmocka_unit_test(bristles_leave_slip),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
