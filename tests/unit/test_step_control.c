@@ -281,8 +281,7 @@ static void an_impact_is_foreseen(void **state) {
   }
 }
 
-/* A belt takes its load along until friction holds it: one trial tells when, and the next step ends there. As for an impact the work
- * does not grow with the accuracy. */
+/* A belt takes its load along until friction holds it: one trial tells when, and the next step ends there. */
 static void stops(const char *solver, double tolerance, long most) {
   const outcome o = controlled_with(
       solver, "conveyor", 0.0,
@@ -294,7 +293,7 @@ static void stops(const char *solver, double tolerance, long most) {
   }
 }
 
-/* Steps for sweeps end just before that, which is not the end of the slip yet. */
+/* As for an impact the work does not grow with the accuracy; but steps for sweeps end just before that, which is not the end of the slip yet. */
 static void where_friction_stops_is_foreseen(void **state) {
   (void)state;
   for (double tolerance = 1e-2; tolerance > 1e-7; tolerance *= 0.1) {
