@@ -1,7 +1,7 @@
 """test_timing.py NAME - one test of the clock, run by quiet.py.
 
 Timing that can be trusted: A/A names no winner, five per cent is found, a planted sleep lands in
-its column, the harness costs less than 8 ms a process; and what must be quick is quick.
+its column, a process costs the harness less than starting Python; and what must be quick is quick.
 """
 
 import csv
@@ -9,6 +9,8 @@ import json
 import re
 import shlex
 import statistics
+import subprocess
+import sys
 import time
 
 from support import FAULTY, QUIET, Inconclusive, campaign, diagonal, one_of, rows, run, run_json
@@ -189,9 +191,20 @@ def deadlines_are_reported(d):
         assert (share[0] >= 0.5) == (p50 <= 1e-3), (share, p50)
 
 
-def a_process_costs_below_eight_ms(d):
-    """Beyond its work: starting the program, its canary, its row. A share of the wall time would be
-    one of the speed of the machine."""
+def start_s(words):
+    """Median time [s] from the start of a program to its end, of 21."""
+    taken = []
+    for _ in range(21):
+        began = time.perf_counter()
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
+        taken.append(time.perf_counter() - began)
+    return sorted(taken)[10]
+
+
+def a_process_costs_less_than_starting_python(d):
+    """Beyond its work: starting the program, its canary, its row. Both go with the machine, which
+    a bound in ms does not. Python starts bare, without what it imports by itself."""
+    python = start_s([sys.executable, "-I", "-S", "-c", "pass"])
     text = text_of(d, "['faulty_steady:seconds=0.1', 'faulty_twin:seconds=0.1']")
     text = text.replace(
         "processes: 5, samples: 7, max_samples: 15", "processes: 10, samples: 1, max_samples: 1"
@@ -199,8 +212,8 @@ def a_process_costs_below_eight_ms(d):
     done = run("run", campaign(d, text), "--out", d / "o", exe=FAULTY)
     told = re.search(r"(\d+) processes.*harness ([0-9.]+) % of ([0-9.]+) s", done.stdout)
     each = float(told.group(2)) / 100 * float(told.group(3)) / int(told.group(1))
-    print(f"# {1e3 * each:.2f} ms a process")
-    assert int(told.group(1)) == 20 and 0 < each < 8e-3, done.stdout
+    print(f"# {1e3 * each:.2f} ms a process, {1e3 * python:.2f} ms to start Python")
+    assert int(told.group(1)) == 20 and 0 < each < python, done.stdout
 
 
 def doctor_measures_the_machine(d):
@@ -344,7 +357,7 @@ one_of(
         sampling_stops_when_the_median_is_known,
         short_solves_are_looped,
         deadlines_are_reported,
-        a_process_costs_below_eight_ms,
+        a_process_costs_less_than_starting_python,
         doctor_measures_the_machine,
         no_winner_inside_the_floor_of_the_size,
         large_tables_are_compared_at_once,
