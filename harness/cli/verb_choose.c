@@ -20,6 +20,8 @@ static const arg_option options[] = {
         .min = 0, .max = CHOICE_MOST),
     ARG(choose_options, t.work, "--work", ARG_TEXT, "N",
         "most steps that the runs of one candidate may solve", .unit = "1", .above = true),
+    ARG(choose_options, t.time_limit, "--time-limit", ARG_TEXT, "T",
+        "longest that the runs of one candidate may take: 30, 30s, 10m; none given: no limit"),
 };
 static const arg_table args = {
     options, BASE_COUNT(options),

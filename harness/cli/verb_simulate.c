@@ -138,6 +138,7 @@ static void put_error(json_t *o, const simulation *s) {
   json_out_text(e, "reason", r->reason);
   json_out_int(e, "steps_solved", r->solved);
   json_out_int(e, "steps_limit", r->asked.limit);
+  json_out_real(e, "time_limit_s", r->asked.seconds);
   json_t *all = json_object();
   for (int i = 0; i < FEATURES; i++) {
     json_out_real(all, features_name(i), s->features.x[i]);
@@ -202,6 +203,7 @@ static void repeat_command(const simulation *s, const simulation_texts *t, const
   shell_put_option(l, "step", t->step);
   shell_put_option(l, "error", error);
   shell_put_option(l, "work", t->work);
+  shell_put_option(l, "time-limit", t->time_limit);
 }
 
 /* What chose formulation and solver, and the command that chooses nothing. */
@@ -522,6 +524,8 @@ static const arg_option options[] = {
         "error of the motion in place of a step: 1%, of the scene's scale, or 1e-3m, 0.01rad"),
     ARG(simulate_options, t.work, "--work", ARG_TEXT, "N",
         "most steps that the runs for --error may solve", .unit = "1", .above = true),
+    ARG(simulate_options, t.time_limit, "--time-limit", ARG_TEXT, "T",
+        "longest that the runs for --error may take: 30, 30s, 10m, 2h; none given: no limit"),
     ARG(simulate_options, t.steps, "--steps", ARG_TEXT, "FILE",
         "lengths of the steps, one a line [s]"),
     ARG(simulate_options, t.rows, "--rows", ARG_TEXT, "FILE|DIR",

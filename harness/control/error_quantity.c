@@ -23,7 +23,7 @@ base_status error_parse(const char *text, error_asked *out, base_error *err) {
   for (int i = 0; i < BASE_COUNT(units); i++) {
     known = known || strcmp(unit, units[i]) == 0;
   }
-  *out = (error_asked){.limit = ERROR_LIMIT};
+  *out = (error_asked){.limit = ERROR_LIMIT, .seconds = HUGE_VAL};
   (void)snprintf(number, sizeof number, "%.*s", (int)n, text);
   if (n >= sizeof number || !known || !base_parse_real(number, &out->E) || !(out->E > 0.0)) {
     return BASE_FAIL(err, BASE_EINVAL,

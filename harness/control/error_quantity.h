@@ -20,6 +20,8 @@ typedef struct error_asked {
   double E;              /* in `unit`, or [1] */
   char unit[ERROR_UNIT]; /* "": relative */
   long limit;            /* of steps solved by all runs, trials included */
+  double began,
+      seconds; /* base_seconds() when the runs began, and how long they may take [s]; HUGE_VAL: as long as it takes */
 } error_asked;
 
 typedef struct error_quantity {

@@ -1,6 +1,7 @@
 #include "harness/control/error_run.h"
 
 #include "harness/control/error_ladder.h"
+#include "lcp/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -81,7 +82,8 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
     return false;
   }
   if (!l->account.ended) {
-    refuse(r, "the limit of work comes first");
+    const bool late = base_seconds() >= r->asked.began + r->asked.seconds;
+    refuse(r, late ? "the limit of time comes first" : "the limit of work comes first");
     return false;
   }
   return true;
@@ -117,6 +119,7 @@ static base_status one_run(climber *l, base_error *err) {
       error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
   l->ladder.rule.stop = l->stop;
   l->ladder.rule.limit = r->asked.limit - r->solved;
+  l->ladder.rule.until = r->asked.began + r->asked.seconds;
   BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
                                &level->account, err));
   r->n_level++;
@@ -314,6 +317,23 @@ static bool in_doubt(const climber *l) {
          r->level[r->n_level - (cut ? 2 : 1)].account.doubt > length_now(l);
 }
 
+/* Keeps the limit that came first, if one did. */
+static void refuse_order(error_result *r) {
+  const bool limited = !r->level[r->n_level - 1].account.ended;
+  char why[200];
+  (void)snprintf(why, sizeof why,
+                 "bodies are hit so shortly one after the other that the runs do not tell in which "
+                 "order%s%.60s",
+                 limited ? "; " : "", limited ? r->reason : "");
+  refuse(r, why);
+}
+
+/* Is half of the work spent, or of the time? */
+static bool half_spent(const error_result *r) {
+  return r->solved >= r->asked.limit / 2 ||
+         base_seconds() >= r->asked.began + 0.5 * r->asked.seconds;
+}
+
 /* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no
  * beginning anew: what keeps E and misses a law stands then. */
 static bool extrapolated_stands(climber *l) {
@@ -323,12 +343,10 @@ static bool extrapolated_stands(climber *l) {
     return true;
   }
   if (!r->promised && in_doubt(l)) {
-    refuse(
-        r,
-        "bodies are hit so shortly one after the other that the runs do not tell in which order");
+    refuse_order(r);
     return true;
   }
-  if (r->promised || r->solved >= r->asked.limit / 2) {
+  if (r->promised || half_spent(r)) {
     if (missed) {
       r->promised = true;
       r->reason[0] = '\0';

@@ -1,6 +1,8 @@
 #include "harness/control/simulation.h"
 
 #include "harness/measure/contact_order.h"
+#include "harness/util/args.h"
+#include "lcp/base/clock.h"
 #include "lcp/base/crew.h"
 #include "lcp/base/fields.h"
 #include "problems/read/scene_file.h"
@@ -67,8 +69,10 @@ static base_status open_steps(const simulation_texts *t, simulation *out, base_e
   if (given(t->steps) + given(t->step) + given(t->error) > 1) {
     return BASE_FAIL(err, BASE_EINVAL, "--error, --step and --steps: need one of them");
   }
-  if (given(t->work) && !given(t->error)) {
-    return BASE_FAIL(err, BASE_EINVAL, "--work %s: limits --error, which is missing", t->work);
+  if ((given(t->work) || given(t->time_limit)) && !given(t->error)) {
+    const bool work = given(t->work);
+    return BASE_FAIL(err, BASE_EINVAL, "--%s %s: limits --error, which is missing",
+                     work ? "work" : "time-limit", work ? t->work : t->time_limit);
   }
   if (given(t->steps)) {
     BASE_TRY(step_list_read(&out->steps, t->steps, out->request.duration, err));
@@ -79,6 +83,12 @@ static base_status open_steps(const simulation_texts *t, simulation *out, base_e
     BASE_TRY(error_parse(t->error, &out->error, err));
     BASE_TRY(positive("--work", t->work, limit, &limit, err));
     out->error.limit = lround(fmin(limit, 1e12));
+    if (given(t->time_limit) &&
+        !(args_seconds(t->time_limit, &out->error.seconds) && out->error.seconds > 0.0)) {
+      return BASE_FAIL(err, BASE_EINVAL,
+                       "--time-limit %s: need a time above 0, as 30, 30s, 10m or 2h",
+                       t->time_limit);
+    }
   }
   return BASE_OK;
 }
@@ -252,6 +262,7 @@ static base_status run_alone(simulation *s, series *record, sim_result *out, bas
 base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
   base_crew *crew = NULL;
   *record = (series){0};
+  s->error.began = base_seconds();
   if (s->request.threads > 1) {
     BASE_TRY(base_crew_open(&crew, s->request.threads, err));
   }

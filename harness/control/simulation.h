@@ -12,8 +12,8 @@ typedef struct simulation_texts {
   const char *scene, *formulation, *solver, *tol;
   const char *step, *duration, *effects, *start, *contact_order;
   const char *islands, *threads, *memory;
-  const char *error, *work; /* --error E, and its limit of steps */
-  const char *steps;        /* a file of step lengths */
+  const char *error, *work, *time_limit; /* --error E, and its limits of steps and of time */
+  const char *steps;                     /* a file of step lengths */
   const char
       *rows; /* what formulation and solver are chosen from with --error, where neither is given */
 } simulation_texts;

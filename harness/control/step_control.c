@@ -1,6 +1,7 @@
 #include "harness/control/step_control.h"
 
 #include "harness/control/extrapolation.h"
+#include "lcp/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -366,7 +367,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   for (;;) {
     double at;
     bool too_long;
-    if (c->account->solved + 3 > rule->limit) {
+    if (c->account->solved + 3 > rule->limit || base_seconds() >= rule->until) {
       *limited = true;
       return BASE_OK;
     }
@@ -459,7 +460,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
 static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
   bool taken;
-  *limited = c->account->solved >= c->rule->limit;
+  *limited = c->account->solved >= c->rule->limit || base_seconds() >= c->rule->until;
   if (*limited || world_time(s->w) >= s->q->duration) {
     return BASE_OK;
   }

@@ -140,6 +140,14 @@ typedef struct doubts {
   double near, alike;
 } doubts;
 
+/* Do contacts i and j have a body in common? */
+static bool meet(const contact_set *set, int i, int j) {
+  const int *a = set->body + 2 * (ptrdiff_t)i;
+  const int *b = set->body + 2 * (ptrdiff_t)j;
+  const bool first = a[0] >= 0 && (a[0] == b[0] || a[0] == b[1]);
+  return first || (a[1] >= 0 && (a[1] == b[0] || a[1] == b[1]));
+}
+
 /* Does contact j rest, or hold what goes through it, beside an impact at `speed`? */
 static bool rests(const contact_set *set, int j, double speed, const double *u_free) {
   static const double still = 1e-6, drifts = 1e-3; /* of the speed of the impact */
@@ -192,7 +200,7 @@ static void note_doubt(sim *s, const contact_set *set, const double *impulse,
       continue;
     }
     for (int j = 0; j < set->n_contact; j++) {
-      if (j != i && !rests(set, j, speed, u_free)) {
+      if (j != i && meet(set, i, j) && !rests(set, j, speed, u_free)) {
         s->doubt = fmax(s->doubt, doubt_of(set, i, j, speed, &d));
       }
     }

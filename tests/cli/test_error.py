@@ -342,6 +342,24 @@ def the_end_is_honest_where_work_is_limited(_):
     assert o["steps"] > 0 and o["error"]["quantities"][0]["value"] is not None
 
 
+def the_end_is_honest_where_time_is_limited(_):
+    """A hundred spheres to a thousandth take minutes: the reason has both, what is not told yet
+    and why nothing more was done. What ends in time is as without a limit."""
+    o = simulate("sphere_pile", "1e-3", "--time-limit", "1s", code=3)
+    e = o["error"]
+    assert not e["promised"] and "the limit of time comes first" in e["reason"], e
+    assert e["time_limit_s"] == 1 and e["steps_solved"] < e["steps_limit"] / 10, e
+    assert o["steps"] > 0 and o["error"]["quantities"][0]["value"] is not None
+    e, free = (simulate("bounce", "1e-2", *more)["error"] for more in (("--time-limit", "1h"), ()))
+    assert e["promised"] and e["steps_solved"] == free["steps_solved"], (e, free)
+    assert free["time_limit_s"] is None, free
+    for bad in ("0", "-1s", "soon"):
+        names = (f"--time-limit {bad}: need a time above 0",)
+        one_line_error("simulate", "bounce", "--error", "1%", f"--time-limit={bad}", names=names)
+    names = ("--time-limit 5s: limits --error, which is missing",)
+    one_line_error("simulate", "bounce", *RUN, "--time-limit", "5s", names=names)
+
+
 def the_end_is_honest_where_a_step_has_no_solution(_):
     done = run_json(
         "simulate",
@@ -520,6 +538,7 @@ tap(
         the_steps_repeat_the_run,
         files_are_those_of_the_steps_found,
         the_end_is_honest_where_work_is_limited,
+        the_end_is_honest_where_time_is_limited,
         the_end_is_honest_where_a_step_has_no_solution,
         chaos_is_not_promised,
         friction_that_pushes_a_slip_on_is_seen,
