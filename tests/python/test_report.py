@@ -207,6 +207,8 @@ class Judged(unittest.TestCase):
         self.assertIn("Of 3 runs 2 promise the error asked for, and 1 of these keep it", made.lead)
         self.assertIn(" 3 times (median)", made.lead)
         self.assertEqual(made.charts[0].panels[0].lines[1].y, [0.004, 0.02])
+        told = [getattr(cell, "text", cell) for cell in made.tables[0].rows[0]]
+        self.assertEqual(told, ["0.01", "2 of 3", "1 of 2", "3", "3", "0 of 3", "spin: 4"])
         self.assertIsNone(asked.section([]))
         path.write_text(path.read_text().replace("err_got", "got"))
         self.assertRaises(ValueError, asked.read, path)
