@@ -138,7 +138,7 @@ static void put_error(json_t *o, const simulation *s) {
   json_out_text(e, "reason", r->reason);
   json_out_int(e, "steps_solved", r->solved);
   json_out_int(e, "steps_limit", r->asked.limit);
-  json_out_real(e, "time_limit_s", r->asked.seconds);
+  json_out_real(e, "time_limit_s", r->asked.seconds > 0.0 ? r->asked.seconds : HUGE_VAL);
   json_t *all = json_object();
   for (int i = 0; i < FEATURES; i++) {
     json_out_real(all, features_name(i), s->features.x[i]);

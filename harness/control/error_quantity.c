@@ -2,6 +2,7 @@
 
 #include "harness/measure/check_eval.h"
 #include "harness/measure/predictions.h"
+#include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
 #include <ctype.h>
@@ -23,7 +24,7 @@ base_status error_parse(const char *text, error_asked *out, base_error *err) {
   for (int i = 0; i < BASE_COUNT(units); i++) {
     known = known || strcmp(unit, units[i]) == 0;
   }
-  *out = (error_asked){.limit = ERROR_LIMIT, .seconds = HUGE_VAL};
+  *out = (error_asked){.limit = ERROR_LIMIT};
   (void)snprintf(number, sizeof number, "%.*s", (int)n, text);
   if (n >= sizeof number || !known || !base_parse_real(number, &out->E) || !(out->E > 0.0)) {
     return BASE_FAIL(err, BASE_EINVAL,
@@ -37,6 +38,10 @@ base_status error_parse(const char *text, error_asked *out, base_error *err) {
     (void)snprintf(out->unit, sizeof out->unit, "%s", unit);
   }
   return BASE_OK;
+}
+
+bool error_late(const error_asked *a, double left) {
+  return a->until > 0.0 && base_seconds() + left >= a->until;
 }
 
 static const char all_places[] = "places of all bodies at the end";

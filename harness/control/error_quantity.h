@@ -20,9 +20,12 @@ typedef struct error_asked {
   double E;              /* in `unit`, or [1] */
   char unit[ERROR_UNIT]; /* "": relative */
   long limit;            /* of steps solved by all runs, trials included */
-  double began,
-      seconds; /* base_seconds() when the runs began, and how long they may take [s]; HUGE_VAL: as long as it takes */
+  double seconds;        /* that all runs may take [s]; 0: as long as it takes */
+  double until;          /* base_seconds() at their end then [s]; 0: none */
 } error_asked;
+
+/* Are less than `left` seconds left for the runs? */
+bool error_late(const error_asked *a, double left);
 
 typedef struct error_quantity {
   char name[112];

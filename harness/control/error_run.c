@@ -1,7 +1,6 @@
 #include "harness/control/error_run.h"
 
 #include "harness/control/error_ladder.h"
-#include "lcp/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -82,8 +81,8 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
     return false;
   }
   if (!l->account.ended) {
-    const bool late = base_seconds() >= r->asked.began + r->asked.seconds;
-    refuse(r, late ? "the limit of time comes first" : "the limit of work comes first");
+    refuse(r, error_late(&r->asked, 0.0) ? "the limit of time comes first"
+                                         : "the limit of work comes first");
     return false;
   }
   return true;
@@ -119,7 +118,7 @@ static base_status one_run(climber *l, base_error *err) {
       error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
   l->ladder.rule.stop = l->stop;
   l->ladder.rule.limit = r->asked.limit - r->solved;
-  l->ladder.rule.until = r->asked.began + r->asked.seconds;
+  l->ladder.rule.until = r->asked.until;
   BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
                                &level->account, err));
   r->n_level++;
@@ -330,8 +329,7 @@ static void refuse_order(error_result *r) {
 
 /* Is half of the work spent, or of the time? */
 static bool half_spent(const error_result *r) {
-  return r->solved >= r->asked.limit / 2 ||
-         base_seconds() >= r->asked.began + 0.5 * r->asked.seconds;
+  return r->solved >= r->asked.limit / 2 || error_late(&r->asked, 0.5 * r->asked.seconds);
 }
 
 /* Is the last of the extrapolated runs the answer? Otherwise `why_plain` says why not. Where half of the work is spent there is no

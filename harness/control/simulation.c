@@ -133,13 +133,13 @@ static base_status run_candidate(simulation *s, int k, const sim_request *q, ser
   return error_run(q, &s->error, record, out, &s->steps, &s->found, err);
 }
 
-/* The candidates in turn until one has no step that failed, and the friction that is asked for. Where none is, the first that proved a step
+/* The candidates in turn, while there is time, until one has no step that failed, and the friction that is asked for. Where none is, the first that proved a step
  * to have no solution says more than the last that found none. */
 static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
                               base_error *err) {
   const choice *c = &s->choice;
   int proved = -1;
-  for (int k = 0; k < c->n && k < CHOICE_TRIES; k++) {
+  for (int k = 0; k < c->n && k < CHOICE_TRIES && (k == 0 || !error_late(&s->error, 0.0)); k++) {
     BASE_TRY(run_candidate(s, k, q, record, out, err));
     s->tried[s->n_tried++] = s->found.other_law ? RUN_UNSUPPORTED : out->status;
     if (out->status == RUN_OK && !s->found.other_law) {
@@ -147,7 +147,8 @@ static base_status run_chosen(simulation *s, const sim_request *q, series *recor
     }
     proved = (proved < 0 && out->status == RUN_INFEASIBLE) ? k : proved;
   }
-  return (proved >= 0 && out->status != RUN_OK && out->status != RUN_INFEASIBLE)
+  const bool again = proved >= 0 && !error_late(&s->error, 0.0);
+  return (again && out->status != RUN_OK && out->status != RUN_INFEASIBLE)
              ? run_candidate(s, proved, q, record, out, err)
              : BASE_OK;
 }
@@ -262,7 +263,7 @@ static base_status run_alone(simulation *s, series *record, sim_result *out, bas
 base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err) {
   base_crew *crew = NULL;
   *record = (series){0};
-  s->error.began = base_seconds();
+  s->error.until = (s->error.seconds > 0.0) ? base_seconds() + s->error.seconds : 0.0;
   if (s->request.threads > 1) {
     BASE_TRY(base_crew_open(&crew, s->request.threads, err));
   }

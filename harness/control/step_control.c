@@ -52,6 +52,10 @@ typedef struct controlled {
       onward; /* with longer steps, and behind an impact with one as long as before it */
 } controlled;
 
+static bool late(const step_rule *rule) {
+  return rule->until > 0.0 && base_seconds() >= rule->until;
+}
+
 static double tolerance_of(const controlled *c) {
   return fmax(c->rule->tolerance, c->rule->of_travel * c->places->travel);
 }
@@ -367,7 +371,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   for (;;) {
     double at;
     bool too_long;
-    if (c->account->solved + 3 > rule->limit || base_seconds() >= rule->until) {
+    if (c->account->solved + 3 > rule->limit || late(rule)) {
       *limited = true;
       return BASE_OK;
     }
@@ -460,7 +464,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
 static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
   bool taken;
-  *limited = c->account->solved >= c->rule->limit || base_seconds() >= c->rule->until;
+  *limited = c->account->solved >= c->rule->limit || late(c->rule);
   if (*limited || world_time(s->w) >= s->q->duration) {
     return BASE_OK;
   }
