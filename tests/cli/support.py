@@ -74,6 +74,12 @@ QUIET = {"load_other": "0", "load1": "0", "throttled": "", "flags": ""}
 TIME_FLAGS = {"outlier", "remeasured", "canary_drift", "first_run"}
 
 
+def fewer(items, least=1):
+    """All of them; under sanitizers, where each runs the same code ten times as slowly, the first
+    half, of `least` at least."""
+    return items[: max(least, len(items) // 2)] if SANITIZED else items
+
+
 def limited(words, size, why="File too large"):
     """The one line that lcpbench says where no file may grow beyond size bytes (`ulimit -f`): a
     full disk, as far as it can tell, and a signal that would kill what does not know SIGXFSZ."""

@@ -141,7 +141,7 @@ def solve_and_verify_say_the_same(d):
         "random_copositive:n=10",
     ]
     kinds = set()
-    for problem in (*families, *cases):
+    for problem in (*families[:: 2 if SANITIZED else 1], *cases):
         for solver in ("lemke", "ppm", "block_pivoting", "murty", "enumerate", "newton"):
             path = d / "proof"
             path.unlink(missing_ok=True)

@@ -6,7 +6,7 @@ import math
 from near_impacts import flat, groove, scene_file
 from random_scenes import random_file, random_scene
 
-from support import one_line_error, run, run_json, tap
+from support import fewer, one_line_error, run, run_json, tap
 
 RUN = ("--formulation", "coulomb", "--solver", "nsgs")
 
@@ -25,14 +25,14 @@ def reference(o):
 def the_error_asked_for_is_kept(_):
     for scene in ("slide", "bounce", "drop", "gripper", "top", "tip", "push", "projectile"):
         solved = []
-        for E in (1e-1, 1e-2, 1e-3, 1e-4):
+        for E in fewer((1e-1, 1e-2, 1e-3, 1e-4)):
             o = simulate(scene, E)
             e, (q, true) = o["error"], reference(o)
             assert e["promised"] and e["err_estimate"] <= E, (scene, E, e)
             assert true <= E * q["scale"], (scene, E, true, q)
             assert o["verified"] and o["status"] == "ok"
             solved.append(e["steps_solved"])
-        assert solved[3] >= solved[0], (scene, solved)
+        assert solved[-1] >= solved[0], (scene, solved)
 
 
 EVENT = ("--formulation", "event", "--solver", "lemke")
@@ -116,7 +116,7 @@ def impacts_that_nearly_coincide_are_told_apart(d):
         path = scene_file(d, name, scene)
         true = simulate(path, "1e-6", formulation=EVENT)["error"]["quantities"]
         for way in (RUN, ("--formulation", "velocity", "--solver", "lemke")):
-            for E in (1e-2, 1e-3, 1e-4):
+            for E in fewer((1e-2, 1e-3, 1e-4)):
                 e = simulate(path, E, formulation=way)["error"]
                 assert e["promised"] and e["steps_solved"] < steps, (name, E, e)
                 for q, t in zip(e["quantities"], true, strict=True):
@@ -172,7 +172,7 @@ def estimates_fall_with_the_steps_alone(_):
 
 def impacts_and_turning_contacts_are_few_steps(_):
     """A fall is met where it lands; what rolls is of second order (306 and 71508 before)."""
-    for E in (1e-2, 1e-4):
+    for E in fewer((1e-2, 1e-4)):
         assert simulate("drop", E)["error"]["steps_solved"] < 80
     disc = simulate("euler_disc", 1e-3)["error"]
     assert disc["promised"] and disc["steps_solved"] < 5000, disc["steps_solved"]
@@ -184,7 +184,9 @@ def laws_that_plain_steps_keep_are_kept(_):
     e = o["error"]
     assert e["promised"] and e["method"] == "plain steps" and "energy" in e["why_plain"], e
     assert all(p["ok"] for p in o["predictions"]) and e["steps_solved"] > o["steps"]
-    for E in (1e-4, 1e-5):  # 13803 and 168135 plain ones; 1701 extrapolated ones keep it at 1e-6
+    for E in fewer(
+        (1e-4, 1e-5)
+    ):  # 13803 and 168135 plain ones; 1701 extrapolated ones keep it at 1e-6
         o = simulate("top", E)
         e, (q, true) = o["error"], reference(o)
         assert e["promised"] and e["method"] == "extrapolated steps", e
@@ -200,7 +202,7 @@ def what_happens_early_is_seen(_):
     """The block stops within a hundredth of the run, which two long steps cannot tell from rest."""
     for form in (RUN, ("--formulation", "regularized", "--solver", "lemke")):
         for speed in (0.05, 0.2, 1):
-            for E in (1e-1, 1e-3):
+            for E in fewer((1e-1, 1e-3)):
                 scene = f"slide:speed={speed}"
                 o = simulate(scene, E, "--duration", 5, formulation=form, code=None)
                 q, true = reference(o)
@@ -221,7 +223,7 @@ def where_friction_gives_way_is_met(_):
     """A step ends where what holds begins to slip. The belt took 14139 and 376317 steps when an
     onset inside of one was late by as much as the step, on both of its ways alike."""
     for way in WAYS:
-        for E, most in ((1e-2, 2000), (1e-3, 4000), (1e-4, 30000)):
+        for E, most in fewer(((1e-2, 2000), (1e-3, 4000), (1e-4, 30000))):
             o = simulate("belt", E, formulation=way)
             e, (q, true) = o["error"], reference(o)
             assert e["promised"] and true <= E * q["scale"], (way, E, true)
@@ -252,7 +254,7 @@ def what_turns_on_a_contact_is_let_slip(_):
     ]
     assert abs(true + 1.61506005) < 1e-7, true
     for way in WAYS:
-        for E in (1e-2, 1e-3, 1e-4):
+        for E in fewer((1e-2, 1e-3, 1e-4)):
             o = simulate("tip:theta_deg=45", E, formulation=way)
             off = abs(o["observables"]["block.angle"]["value"] - true)
             assert o["error"]["promised"] and off <= E, (way, E, off)
@@ -278,7 +280,7 @@ def it_is_in_space_too(d):
     to = {way: simulate(path, 1e-5, formulation=way)["error"] for way in WAYS[1:]}
     even = run_json("simulate", path, *WAYS[1], "--step", 1e-5)["observables"]
     for way, other in (WAYS[1:], WAYS[:0:-1]):
-        for E in (1e-3, 1e-4):
+        for E in fewer((1e-3, 1e-4)):
             e = simulate(path, E, formulation=way)["error"]
             assert e["promised"] and e["steps_solved"] < 5000, (way, E, e["steps_solved"])
             for q, true in zip(e["quantities"], to[other]["quantities"], strict=True):
@@ -291,8 +293,8 @@ def a_corner_that_passes_a_body_is_seen(d):
     """Two boxes pass each other within a step, and a corner of one comes into the other behind no
     contact of the step's start, or comes and goes: b3.x was 1.1037 (252 E off at 1e-3, promised)
     and 0.94 (no promise by half a million steps). 0.530458 and 1.417315 by even steps of 1e-5 s."""
-    for seed, even in ((70, 0.530442), (18, 1.417311)):
-        for E in (1e-2, 1e-3):
+    for seed, even in fewer(((70, 0.530442), (18, 1.417311))):
+        for E in fewer((1e-2, 1e-3)):
             e = simulate(random_file(d, seed), E)["error"]
             x = next(q for q in e["quantities"] if q["quantity"].startswith("b3.x"))
             assert e["promised"] and abs(x["value"] - even) <= E * x["scale"], (seed, E, x)
@@ -424,7 +426,7 @@ def friction_that_pushes_a_slip_on_is_seen(d):
 def estimates_count_on_no_more_than_first_order_over_impacts(d):
     """Of three runs over impacts the last two were near each other by chance: estimates of 0.0012
     and 0.00042 for errors of 0.0030 and 0.00060 of the scale."""
-    for seed in (10, 23):
+    for seed in fewer((10, 23)):
         estimate, true = estimate_and_error(d, seed)
         assert true <= estimate, (seed, estimate, true)
 
@@ -432,7 +434,7 @@ def estimates_count_on_no_more_than_first_order_over_impacts(d):
 def an_estimate_falls_by_no_more_than_second_order(d):
     """The last two runs over impacts were nearer to each other than to the motion, by chance:
     estimates of 0.00090 and 0.00064 for errors of 0.0052 and 0.00066 of the scale."""
-    for seed in (58, 19):
+    for seed in fewer((58, 19)):
         estimate, true = estimate_and_error(d, seed, STIFF)
         assert true <= estimate, (seed, estimate, true)
 
@@ -485,7 +487,7 @@ def what_turning_lets_go_is_let_go(d):
         scene["bodies"][1]["vel"] = [w * way[1], -w * way[0]]
         path.write_text(json.dumps(scene))
         for form in (RUN, LEMKE):
-            for E in (1e-2, 1e-3, 1e-4):
+            for E in fewer((1e-2, 1e-3, 1e-4)):
                 e = simulate(path, E, formulation=form)["error"]
                 pairs = zip(e["quantities"], off_a_dome(w, at), strict=True)
                 true = max(abs(q["value"] - x) / q["scale"] for q, x in pairs)
