@@ -55,8 +55,8 @@ def unsolvable_cases_end_with_certificates_that_hold(d):
     for k, case in enumerate(cases):
         problem = write_problem(d, case)
         asked = solvers()
-        if SANITIZED:  # a third of those that need not prove anything, each on some cases
-            asked = [s for m, s in enumerate(asked) if s in ("lemke", "ppm") or (k + m) % 3 == 0]
+        if SANITIZED:  # a sixth of those that need not prove anything, each on some cases
+            asked = [s for m, s in enumerate(asked) if s in ("lemke", "ppm") or (k + m) % 6 == 0]
         for solver in asked:
             path = d / f"{case['id']}.{solver}.txt"
             said = claim(problem, solver, path)
