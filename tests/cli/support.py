@@ -74,10 +74,10 @@ QUIET = {"load_other": "0", "load1": "0", "throttled": "", "flags": ""}
 TIME_FLAGS = {"outlier", "remeasured", "canary_drift", "first_run"}
 
 
-def fewer(items, least=1):
+def fewer(items):
     """All of them; under sanitizers, where each runs the same code ten times as slowly, the first
-    half, of `least` at least."""
-    return items[: max(least, len(items) // 2)] if SANITIZED else items
+    half, or the first one."""
+    return items[: max(1, len(items) // 2)] if SANITIZED else items
 
 
 def limited(words, size, why="File too large"):

@@ -184,9 +184,8 @@ def laws_that_plain_steps_keep_are_kept(_):
     e = o["error"]
     assert e["promised"] and e["method"] == "plain steps" and "energy" in e["why_plain"], e
     assert all(p["ok"] for p in o["predictions"]) and e["steps_solved"] > o["steps"]
-    for E in fewer(
-        (1e-4, 1e-5)
-    ):  # 13803 and 168135 plain ones; 1701 extrapolated ones keep it at 1e-6
+    # 13803 and 168135 plain ones; 1701 extrapolated ones keep it at 1e-6
+    for E in fewer((1e-4, 1e-5)):
         o = simulate("top", E)
         e, (q, true) = o["error"], reference(o)
         assert e["promised"] and e["method"] == "extrapolated steps", e
