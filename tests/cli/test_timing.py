@@ -203,7 +203,8 @@ def start_s(words):
 
 def a_process_costs_less_than_starting_python(d):
     """Beyond its work: starting the program, its canary, its row. Both go with the machine, which
-    a bound in ms does not. Python starts bare, without what it imports by itself."""
+    a bound in ms does not. Python starts bare, without what it imports by itself; three quarters
+    of that are 1.6 times what a process costs."""
     python = start_s([sys.executable, "-I", "-S", "-c", "pass"])
     text = text_of(d, "['faulty_steady:seconds=0.1', 'faulty_twin:seconds=0.1']")
     text = text.replace(
@@ -213,7 +214,7 @@ def a_process_costs_less_than_starting_python(d):
     told = re.search(r"(\d+) processes.*harness ([0-9.]+) % of ([0-9.]+) s", done.stdout)
     each = float(told.group(2)) / 100 * float(told.group(3)) / int(told.group(1))
     print(f"# {1e3 * each:.2f} ms a process, {1e3 * python:.2f} ms to start Python")
-    assert int(told.group(1)) == 20 and 0 < each < python, done.stdout
+    assert int(told.group(1)) == 20 and 0 < each < 0.75 * python, done.stdout
 
 
 def doctor_measures_the_machine(d):
