@@ -133,8 +133,8 @@ static base_status run_candidate(simulation *s, int k, const sim_request *q, ser
   return error_run(q, &s->error, record, out, &s->steps, &s->found, err);
 }
 
-/* The candidates in turn, while there is time, until one has no step that failed, and the friction that is asked for. Where none is, the first that proved a step
- * to have no solution says more than the last that found none. */
+/* The candidates in turn, while there is time, until one has no step that failed, and the friction that is asked for. Where none is, the
+ * first that proved a step to have no solution says more than the last that found none. */
 static base_status run_chosen(simulation *s, const sim_request *q, series *record, sim_result *out,
                               base_error *err) {
   const choice *c = &s->choice;
