@@ -158,8 +158,8 @@ def section(rows: list[Row]) -> Section | None:
     dear = (
         f" A run takes {statistics.median(ratios):.2g} times (median) the time of the best even"
         f" steps, which only a search with the answer in hand finds. {near} are within {NEAR} times"
-        f" the cheaper of these and of the best combination; the dearest takes {times(dearest)} times"
-        " as long."
+        f" the cheaper of these and of the best combination; the dearest takes {times(dearest)}"
+        " times as long."
         if ratios
         else ""
     )
