@@ -17,12 +17,11 @@ static const double first_parts = 2.0, next_parts = 4.0;
 
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears, bool rests) {
-  const bool own = steps == ERROR_OWN;
   const bool extrapolate = steps == ERROR_EXTRAPOLATED;
   const double longest = first[steps].longest * q->duration;
   *l = (error_ladder){.steps = steps, .parts = extrapolate ? first_parts : 1.0, .ratio = 1.0};
   l->rule = (step_rule){.least = 1e-9 * q->duration,
-                        .most = own ? longest : fmin(longest, bears),
+                        .most = fmin(longest, bears),
                         .tolerance = first[steps].tolerance * length,
                         .rests = extrapolate && rests && bears >= q->duration,
                         .extrapolate = extrapolate};

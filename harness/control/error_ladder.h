@@ -17,7 +17,7 @@ typedef struct error_ladder {
   double ratio; /* of the last two tolerances */
 } error_ladder;
 
-/* The coarsest run, for an E of `length` [m]; `bears`: the longest step that the springs of the scene do [s]; `rests`: nothing
+/* The coarsest run, for an E of `length` [m]; `bears`: the longest step that the springs and swinging loads of the scene do [s]; `rests`: nothing
  * moves at the start. */
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears, bool rests);

@@ -109,10 +109,11 @@ static double scale_of(const error_made *m, const char *unit) {
   return (most > 0.0) ? most : 1.0;
 }
 
-static void add(error_made *m, const error_asked *asked, const char *name, const char *unit,
-                double value) {
+/* The quantity just added; NULL: E is not for it. */
+static error_quantity *add(error_made *m, const error_asked *asked, const char *name,
+                           const char *unit, double value) {
   if (m->n_quantity == ERROR_QUANTITIES || !holds_for(asked, unit)) {
-    return;
+    return NULL;
   }
   error_quantity *e = &m->quantity[m->n_quantity++];
   (void)snprintf(e->name, sizeof e->name, "%s", name);
@@ -120,6 +121,8 @@ static void add(error_made *m, const error_asked *asked, const char *name, const
   e->value = value;
   e->scale = scale_of(m, unit);
   e->estimate = HUGE_VAL;
+  e->length = false;
+  return e;
 }
 
 /* The checks of one state at one time ask once, however many formulations they are made for. */
@@ -141,6 +144,19 @@ static bool of_bodies(const char *unit) {
   return strcmp(unit, "m") == 0 || strcmp(unit, "m/s") == 0 || of_turning(unit);
 }
 
+/* Is it the length of a vector of bodies? Between two states it may be less than at both, by more than accelerated motion is off its chord. */
+static bool of_length(const spec_check *c) {
+  const char *dot = strchr(c->var, '.');
+  const char *q = (dot != NULL) ? dot + 1 : "";
+  return !c->has_dir && (strcmp(q, "pos") == 0 || strcmp(q, "vel") == 0 || strcmp(q, "speed") == 0);
+}
+
+/* Of one in space that turns, no step tells. */
+static bool of_spin(const spec_check *c) {
+  const char *dot = strchr(c->var, '.');
+  return !c->has_dir && dot != NULL && strcmp(dot, ".omega") == 0;
+}
+
 static void read_checks(const sim_request *q, const error_asked *asked, error_made *m) {
   const check_context ctx = prediction_context(q, &m->record, &m->out);
   for (int i = 0; i < q->spec->n_check; i++) {
@@ -159,9 +175,13 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
       (void)snprintf(name, sizeof name, "%s from %.4g s", label, c->t0);
     }
     if (got.known && !named(m, name)) {
-      add(m, asked, name, world_observe_unit(c->var), got.got);
+      error_quantity *e = add(m, asked, name, world_observe_unit(c->var), got.got);
       const bool state = c->kind == CHECK_STATE;
-      m->at_stops = m->at_stops && (state || of_bodies(world_observe_unit(c->var)));
+      if (e != NULL) {
+        e->length = !state && of_length(c);
+      }
+      const bool straight = of_bodies(world_observe_unit(c->var)) && !of_spin(c);
+      m->at_stops = m->at_stops && (state || straight);
       m->between = m->between || !state;
       m->angles = m->angles || (!state && of_turning(world_observe_unit(c->var)));
     }
@@ -179,11 +199,11 @@ void error_made_read(const sim_request *q, const error_asked *asked, error_made 
     const series_var *v = series_find_var(&m->record, &c);
     (void)snprintf(name, sizeof name, "%s at the end", c.var);
     if (v != NULL && series_at(&m->record, v->column, q->duration, &value) && !named(m, name)) {
-      add(m, asked, name, world_observe_unit(c.var), value);
+      (void)add(m, asked, name, world_observe_unit(c.var), value);
     }
   }
   if (m->n_quantity == 0) {
-    add(m, asked, all_places, "m", m->places.travel);
+    (void)add(m, asked, all_places, "m", m->places.travel);
   }
 }
 
@@ -269,5 +289,33 @@ base_status error_stops(const sim_request *q, int parts, double **stop, int *n_s
   }
   at[kept++] = end;
   *n_stop = kept;
+  return BASE_OK;
+}
+
+static bool of_speed(const char *unit) {
+  return strcmp(unit, "m/s") == 0 || strcmp(unit, "rad/s") == 0;
+}
+
+base_status error_speed_times(const sim_request *q, double **at, int *n, base_error *err) {
+  const double end = q->duration;
+  bool ends = false;
+  *n = 0;
+  *at = realloc(*at, ((size_t)q->spec->n_check + 1) * sizeof **at);
+  if (*at == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
+  }
+  for (int i = 0; i < q->spec->n_check; i++) {
+    const spec_check *c = &q->spec->check[i];
+    const bool asks = c->kind == CHECK_STATE && of_speed(world_observe_unit(c->var));
+    ends = ends || (asks && c->t >= end * (1.0 - 1e-9) && of_state(c, end));
+    *n = asks ? put_stop(*at, *n, c->t, end) : *n;
+  }
+  for (int i = 0; i < q->spec->n_observe; i++) {
+    ends = ends || of_speed(world_observe_unit(q->spec->observe[i]));
+  }
+  qsort(*at, (size_t)*n, sizeof **at, ascending);
+  if (ends) {
+    (*at)[(*n)++] = end;
+  }
   return BASE_OK;
 }

@@ -7,6 +7,8 @@
 
 /* Of the step at which an explicit spring runs away: a sixth of its period. */
 static const double spring_step = 0.5;
+/* Of the period of a load: no halving of it, nor of what a run takes, falls on its zeros alone. */
+static const double swing_step = 1.0 / 6.3;
 /* Of the fall of the difference that two orders of convergence stand for, this share shows them; of no fall, that runs converge. */
 static const double shown = 0.75;
 
@@ -35,6 +37,21 @@ static double largest_change(const error_result *r, const error_made *now,
   return most;
 }
 
+/* What the extreme of a length over a time may be off by because no state is there: the straight way from one state to the next is nearer to
+ * the origin than both. In its unit. */
+static double unseen(const error_result *r, const error_quantity *e) {
+  const step_account *a = &r->level[r->n_level - 1].account;
+  const double far = (strcmp(e->unit, "m") == 0) ? a->way : a->gain;
+  return e->length ? fmin(0.5 * far, far * far / (8.0 * fabs(e->value))) : 0.0;
+}
+
+/* What a speed is off by where an impact may be on the other side of the time that it is asked for, in its unit. */
+static double jumped(const error_result *r, const error_made *m, const error_quantity *e) {
+  const double jump = r->level[r->n_level - 1].account.jump;
+  const bool turns = strcmp(e->unit, "rad/s") == 0;
+  return (turns || strcmp(e->unit, "m/s") == 0) ? jump / (turns ? m->places.size : 1.0) : 0.0;
+}
+
 /* Estimates from two runs of which the later one is `finer` times as good, and off by `least` over E at least. */
 static void estimate(error_result *r, error_made *now, const error_made *before, double finer,
                      double least) {
@@ -44,7 +61,8 @@ static void estimate(error_result *r, error_made *now, const error_made *before,
     const double change =
         (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
     const double told = ERROR_SAFETY * change / (finer - 1.0);
-    const double known = least * r->asked.E * unit_of(r, e);
+    const double seen = fmax(unseen(r, e), jumped(r, now, e));
+    const double known = fmax(least * r->asked.E * unit_of(r, e), seen);
     e->estimate = (told < known) ? known : told;
     const double over = e->estimate / unit_of(r, e);
     r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
@@ -80,6 +98,10 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
     refuse(r, why);
     return false;
   }
+  if (!out->verified) {
+    refuse(r, "a solve is off by more than the tolerance of its kind");
+    return false;
+  }
   if (!l->account.ended) {
     refuse(r, error_late(&r->asked, 0.0) ? "the limit of time comes first"
                                          : "the limit of work comes first");
@@ -97,9 +119,10 @@ typedef struct climber {
   double ratio_before; /* of tolerances, of the two runs before the last */
   double
       missed; /* by how much the last run misses a law, over what that allows; 0: not, or its error is more than E yet [1] */
-  char law[200];   /* which */
-  double *stop;    /* of the last run; owned */
-  sim_times spent; /* by all runs */
+  char law[200];    /* which */
+  double *stop;     /* of the last run; owned */
+  double *speed_at; /* owned */
+  sim_times spent;  /* by all runs */
 } climber;
 
 /* What E is as a length in the last run [m]. */
@@ -117,6 +140,8 @@ static base_status one_run(climber *l, base_error *err) {
   BASE_TRY(
       error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
   l->ladder.rule.stop = l->stop;
+  BASE_TRY(error_speed_times(l->q, &l->speed_at, &l->ladder.rule.n_speed_at, err));
+  l->ladder.rule.speed_at = l->speed_at;
   l->ladder.rule.limit = r->asked.limit - r->solved;
   l->ladder.rule.until = r->asked.until;
   BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
@@ -170,6 +195,11 @@ static bool as_if_exact(climber *l) {
   const double over =
       l->now.angles ? length_of(l->q, &r->asked, l->now.places.size) : length_now(l);
   r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / over);
+  for (int i = 0; i < l->now.n_quantity; i++) {
+    const error_quantity *e = &l->now.quantity[i];
+    const double more = fmax(jumped(r, &l->now, e), unseen(r, e));
+    r->estimate = fmax(r->estimate, more / unit_of(r, e));
+  }
   for (int i = 0; i < l->now.n_quantity; i++) {
     error_quantity *e = &l->now.quantity[i];
     e->estimate = r->estimate * unit_of(r, e);
@@ -250,6 +280,9 @@ static bool go_on(climber *l) {
   }
   level->change = largest_change(r, &l->now, &l->before);
   estimate(r, &l->now, &l->before, finer_by(l), fmax(located(l), fallen(l)));
+  fprintf(stderr, "lvl %d est %g located %g doubt %g bent %g jump %g fallen %g forced %ld\n",
+          r->n_level, r->estimate / r->asked.E, level->account.located / length_now(l), doubted(l),
+          bent(l), level->account.jump, fallen(l), level->account.forced);
   r->promised = r->estimate <= r->asked.E;
   if (arrived(l)) {
     return false;
@@ -268,7 +301,7 @@ static bool go_on(climber *l) {
   return r->reason[0] == '\0';
 }
 
-/* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear [s], and whether nothing moves. */
+/* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear and its loads show in [s], and whether nothing moves. */
 typedef struct start_sizes {
   double scale, bears;
   bool rests;
@@ -279,9 +312,16 @@ static base_status start_open(const sim_request *q, start_sizes *start, base_err
   BASE_TRY(world_open_over(&w, q->spec, q->effects, err));
   const double speed = world_max_speed(w);
   start->scale = fmax(world_size(w), speed * q->duration);
-  start->bears = spring_step * world_longest_step(w);
+  start->bears = fmin(spring_step * world_longest_step(w), swing_step * world_shortest_period(w));
   start->rests = world_may_rest(w);
   world_close(w);
+  return BASE_OK;
+}
+
+base_status error_first_step(const sim_request *q, double *h, base_error *err) {
+  start_sizes start;
+  BASE_TRY(start_open(q, &start, err));
+  *h = fmin(fmin(q->h, q->duration), start.bears);
   return BASE_OK;
 }
 
@@ -396,5 +436,6 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   error_made_close(&l.now);
   error_made_close(&l.before);
   free(l.stop);
+  free(l.speed_at);
   return done;
 }

@@ -63,5 +63,8 @@ typedef struct error_result {
 base_status error_run(const sim_request *q, const error_asked *asked, series *record,
                       sim_result *out, step_list *kept, error_result *result, base_error *err);
 
+/* No longer than q->h, the run, and what its springs and swinging loads bear [s]. */
+base_status error_first_step(const sim_request *q, double *h, base_error *err);
+
 /* The length that the first run is measured by: the size of the smallest body, or how far the fastest one gets [m]. */
 base_status error_first_scale(const sim_request *q, double *scale, base_error *err);

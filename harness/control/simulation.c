@@ -319,7 +319,9 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   BASE_TRY(scene_load(t->scene, &out->spec, err));
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
-  BASE_TRY(sim_check_times(q->h, q->duration, err));
+  if (!given(t->error)) {
+    BASE_TRY(sim_check_times(q->h, q->duration, err));
+  }
   BASE_TRY(open_steps(t, out, err));
   BASE_TRY(start_of(t->start, &q->start, err));
   if (given(t->contact_order)) {
@@ -327,6 +329,8 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   }
   BASE_TRY(open_effects(out, given(t->effects) ? t->effects : "declared", err));
   if (given(t->error)) {
+    BASE_TRY(error_first_step(q, &q->h, err)); /* the steps are yet to be found */
+    BASE_TRY(sim_check_times(q->h, q->duration, err));
     BASE_TRY(features_of(spec, q->effects, q->h, &out->features, err));
   }
   if (!both) {

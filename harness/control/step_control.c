@@ -43,6 +43,10 @@ typedef struct controlled {
   sim_carrying carrying; /* of the last step kept */
   double fastest;        /* largest speed of a body so far [m/s] */
   double located;        /* of the step just tried [m] */
+  double passed;         /* that an impact which none of its solves saw would change [m/s] */
+  double bend;           /* of its way, beyond what a constant acceleration explains [m] */
+  double hit_until;      /* for so long the last impact may yet be to come [s] */
+  double hit_jump;       /* and so much it changes velocities by [m/s] */
   double *
       law; /* n_dof velocities that friction gave so far beyond a round cone's; owned, NULL: none */
   double last;   /* error over its share, of the last step kept [1] */
@@ -92,6 +96,7 @@ static double error_of(controlled *c, double h) {
   const step_end *fine = &c->pair.fine;
   const double part = h / s->q->duration;
   c->smooth = false;
+  c->passed = 0.0;
   if (!coarse->good || !fine->good) {
     return HUGE_VAL;
   }
@@ -102,6 +107,7 @@ static double error_of(controlled *c, double h) {
   if (c->rule->extrapolate) {
     const double bend = world_saved_bend(s->w, h, c->pair.start.state, coarse->state, fine->state);
     double both = bend + velocity * h;
+    c->bend = bend;
     if (!event) {
       both = fmin(both, step_pair_unsteady(&c->pair, s, h));
     }
@@ -129,9 +135,10 @@ static double error_of(controlled *c, double h) {
   return (e == e) ? e : HUGE_VAL;
 }
 
-/* Half of what a step may sink [m]. */
+/* Half of what a step may sink; no side of a body is missed by it [m]. */
 static double shallow(const controlled *c) {
-  return 0.5 * tolerance_of(c) * event_share;
+  static const double most = 0.02; /* of the smallest body */
+  return fmin(0.5 * tolerance_of(c) * event_share, most * c->places->size);
 }
 
 /* The length of a step in the place of one of h in which a gap closes: to just behind that, so deep as `shallow`, and so that the gap is open
@@ -220,12 +227,17 @@ static base_status count(controlled *c, double h, unsigned way, base_error *err)
   return step_list_append(c->kept, h, way | (c->run.turned ? STEP_TURNED : 0), err);
 }
 
-/* What a place between the ends of the step just tried is off the straight way [m]. */
-static double bow_of(const controlled *c, double h) {
+/* How far places and velocities get in the step just tried, and what a place between its ends is off the straight way. */
+static void note_way(const controlled *c, double h, bool changed) {
+  step_account *a = c->account;
   double position;
   double velocity;
   world_saved_distance(c->run.w, c->pair.start.state, c->pair.fine.state, &position, &velocity);
-  return 0.125 * h * velocity;
+  a->bow = fmax(a->bow, 0.125 * h * velocity);
+  if (!changed) {
+    a->way = fmax(a->way, position);
+    a->gain = fmax(a->gain, velocity);
+  }
 }
 
 /* Friction that is not of a round cone gives velocities that the bodies keep. */
@@ -246,6 +258,36 @@ static base_status keep_law(controlled *c, double h, base_error *err) {
   return BASE_OK;
 }
 
+/* An impact that the step of h just kept met: it may as well be later by what gaps are off by. */
+static void note_hit(controlled *c, double h) {
+  double position;
+  double velocity;
+  world_saved_distance(c->run.w, c->pair.start.state, c->pair.fine.state, &position, &velocity);
+  const double u = c->pair.coarse.closing.speed;
+  const double speed = (u > 0.0) ? u : velocity;
+  const double until = world_time(c->run.w) + c->run.near / speed;
+  if (c->hit_until <= world_time(c->run.w) - h || velocity > c->hit_jump) {
+    c->hit_jump = velocity;
+  }
+  c->hit_until = (speed > 0.0) ? fmax(c->hit_until, until) : c->hit_until;
+}
+
+/* A time that speeds may be asked at: what may be on its other side. */
+static base_status note_jump(controlled *c, double at, base_error *err) {
+  bool asked = false;
+  for (int k = 0; k < c->rule->n_speed_at; k++) {
+    asked = asked || fabs(c->rule->speed_at[k] - at) <= c->rule->least;
+  }
+  if (!asked) {
+    return BASE_OK;
+  }
+  double speed;
+  BASE_TRY(world_nearing(c->run.w, c->run.near, &speed, err));
+  const double yet = (at <= c->hit_until) ? c->hit_jump : 0.0;
+  c->account->jump = fmax(c->account->jump, fmax(2.0 * speed, yet));
+  return BASE_OK;
+}
+
 /* The step just tried is kept. */
 static base_status keep(controlled *c, double h, double e, base_error *err) {
   step_account *a = c->account;
@@ -253,11 +295,15 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
+  a->jump = fmax(a->jump, c->passed);
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
   BASE_TRY(keep_law(c, h, err));
   a->off += c->off;
   a->plain += c->plain;
-  a->bow = fmax(a->bow, bow_of(c, h));
+  note_way(c, h, changed);
+  if (changed && c->kept->n > 0) {
+    note_hit(c, h);
+  }
   c->failed = !c->pair.fine.good;
   c->carrying = c->pair.fine.carrying;
   const bool extrapolated = c->smooth && e <= 1.0;
@@ -311,31 +357,42 @@ static base_status try_pair(controlled *c, double h, bool *too_long, base_error 
   return BASE_OK;
 }
 
-/* Where something turns, a corner may come to a body that no contact at the start of the step has told of, and may be gone at its end: *at is
- * when one does. How much deeper bodies are in each other behind the step counts. */
-static base_status look_back(const controlled *c, double h, double *e, double *at,
-                             base_error *err) {
+/* Is the step just tried one of an even acceleration, so that two sides that come into each other at this speed and part again do so without an
+ * impact? What contacts give at once would show. Of the first step nothing was known before. */
+static bool is_even(const controlled *c, double h, double speed) {
+  static const double slight = 0.05;
+  return (!changes(c) || c->kept->n == 0) && c->bend < slight * speed * h;
+}
+
+/* A side may come to another that no contact at the start of the step has told of, and may be gone at its end: *at is when one does. How much
+ * deeper bodies are in each other behind the step counts. */
+static base_status look_back(controlled *c, double h, double *e, double *at, base_error *err) {
   world *w = c->run.w;
   double depth;
-  if (!c->rule->extrapolate || !world_turns(w, h)) {
+  double passed;
+  if (!c->rule->extrapolate) {
     return BASE_OK;
   }
   if (c->smooth) {
     world_extrapolate(w, c->pair.coarse.state, c->pair.fine.state);
   }
   BASE_TRY(world_depth(w, &depth, err));
-  BASE_TRY(world_first_touch(w, h, c->pair.start.state, shallow(c), at, err));
+  BASE_TRY(world_first_touch(w, h, c->pair.start.state, shallow(c), at, &passed, err));
   if (c->smooth) {
     world_load(w, c->pair.fine.state);
   }
   const double share = fmax(h / c->run.q->duration, event_share);
-  *e = fmax(*e, (depth - c->pair.coarse.start) / share / tolerance_of(c));
+  c->passed = is_even(c, h, passed) ? 2.0 * passed : 0.0;
+  const double missed = c->passed * (reach(c) + h);
+  const double deeper = fmax(depth - c->pair.coarse.start, missed);
+  c->located = fmax(c->located, deeper);
+  *e = fmax(*e, deeper / share / tolerance_of(c));
   return BASE_OK;
 }
 
 /* Error over the share of the step of h just tried; *at: when something happens in it that neither of its ends tells of, h or more: nothing
  * does. `aimed`: it ends where friction was to stop or to give way. */
-static base_status judge(const controlled *c, double h, bool aimed, double *e, double *at,
+static base_status judge(controlled *c, double h, bool aimed, double *e, double *at,
                          base_error *err) {
   *at = HUGE_VAL;
   if (*e <= 1.0) {
@@ -457,7 +514,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
       *limited = crawls(c);
     }
   }
-  return BASE_OK;
+  return *limited ? BASE_OK : note_jump(c, stop, err);
 }
 
 /* One step of h unless the run is over or has solved its share. */

@@ -37,6 +37,9 @@
  * the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once as far as the
  * solves can tell, and what bounces no higher than the gaps are known count for nothing.
  *
+ * An impact is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or behind one, what they
+ * change by in it is told (`jump`).
+ *
  * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body, and `law`
  * is how far it goes; `left` is what slip does that an impact left to a contact that holds.
  *
@@ -60,6 +63,8 @@ typedef struct step_rule {
   const double *
       stop; /* n_stop times that a step must end at, ascending [s]; the last is the end of the run */
   int n_stop;
+  const double *speed_at; /* n_speed_at of them, that speeds are asked at, ascending [s] */
+  int n_speed_at;
   long
       limit; /* of steps solved, trials included; a run that is far from its end at a fiftieth of it ends there */
   double until; /* base_seconds() that the run ends at, wherever it is [s]; 0: none */
@@ -78,6 +83,10 @@ typedef struct step_account {
   double
       left; /* the most that slip does which an impact left to a contact that holds: the next one takes it [m] */
   double doubt; /* the most that goes with the order of impacts too near each other to tell [m] */
+  /* The most in a step kept in which no contact changes: how far a point gets, and how much faster. */
+  double way, gain; /* [m], [m/s] */
+  /* The most that a speed changes by in an impact that no solve saw, or so near a time of `speed_at` that it may as well be on its other side. */
+  double jump; /* [m/s] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
   bool ended; /* the run came to its end within the limit */

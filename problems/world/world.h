@@ -160,11 +160,13 @@ void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 /* How deep two sides are in each other at most [m]; 0: none are. BASE_ENOMEM. */
 base_status world_depth(world *w, double *depth, base_error *err);
-/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides come as near as `near` [m] of
- * which one turns, and which are further apart at both ends and do not carry at the last [s]; h: none do. Sides that do not turn tell that
- * by gap and speed at the start. BASE_ENOMEM. */
+/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides come as near as `near` [m]
+ * which are further apart at both ends and do not carry at the last [s]; h: none do. *speed: the largest at which two sides that do not carry
+ * come into each other and begin to go apart again before the end, as if there were no contact [m/s]; 0: none do. BASE_ENOMEM. */
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
-                              base_error *err);
+                              double *speed, base_error *err);
+/* The largest speed at which two sides no farther apart than `near` [m] come nearer to each other now [m/s]. BASE_ENOMEM. */
+base_status world_nearing(world *w, double near, double *speed, base_error *err);
 double world_max_speed(const world *w); /* max |v| over bodies' centres [m/s] */
 /* Bound of the speed of every point of every body whose n_dof velocities are v [m/s]. */
 double world_speed_at(const world *w, const double *v);
@@ -180,6 +182,8 @@ world_surface_speed(const world *w); /* bound of the speed of every point of eve
 double world_closing_rate(const world *w, double margin);
 /* Springs and dampers, which are explicit, refuse steps of this length and longer; HUGE_VAL: there are none [s]. */
 double world_longest_step(const world *w);
+/* Of the loads that swing; HUGE_VAL: none does [s]. */
+double world_shortest_period(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
 /* Of body i: its mass [kg], the radius that contains it [m], and its least radius of gyration over that [1]; 0 where it cannot turn with
  * `effects`. Prescribed: mass 0. */

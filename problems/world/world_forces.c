@@ -207,6 +207,15 @@ double world_longest_step(const world *w) {
   return longest;
 }
 
+double world_shortest_period(const world *w) {
+  double fastest = 0.0;
+  for (int i = 0; world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
+    const spec_load *l = &w->spec.load[i];
+    fastest = (l->kind == SPEC_FORCE_SINE) ? fmax(fastest, fabs(l->omega)) : fastest;
+  }
+  return (fastest > 0.0) ? 8.0 * atan(1.0) / fastest : HUGE_VAL;
+}
+
 base_status world_free_motion(world *w, double h, base_error *err) {
   set_store *s = &w->store;
   double *f = s->wrench;

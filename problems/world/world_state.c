@@ -246,7 +246,7 @@ void world_extrapolate(world *w, const double *coarse, const double *fine) {
     body_state t;
     memcpy(&s, coarse + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof s);
     memcpy(&t, fine + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof t);
-    if (w->body[i].n_dof > 0) {
+    if (w->body[i].n_dof > 0 || w->body[i].driven) {
       body_extrapolate(&w->body[i], w->dim, &s, &t);
     }
   }

@@ -1,4 +1,4 @@
-/* world_touch.c - do bodies that turn come near each other between the ends of a step? */
+/* world_touch.c - do bodies come near each other between the ends of a step? */
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
@@ -60,39 +60,105 @@ static double fastest(const double *a, const double *b) {
   return fmax(v3_norm(a), v3_norm(end));
 }
 
-/* How far the points of a body come at most about its centre. */
+/* How far the points of a body come at most about its centre. A round one has the same places however it spins. */
 static double spun(const path *p) {
-  return fastest(p->w, p->w2) * p->start.bound;
+  return p->start.round ? 0.0 : fastest(p->w, p->w2) * p->start.bound;
+}
+
+/* Two sides over a step, b NULL: a plane; v, x2: of their difference; spun: how far the points of both come at most about the centres [m]. */
+typedef struct meeting {
+  const path *a, *b;
+  int ia, ib;
+  double v[3], x2[3], spun;
+} meeting;
+
+/* The direction from b to a in which the gap now between them lies, where that is known: of planes, and of round bodies. */
+static bool direction_of(const world *w, const meeting *m, double n[3]) {
+  if (m->b == NULL) {
+    v3_copy(w->spec.fixed[m->ib - w->n_body].normal, n);
+    return true;
+  }
+  v3_sub(w->body[m->ia].at.x, w->body[m->ib].at.x, n);
+  const double length = v3_norm(n);
+  v3_scale((length > 0.0) ? 1.0 / length : 0.0, n, n);
+  return m->a->start.round && m->b->start.round && length > 0.0;
+}
+
+/* For how long a gap lasts, in parts of the step, from s on. It is not closed before the sides have come nearer by as much along its
+ * direction, or, where that is not known, at the speed at which their points come nearer at most (Mirtich 1996). HUGE_VAL: for good. */
+static double lasts(const world *w, const meeting *m, double s, double gap) {
+  double n[3];
+  if (!direction_of(w, m, n)) {
+    return gap / (fastest(m->v, m->x2) + m->spun);
+  }
+  const double p = m->spun - v3_dot(n, m->v) - 2.0 * s * v3_dot(n, m->x2);
+  const double q = -v3_dot(n, m->x2);
+  /* the least t > 0 of p t + q t^2 = gap */
+  const double square = p * p + 4.0 * q * gap;
+  const double under = p + sqrt(fmax(square, 0.0));
+  return (square >= 0.0 && under > 0.0) ? 2.0 * gap / under : HUGE_VAL;
+}
+
+/* Takes both sides to the part s of the step; their gap there [m]. */
+static double gap_at(world *w, const meeting *m, double s) {
+  pose_at(&w->body[m->ia], m->a, s, w->dim);
+  if (m->b != NULL) {
+    pose_at(&w->body[m->ib], m->b, s, w->dim);
+  }
+  return detect_pair_gap(w, m->ia, m->ib);
 }
 
 enum { LOOKS_MOST = 200 }; /* at one pair; it is taken to be as near where they end */
 
-/* When two sides that are further apart than `near` at first are as near, in parts of the step; `most`: not before. A gap of g lasts for g
- * over the speed at which their points come nearer at most (Mirtich 1996). b: of a plane NULL. */
-static double touch(world *w, const path *a, const path *b, int ia, int ib, double near,
-                    double most) {
-  double v[3];
-  double x2[3];
-  v3_copy(a->v, v);
-  v3_copy(a->x2, x2);
-  if (b != NULL) {
-    v3_sub(a->v, b->v, v);
-    v3_sub(a->x2, b->x2, x2);
-  }
-  const double speed = fastest(v, x2) + spun(a) + ((b != NULL) ? spun(b) : 0.0);
+/* When two sides are as near as `near` first, in parts of the step; `most`: not before. */
+static double touch(world *w, const meeting *m, double near, double most) {
   double s = 0.0;
   for (int k = 0; k < LOOKS_MOST && s < most; k++) {
-    pose_at(&w->body[ia], a, s, w->dim);
-    if (b != NULL) {
-      pose_at(&w->body[ib], b, s, w->dim);
-    }
-    const double gap = detect_pair_gap(w, ia, ib);
+    const double gap = gap_at(w, m, s);
     if (gap <= near) {
-      return (k > 0) ? s : most;
+      return s;
     }
-    s += gap / speed;
+    s += lasts(w, m, s, gap);
   }
   return fmin(s, most);
+}
+
+/* When the gap is least between two parts of the step that it falls and rises once in. */
+static double deepest(world *w, const meeting *m, double from, double to) {
+  static const double golden = 0.6180339887498949;
+  while (to - from > 1e-7) {
+    const double early = to - golden * (to - from);
+    const double late = from + golden * (to - from);
+    if (gap_at(w, m, early) < gap_at(w, m, late)) {
+      to = late;
+    } else {
+      from = early;
+    }
+  }
+  return 0.5 * (from + to);
+}
+
+/* The speed at which two sides come into each other that no longer come on so at the end, or are deeper than twice `near` by then, in
+ * lengths a step; 0: they do not. */
+static double passed(world *w, const meeting *m, double near) {
+  static const double little = 1e-3;    /* of the step, and of the smallest body */
+  static const double rounding = 1e-12; /* of the smallest body */
+  static const double as_fast = 0.9;
+  const double from = touch(w, m, 0.0, 1.0);
+  if (from >= 1.0) {
+    return 0.0;
+  }
+  const double fast = fastest(m->v, m->x2) + m->spun;
+  const double slight = little * fmin(w->size / fast, 1.0);
+  const double there = gap_at(w, m, from);
+  const double speed = (there - gap_at(w, m, from + slight)) / slight;
+  const double end = gap_at(w, m, 1.0);
+  const double last = (gap_at(w, m, 1.0 - slight) - end) / slight;
+  if (end >= -2.0 * near && last >= as_fast * speed) {
+    return 0.0; /* they still come on */
+  }
+  const double deep = fmin(there, 0.0) - gap_at(w, m, deepest(w, m, from, 1.0));
+  return (deep > rounding * w->size) ? fmax(speed, 0.0) : 0.0;
 }
 
 /* Did the last contacts carry between two sides? */
@@ -114,26 +180,41 @@ static bool carried(const world *w, int a, int b) {
   return false;
 }
 
-/* The two sides of a pair; `most` where neither turns, or the step knows of them: they carry, or are near at its end. */
-static double touch_of(world *w, const double *start, int a, int b, double h, double near,
-                       double most) {
+/* What is looked for, and found so far. */
+typedef struct touches {
+  const double *start;
+  double h, near; /* [s], [m] */
+  double first;   /* in parts of the step */
+  double passed;  /* [m/s] */
+} touches;
+
+/* The two sides of a pair; those that carry the step knows of, and of those that are near at its end if they have not passed. */
+static void look_at(world *w, touches *t, int a, int b) {
   const bool plane = b >= w->n_body;
   path pa;
   path pb;
-  path_of(&pa, w, start, a, h);
+  if (carried(w, a, b)) {
+    return;
+  }
+  path_of(&pa, w, t->start, a, t->h);
+  meeting m = {.a = &pa, .ia = a, .ib = b, .spun = spun(&pa)};
+  v3_copy(pa.v, m.v);
+  v3_copy(pa.x2, m.x2);
   if (!plane) {
-    path_of(&pb, w, start, b, h);
+    path_of(&pb, w, t->start, b, t->h);
+    m.b = &pb;
+    m.spun += spun(&pb);
+    v3_sub(pa.v, pb.v, m.v);
+    v3_sub(pa.x2, pb.x2, m.x2);
   }
-  const bool turns = spun(&pa) > 0.0 || (!plane && spun(&pb) > 0.0);
-  if (!turns || carried(w, a, b) || detect_pair_gap(w, a, b) <= near) {
-    return most;
-  }
+  const bool gone = detect_pair_gap(w, a, b) > t->near;
   const body end_a = w->body[a];
   const body end_b = w->body[plane ? a : b];
-  const double at = touch(w, &pa, plane ? NULL : &pb, a, b, near, most);
+  const double at = gone ? touch(w, &m, t->near, t->first) : 0.0;
+  t->first = (at > 0.0) ? at : t->first;
+  t->passed = fmax(t->passed, passed(w, &m, t->near) / t->h);
   w->body[plane ? a : b] = end_b;
   w->body[a] = end_a;
-  return at;
 }
 
 /* Balls about where the bodies began, that contain their ways. */
@@ -150,9 +231,10 @@ static base_status fill_balls(world *w, const double *start, double h, base_erro
 }
 
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
-                              base_error *err) {
-  double first = 1.0;
+                              double *speed, base_error *err) {
+  touches t = {.start = start, .h = h, .near = near, .first = 1.0};
   *at = h;
+  *speed = 0.0;
   if (w->model != NULL || !world_has(w, EFFECT_CONTACT)) {
     return BASE_OK;
   }
@@ -161,7 +243,7 @@ base_status world_first_touch(world *w, double h, const double *start, double ne
   for (int k = 0; k < w->broad.n_pair; k++) {
     const broad_pair p = w->broad.pair[k];
     if (detect_may_collide(w, p.a, p.b)) {
-      first = touch_of(w, start, p.a, p.b, h, near, first);
+      look_at(w, &t, p.a, p.b);
     }
   }
   for (int a = 0; a < w->n_body; a++) {
@@ -170,10 +252,72 @@ base_status world_first_touch(world *w, double h, const double *start, double ne
       const spec_static *plane = &w->spec.fixed[i];
       const double away = v3_dot(plane->normal, ball->x) - plane->offset - ball->r;
       if (away < 0.0 && detect_may_collide(w, a, w->n_body + i)) {
-        first = touch_of(w, start, a, w->n_body + i, h, near, first);
+        look_at(w, &t, a, w->n_body + i);
       }
     }
   }
-  *at = first * h;
+  *at = t.first * h;
+  *speed = t.passed;
+  return BASE_OK;
+}
+
+/* The speed at which two sides that are no farther apart than `near` come nearer to each other, over so short a time that they stay so. */
+static double nearing(world *w, int a, int b, double near) {
+  const bool plane = b >= w->n_body;
+  const double gap = detect_pair_gap(w, a, b);
+  if (gap > near) {
+    return 0.0;
+  }
+  path pa;
+  path pb;
+  const body now_a = w->body[a];
+  const body now_b = w->body[plane ? a : b];
+  const double fast = v3_norm(now_a.v) + now_a.bound * v3_norm(now_a.v + 3) + v3_norm(now_b.v) +
+                      now_b.bound * v3_norm(now_b.v + 3);
+  if (!(fast > 0.0)) {
+    return 0.0;
+  }
+  const double h = 1e-6 * w->size / fast;
+  pa = (path){.start = now_a};
+  v3_scale(h, now_a.v, pa.v);
+  v3_scale(h, now_a.v + 3, pa.w);
+  pose_at(&w->body[a], &pa, 1.0, w->dim);
+  if (!plane) {
+    pb = (path){.start = now_b};
+    v3_scale(h, now_b.v, pb.v);
+    v3_scale(h, now_b.v + 3, pb.w);
+    pose_at(&w->body[b], &pb, 1.0, w->dim);
+  }
+  const double speed = (gap - detect_pair_gap(w, a, b)) / h;
+  w->body[plane ? a : b] = now_b;
+  w->body[a] = now_a;
+  return fmax(speed, 0.0);
+}
+
+base_status world_nearing(world *w, double near, double *speed, base_error *err) {
+  *speed = 0.0;
+  if (w->model != NULL || !world_has(w, EFFECT_CONTACT)) {
+    return BASE_OK;
+  }
+  BASE_TRY(broad_reserve(&w->broad, w->n_body, err));
+  for (int i = 0; i < w->n_body; i++) {
+    broad_ball *ball = &w->broad.ball[i];
+    v3_copy(w->body[i].at.x, ball->x);
+    ball->r = w->body[i].bound + near;
+  }
+  BASE_TRY(broad_find(&w->broad, w->dim, err));
+  for (int k = 0; k < w->broad.n_pair; k++) {
+    const broad_pair p = w->broad.pair[k];
+    if (detect_may_collide(w, p.a, p.b)) {
+      *speed = fmax(*speed, nearing(w, p.a, p.b, near));
+    }
+  }
+  for (int a = 0; a < w->n_body; a++) {
+    for (int i = 0; i < w->spec.n_static; i++) {
+      if (detect_may_collide(w, a, w->n_body + i)) {
+        *speed = fmax(*speed, nearing(w, a, w->n_body + i, near));
+      }
+    }
+  }
   return BASE_OK;
 }

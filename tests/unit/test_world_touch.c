@@ -12,12 +12,13 @@ static const double near_by = 1e-6; /* [m] */
 static double first_touch(world *w, double h) {
   contact_set c;
   double at;
+  double passed;
   double *start = malloc(world_saved_size(w) * sizeof *start);
   assert_non_null(start);
   world_save(w, start);
   check_ok(world_contacts(w, h, 0.0, &c, &err), &err);
   check_ok(world_advance(w, c.v, NULL, &err), &err);
-  check_ok(world_first_touch(w, h, start, near_by, &at, &err), &err);
+  check_ok(world_first_touch(w, h, start, near_by, &at, &passed, &err), &err);
   free(start);
   return at;
 }
