@@ -5,7 +5,7 @@
  * unit of the quantities it holds for ("1e-3m", "0.01rad"), or relative to the scale of each quantity's unit:
  *
  *   m      the longest way that a body's centre, or one of the quantities, is from where it began; at least the size
- *          of the smallest body
+ *          of the smallest body, in a scene of points how far these may come by their speed or gravity
  *   m/s    the largest speed of a body; at least that of the length above in the time of the run
  *   rad    1
  *   rad/s  the largest value of the quantities of this unit; at least 1 rad in the time of the run

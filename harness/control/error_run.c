@@ -9,6 +9,8 @@
 static const double spring_step = 0.5;
 /* Of the period of a load: no halving of it, nor of what a run takes, falls on its zeros alone. */
 static const double swing_step = 1.0 / 6.3;
+/* Of the time in which what is off a steady turning grows by e: it is nothing yet where the others begin. */
+static const double growth_step = 0.25;
 /* Of the fall of the difference that two orders of convergence stand for, this share shows them; of no fall, that runs converge. */
 static const double shown = 0.75;
 
@@ -280,9 +282,6 @@ static bool go_on(climber *l) {
   }
   level->change = largest_change(r, &l->now, &l->before);
   estimate(r, &l->now, &l->before, finer_by(l), fmax(located(l), fallen(l)));
-  fprintf(stderr, "lvl %d est %g located %g doubt %g bent %g jump %g fallen %g forced %ld\n",
-          r->n_level, r->estimate / r->asked.E, level->account.located / length_now(l), doubted(l),
-          bent(l), level->account.jump, fallen(l), level->account.forced);
   r->promised = r->estimate <= r->asked.E;
   if (arrived(l)) {
     return false;
@@ -312,7 +311,9 @@ static base_status start_open(const sim_request *q, start_sizes *start, base_err
   BASE_TRY(world_open_over(&w, q->spec, q->effects, err));
   const double speed = world_max_speed(w);
   start->scale = fmax(world_size(w), speed * q->duration);
-  start->bears = fmin(spring_step * world_longest_step(w), swing_step * world_shortest_period(w));
+  start->bears =
+      fmin(fmin(spring_step * world_longest_step(w), swing_step * world_shortest_period(w)),
+           growth_step / world_growth_rate(w));
   start->rests = world_may_rest(w);
   world_close(w);
   return BASE_OK;

@@ -182,6 +182,8 @@ world_surface_speed(const world *w); /* bound of the speed of every point of eve
 double world_closing_rate(const world *w, double margin);
 /* Springs and dampers, which are explicit, refuse steps of this length and longer; HUGE_VAL: there are none [s]. */
 double world_longest_step(const world *w);
+/* The fastest at which what is off a steady turning grows now, as about a middle axis [1/s]; 0: none does. */
+double world_growth_rate(const world *w);
 /* Of the loads that swing; HUGE_VAL: none does [s]. */
 double world_shortest_period(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */

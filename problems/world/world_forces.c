@@ -216,6 +216,30 @@ double world_shortest_period(const world *w) {
   return (fastest > 0.0) ? 8.0 * atan(1.0) / fastest : HUGE_VAL;
 }
 
+/* Of what a free body that turns about its middle axis is off it: |omega| sqrt((I2 - I1) (I3 - I2) / (I1 I3)) (Euler 1765). */
+static double growth_of(const body *b) {
+  double O[3]; /* in body axes */
+  m3_tmul_vec(b->at.R, b->v + 3, O);
+  for (int k = 0; k < 3; k++) {
+    const double first = b->inertia[(k + 1) % 3] - b->inertia[k];
+    const double second = b->inertia[k] - b->inertia[(k + 2) % 3];
+    const double others = b->inertia[(k + 1) % 3] * b->inertia[(k + 2) % 3];
+    if (first * second > 0.0 && others > 0.0) {
+      return fabs(O[k]) * sqrt(first * second / others);
+    }
+  }
+  return 0.0;
+}
+
+double world_growth_rate(const world *w) {
+  double most = 0.0;
+  for (int i = 0; w->dim == 3 && world_has(w, EFFECT_GYROSCOPIC) && i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    most = (b->n_dof > 0 && b->spins) ? fmax(most, growth_of(b)) : most;
+  }
+  return most;
+}
+
 base_status world_free_motion(world *w, double h, base_error *err) {
   set_store *s = &w->store;
   double *f = s->wrench;
