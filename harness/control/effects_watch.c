@@ -104,12 +104,21 @@ static base_status change_effects(watch *w, unsigned now, base_error *err) {
   return sim_change_effects(w->s, now, err);
 }
 
+/* The stiffness of bristles goes with the mass that they move, which is another where bodies may turn. */
+static unsigned with_friction(const sim_request *q, unsigned more) {
+  const bool bristles = (q->form->form->model & FORM_REGULARISED) != 0;
+  return (bristles && (more & EFFECT_FRICTION) != 0)
+             ? q->effects & (EFFECT_ROTATION | EFFECT_SPATIAL)
+             : 0u;
+}
+
 /* From the step now reached on with more effects than before it. */
 static base_status add_effects(watch *w, unsigned more, base_error *err) {
   effects_plan *p = &w->result->plan;
   while (p->n > 1 && p->span[p->n - 1].from > w->s->out->steps) {
     p->n--;
   }
+  more |= with_friction(w->q, more);
   unsigned now = p->span[p->n - 1].effects | more;
   if (p->n + 1 == EFFECTS_SPANS) {
     now = w->q->effects;
@@ -271,6 +280,7 @@ static base_status leave_out(watch *w, outlook from, base_error *err) {
   BASE_TRY(foresee(w, from, &acts, &touches, err));
   unsigned without = in & candidates & ~acts;
   without &= ~world_moves(w->s->w, without, least_change(w));
+  without &= ~with_friction(w->q, w->s->effects & ~without);
   without = with_gyroscopic(w->q, without);
   w->left += (without != 0);
   return (without != 0) ? change_effects(w, w->s->effects & ~without, err) : BASE_OK;
@@ -381,6 +391,7 @@ static base_status begin(watch *w, base_error *err) {
   }
   BASE_TRY(foresee(w, GOES_ON, &acts, &touches, err));
   w->waits = !touches && (q->effects & EFFECT_JOINTS) == 0;
+  acts |= with_friction(q, acts | (q->effects & ~w->result->watched));
   const unsigned in = w->result->watched & (w->waits ? ~q->form->form->lacks : acts);
   const base_status done = (in != 0) ? change_effects(w, w->s->effects | in, err) : BASE_OK;
   w->s->out->time.watch += base_seconds() - from;
@@ -430,6 +441,59 @@ static unsigned unneeded(const sim_request *q) {
   return with_gyroscopic(q, without);
 }
 
+static bool has_friction(const sim_request *q) {
+  return (q->effects & EFFECT_FRICTION) != 0;
+}
+
+/* Round cones and bristles give mu times the normal force at most; facets that contain the circle more, and a box the most at its corners: the
+ * root of 2, and as much again where that normal force is one of before. */
+static double friction_reach(const sim_request *q) {
+  const double quarter = 2.0 * atan(1.0);
+  const unsigned model = q->form->form->model;
+  const int facets = formulation_choice_facets(q->form);
+  if (q->spec->dim == 2 || (model & (FORM_CONE_EXACT | FORM_REGULARISED)) != 0) {
+    return 1.0;
+  }
+  if ((model & FORM_CONE_POLYHEDRAL) == 0) {
+    return (model & FORM_BOUNDS_LAGGED) != 0 ? 2.0 : sqrt(2.0);
+  }
+  const bool outside = strstr(q->form->config, "cone=circumscribed") != NULL;
+  return outside ? 1.0 / cos(2.0 * quarter / facets) : 1.0;
+}
+
+/* What none of the bounds tells of stays in: whether a contact has slid (friction_kinetic); the plane where the facets of a cone do not lie in
+ * it, or where turning in it turns a body out of it; and everything where bodies that are in each other are pushed apart. */
+static base_status kept_in(const watch *w, unsigned *kept, base_error *err) {
+  const sim_request *q = w->q;
+  const scene_spec *spec = q->spec;
+  const bool slid = spec->friction_kinetic.dflt >= 0.0 || spec->friction_kinetic.n_pair > 0;
+  const bool polygon = (q->form->form->model & FORM_CONE_POLYHEDRAL) != 0 && has_friction(q);
+  const bool aslant = polygon && formulation_choice_facets(q->form) % 4 != 0;
+  double depth = 0.0;
+  if ((q->form->form->model & FORM_POSITION) != 0) {
+    BASE_TRY(world_depth(w->s->w, &depth, err));
+  }
+  *kept = slid ? EFFECT_FRICTION : 0u;
+  *kept |= (spec->dim == 3 && (aslant || world_turns_out_of_plane(w->s->w))) ? EFFECT_SPATIAL : 0u;
+  *kept |= (depth > 1e-9 * w->scale.size) ? ~0u : 0u;
+  *kept &= w->result->watched;
+  return BASE_OK;
+}
+
+/* Before the first step. */
+static base_status keep_in(watch *w, base_error *err) {
+  unsigned kept = 0;
+  world_set_friction_reach(w->s->w, friction_reach(w->q));
+  if (w->result->watched != 0) {
+    BASE_TRY(kept_in(w, &kept, err));
+  }
+  if (kept == 0) {
+    return BASE_OK;
+  }
+  w->result->watched &= ~kept;
+  return add_effects(w, kept, err);
+}
+
 base_status watch_run(const sim_request *q, double level, series *record, sim_result *out,
                       watch_result *result, base_error *err) {
   sim s;
@@ -444,6 +508,9 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
     w.scale = deviation_scale_of(q->spec, s.w, q->duration);
     result->size = w.scale.size;
     result->speed = w.scale.speed;
+    done = keep_in(&w, err);
+  }
+  if (done == BASE_OK) {
     done = run(&w, err);
   }
   if (done == BASE_OK) {

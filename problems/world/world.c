@@ -191,6 +191,7 @@ static base_status open_world(world **out, const scene_spec *spec, bool borrows,
   if (w == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "scene %.64s: no memory for its world", spec->id);
   }
+  w->friction_reach = 1.0;
   base_status status = BASE_OK;
   w->borrows = borrows;
   if (borrows) {

@@ -145,6 +145,10 @@ void world_foreseen(const world *w, unsigned effects, double change[EFFECT_COUNT
                     world_growth *grown);
 /* Those of `effects` (rotation, spatial) that a velocity or a prescribed motion of the scene needs. */
 unsigned world_moved_by(const scene_spec *spec, unsigned effects);
+/* Does turning in the plane turn some body out of it, by a product of its inertia? */
+bool world_turns_out_of_plane(const world *w);
+/* The most that the law of friction gives over mu times the normal force, for what it would do (world_omitted); 1 at first [1]. */
+void world_set_friction_reach(world *w, double reach);
 /* Those that some body now moves along by more than `least` [m/s]. */
 unsigned world_moves(const world *w, unsigned effects, double least);
 

@@ -152,6 +152,8 @@ struct world {
   pair_table mu, mu_kinetic, restitution, rolling, torsion, apart; /* apart: no collision */
   bool compliant; /* some surface has another compliance than 1 */
   double size;    /* smallest body or scene length: scale of tolerances [m] */
+  double
+      friction_reach; /* most friction over mu times the normal force, for what it would do [1] */
   broad_phase broad;
   base_gather found; /* points, by the parts of the search */
   set_store store;

@@ -44,7 +44,22 @@ unsigned world_moved_by(const scene_spec *s, unsigned effects) {
       }
     }
   }
+  for (int i = 0; i < s->n_static; i++) { /* belts */
+    for (int k = 0; k < 3; k++) {
+      moved |= (s->fixed[i].surface_velocity[k] != 0.0) ? world_axis_needs(k, s->dim) : 0u;
+    }
+  }
   return moved & effects;
+}
+
+bool world_turns_out_of_plane(const world *w) {
+  bool out = false;
+  for (int i = 0; w->dim == 3 && w->model == NULL && !out && i < w->n_body; i++) {
+    double I[9];
+    body_inertia(&w->body[i], w->dim, I);
+    out = fmax(fabs(I[1]), fabs(I[5])) > 1e-9 * fmax(I[0], fmax(I[4], I[8]));
+  }
+  return out;
 }
 
 unsigned world_moves(const world *w, unsigned effects, double least) {

@@ -66,7 +66,8 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
   v3_sub(wa, wb, wa);
   v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
   if ((omitted & EFFECT_FRICTION) != 0) {
-    const double mu = fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
+    const double law = fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
+    const double mu = law * w->friction_reach;
     const double mobility = inverse_mass(w, c->a) + inverse_mass(w, c->b);
     const double speed = v3_norm(ua), rub = most_of(mu, press, speed, mobility);
     add_to_sides(w, c, offsetof(residual, rub), rub);
@@ -94,6 +95,10 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
     const double e = pair_value(&w->restitution, c->a, c->b);
     add_to_sides(w, c, offsetof(residual, bounce), -e * fmin(s->u_before[s->row_start[i]], 0.0));
   }
+}
+
+void world_set_friction_reach(world *w, double reach) {
+  w->friction_reach = reach;
 }
 
 void world_acted(const world *w, const double *impulse, world_growth *grown) {
