@@ -11,7 +11,7 @@ deviation_scale deviation_scale_of(const scene_spec *spec, const world *w, doubl
   const double size = world_size(w);
   return (deviation_scale){.size = size,
                            .speed = fmax(sqrt(gravity * size), size / duration),
-                           .fall = sqrt(gravity / size)};
+                           .fall = sqrt(world_most_acceleration(w) / size)};
 }
 
 base_status deviation_open(deviation *d, int n, const world_inertia *inertia, base_error *err) {

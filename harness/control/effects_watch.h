@@ -1,13 +1,13 @@
 /* harness/control/effects_watch.h - `--effects auto:E`: simulates only the effects that the run calls for.
  *
  * The run begins without friction, rolling, torsion, rotation and the third dimension, as far as the scene declares them and no
- * velocity at the start needs them; in the plane with rotation, which has no row there, while two feet of a body that cannot turn
+ * velocity, driven body or belt needs them; in the plane with rotation, which has no row there, while two feet of a body that cannot turn
  * are one too many; and with restitution, which adds no row to a step. Before contacts touch, leaving out saves nothing: a scene
  * without joints in which none does begins with everything, and leaves out once the same contacts carried in two steps. What is
  * sure to act in the step to come (world_foreseen) is in at once. Every step without an effect tells how much that effect could
  * have changed in it (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From
  * these follows how far each body may be off (deviation.h), and how far it would be at the end if deviations went on to grow as in
- * the last step, by no more than what falls over does: a body of the smallest size, at sqrt(g / size). Changes count that are more than
+ * the last step, by no more than what falls over does: a body of the smallest size, at sqrt(a / size), a by gravity and what all loads give the lightest body. Changes count that are more than
  * what a verified answer may be off by, and more than would add up to a tenth of E over the run. They count against the largest speed
  * so far (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. Where
  *
@@ -16,7 +16,7 @@
  *     rest, or
  *   - an impact is the first step in which anything acts, and would have the end off by a third of E: what comes in for it alone goes
  *     again behind it, or
- *   - contacts begin or cease to carry while something left out has acted, unless no friction is simulated and each contact rests,
+ *   - contacts begin or cease to carry, or may, while something left out has acted, unless no friction is simulated and each contact rests,
  *     passes or closes, in this step and not before, whatever the deviation is (world_contacts_alike): what other impacts make of a
  *     deviation is unknown,
  *
@@ -31,6 +31,12 @@
  *   - behind an impact that it came in for: contacts stay, and what it did in the last step, going on to the end of the run while
  *     deviations grow as in that step, is less than E; less than a third of it where they do grow. This is asked for after 1, 2, 4, ...
  *     steps, and behind a change of contacts 16 steps after the last such, and done 8 times a run at most.
+ *
+ * Of some things none of these bounds tells, and they stay in: friction that is another once a contact has slid; the third dimension where the
+ * facets of a cone do not lie in the plane, or turning in it turns a body out of it (products of inertia); rotation and the third dimension
+ * beside friction by bristles, whose stiffness goes with what may turn; all of it where `position` finds bodies in each other at the start. A law of
+ * friction that reaches beyond mu times the normal force counts with what it reaches. Contacts also count as beginning where bodies come so
+ * near that what they are off may have them meet.
  *
  * Gravity, contact, joints, loads, damping, motion are the scene itself; gyroscopic goes with rotation. Formulations that
  * step by themselves, and generalised coordinates, have everything in. */

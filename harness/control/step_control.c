@@ -527,7 +527,10 @@ static base_status even_step(controlled *c, double h, bool *limited, base_error 
   }
   BASE_TRY(sim_step(s, c->record, h, &taken, err));
   c->account->solved++;
-  return count(c, h, 0, err);
+  BASE_TRY(count(c, h, 0, err));
+  c->account->way = fmax(c->account->way, c->fastest * h);
+  c->account->gain = HUGE_VAL; /* nobody looked */
+  return BASE_OK;
 }
 
 static base_status run_even(controlled *c, bool *limited, base_error *err) {

@@ -129,8 +129,10 @@ static void note_omitted(sim *s, const formulation_answer *a, uint64_t carried) 
   if (s->would_deviate) {
     world_acted(s->w, a->impulse, s->grown);
   }
-  s->alike = s->off == NULL || s->carrying.ids == carried ||
-             world_contacts_alike(s->w, a->v_next, a->impulse, s->off, s->grown);
+  const bool same =
+      s->off == NULL || (s->carrying.ids == carried &&
+                         !world_may_meet(s->w, a->v_next, a->impulse, s->off, s->grown));
+  s->alike = same || world_contacts_alike(s->w, a->v_next, a->impulse, s->off, s->grown);
 }
 
 /* Steps that a formulation with complementarity problems takes. */

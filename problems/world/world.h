@@ -138,6 +138,9 @@ void world_acted(const world *w, const double *impulse, world_growth *grown);
  * kinetic energy but for what goes with places. */
 bool world_contacts_alike(const world *w, const double *v_next, const double *impulse,
                           const world_deviation *off, const world_growth *grown);
+/* May two sides that this step leaves apart meet in it by what they are off? */
+bool world_may_meet(const world *w, const double *v_next, const double *impulse,
+                    const world_deviation *off, const world_growth *grown);
 /* As world_omitted, guessed before the step of the last set is solved, of `effects` that the world has or not: friction of bodies that touch in one
  * direction only and slide, the third dimension where a contact pushes out of the plane. 0: nothing is known before. Of `grown` what is said of
  * deviations is kept. */
@@ -188,6 +191,8 @@ double world_closing_rate(const world *w, double margin);
 double world_longest_step(const world *w);
 /* The fastest at which what is off a steady turning grows now, as about a middle axis [1/s]; 0: none does. */
 double world_growth_rate(const world *w);
+/* That gravity and all loads together give the lightest body at most, however joints pass them on [m/s^2]. */
+double world_most_acceleration(const world *w);
 /* Of the loads that swing; HUGE_VAL: none does [s]. */
 double world_shortest_period(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */

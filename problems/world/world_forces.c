@@ -207,6 +207,34 @@ double world_longest_step(const world *w) {
   return longest;
 }
 
+/* The largest force of a load; of a spring what a place that is off by the smallest body makes of it. */
+static double force_of(const world *w, const spec_load *l) {
+  switch (l->kind) {
+  case SPEC_FORCE:
+    return v3_norm(l->force) + v3_norm(l->torque) / w->size;
+  case SPEC_FORCE_RAMP:
+    return fabs(l->rate) * w->spec.duration;
+  case SPEC_FORCE_SINE:
+    return fabs(l->rate);
+  case SPEC_TORSION_SPRING:
+    return l->k / w->size;
+  default:
+    return l->k * w->size;
+  }
+}
+
+double world_most_acceleration(const world *w) {
+  double force = 0.0;
+  double lightest = HUGE_VAL;
+  for (int i = 0; world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
+    force += force_of(w, &w->spec.load[i]);
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    lightest = (w->body[i].n_dof > 0) ? fmin(lightest, w->body[i].mass) : lightest;
+  }
+  return v3_norm(w->spec.gravity) + force / lightest;
+}
+
 double world_shortest_period(const world *w) {
   double fastest = 0.0;
   for (int i = 0; world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
@@ -216,7 +244,7 @@ double world_shortest_period(const world *w) {
   return (fastest > 0.0) ? 8.0 * atan(1.0) / fastest : HUGE_VAL;
 }
 
-/* Of what a free body that turns about its middle axis is off it: |omega| sqrt((I2 - I1) (I3 - I2) / (I1 I3)) (Euler 1765). */
+/* Of what a free body that turns about its middle axis is off it: |omega| sqrt((I2 - I1) (I3 - I2) / (I1 I3)), by Euler's equations. */
 static double growth_of(const body *b) {
   double O[3]; /* in body axes */
   m3_tmul_vec(b->at.R, b->v + 3, O);

@@ -57,7 +57,7 @@ bool world_turns_out_of_plane(const world *w) {
   for (int i = 0; w->dim == 3 && w->model == NULL && !out && i < w->n_body; i++) {
     double I[9];
     body_inertia(&w->body[i], w->dim, I);
-    out = fmax(fabs(I[1]), fabs(I[5])) > 1e-9 * fmax(I[0], fmax(I[4], I[8]));
+    out = fmax(fabs(I[1]), fabs(I[5])) > 1e-14 * fmax(I[0], fmax(I[4], I[8]));
   }
   return out;
 }
@@ -77,7 +77,7 @@ unsigned world_moves(const world *w, unsigned effects, double least) {
 /* A normal neither in the plane nor across it pushes out of it. */
 static bool leans(const double *n) {
   const double across = fabs(n[1]);
-  return across > 1e-9 && across < 1.0 - 1e-9;
+  return across > 1e-14 && across < 1.0 - 1e-14;
 }
 
 /* Velocity of the first side over the second where bodies go without contacts: against the normal, and what slides. */

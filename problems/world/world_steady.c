@@ -188,7 +188,7 @@ static double unlike(const world *w, int i) {
  * on its contacts differ by w times that, in a step of h by h w^2 times the place. */
 static void add_body(const world *w, int i, bool tied, world_growth *g) {
   const residual *r = world_residual(w, i);
-  const double falls = tied ? w->h * v3_norm(w->spec.gravity) / w->size : 0.0;
+  const double falls = tied ? w->h * world_most_acceleration(w) / w->size : 0.0;
   const double carried = w->h * r->turn * r->turn, size = w->body[i].mass * w->size;
   if (r->press > 0.0 || tied) {
     g->place = fmax(falls, r->bends / size) + carried;
@@ -290,21 +290,44 @@ static bool acts_alike(const world *w, int i, double place, double unsure, const
   return rests || passes || hits;
 }
 
+/* How far the sides of contact i may be off, and how fast. */
+static void unsure_of(const world *w, int i, const world_deviation *off, const world_growth *grown,
+                      double *place, double *speed) {
+  const contact_item *c = &w->store.item[w->store.key[i].item];
+  const int side[2] = {c->a, c->b};
+  *place = *speed = 0.0;
+  for (int k = 0; k < 2; k++) {
+    if (deviates(w, side[k])) {
+      const world_growth *g = &grown[side[k]];
+      *place += off[side[k]].place;
+      *speed += off[side[k]].speed + g->moved + g->spun;
+    }
+  }
+}
+
+bool world_may_meet(const world *w, const double *v_next, const double *impulse,
+                    const world_deviation *off, const world_growth *grown) {
+  bool meets = false;
+  for (int i = 0; i < w->set.n_contact && !meets; i++) {
+    double place;
+    double speed;
+    unsure_of(w, i, off, grown, &place, &speed);
+    const bool open = w->store.gap[i] > w->set.tol && !(impulse[w->store.row_start[i]] > 0.0);
+    const double after = parting(w, i, v_next);
+    meets = open && after <= speed &&
+            w->store.gap[i] + w->h * after <= w->set.tol + place + w->h * speed;
+  }
+  return meets;
+}
+
 bool world_contacts_alike(const world *w, const double *v_next, const double *impulse,
                           const world_deviation *off, const world_growth *grown) {
   static const unsigned laws = EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION;
   bool all = (w->effects & laws) == 0;
   for (int i = 0; i < w->set.n_contact && all; i++) {
-    const contact_item *c = &w->store.item[w->store.key[i].item];
-    const int side[2] = {c->a, c->b};
-    double place = 0.0, unsure = 0.0;
-    for (int k = 0; k < 2; k++) {
-      if (deviates(w, side[k])) {
-        const world_growth *g = &grown[side[k]];
-        place += off[side[k]].place;
-        unsure += off[side[k]].speed + g->moved + g->spun;
-      }
-    }
+    double place;
+    double unsure;
+    unsure_of(w, i, off, grown, &place, &unsure);
     all = acts_alike(w, i, place, unsure, v_next, impulse);
   }
   return all;

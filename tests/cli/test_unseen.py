@@ -1,0 +1,116 @@
+"""What an automatic choice does not see of itself (unseen_scenes): it is kept, or is said."""
+
+from unseen_scenes import (
+    crossed,
+    grazed,
+    just_hit,
+    left_out_by_mistake,
+    middle_axis,
+    passed_by,
+    poked,
+    swinging,
+    written,
+)
+
+from support import fewer, run_json, tap
+
+
+def keeps(d, made, errors=("1e-1", "1e-2", "1e-3")):
+    """Promised, and within E of what is known in all that is asked for."""
+    scene, known = made
+    path = written(d, scene)
+    for E in fewer(errors):
+        e = run_json("simulate", path, "--error", E)["error"]
+        assert e["promised"], (scene["id"], E, e["reason"])
+        asked = {q["quantity"]: q for q in e["quantities"]}
+        for name, value in known.items():
+            q = next(q for key, q in asked.items() if key.startswith(name))
+            assert abs(q["value"] - value) <= float(E) * q["scale"], (
+                scene["id"],
+                E,
+                name,
+                value,
+                q,
+            )
+
+
+def loads_that_swing_are_seen(d):
+    """Six steps over whole periods of a force: nothing moves in them."""
+    for periods in (4, 16):
+        keeps(d, swinging(periods))
+
+
+def a_contact_that_closes_and_opens_in_a_step_is_seen(d):
+    for under in (1e-2, 1e-4):
+        keeps(d, grazed(under), ("1e-1", "1e-2"))
+
+
+def bodies_do_not_pass_through_each_other(d):
+    for speed in (5.0, 1000.0):
+        keeps(d, crossed(speed))
+
+
+def what_a_driven_body_pushes_is_pushed(d):
+    for over in (0.1, 0.001):
+        keeps(d, poked(over))
+
+
+def a_speed_next_to_an_impact_is_of_the_right_side(d):
+    for part in (1e-3, 1e-5):
+        keeps(d, just_hit(part))
+
+
+def a_length_between_two_states_is_no_chords(d):
+    keeps(d, passed_by())
+
+
+def what_grows_off_a_steady_turning_is_seen(d):
+    for off in (1e-6, 1e-10):
+        keeps(d, middle_axis(off), ("1e-2", "1e-3"))
+
+
+def an_answer_that_is_not_verified_is_not_promised(_):
+    o = run_json("simulate", "impact", "--error", "1e-3", "--tol", "1", code=3)
+    assert not o["error"]["promised"] and "tolerance" in o["error"]["reason"], o["error"]
+
+
+def steps_of_the_scene_are_not_asked_for(d):
+    """The scene's own step is longer than the run, and than its spring bears."""
+    short = run_json("simulate", "bounce", "--error", "1%", "--duration", "0.001")
+    assert short["error"]["promised"], short["error"]
+    scene, _ = swinging(4)
+    spring = {"type": "spring_to_moving_anchor", "body": "b", "dir": [1, 0], "anchor0": [0, 0]}
+    scene |= {"loads": [spring | {"k": 1e6, "c": 2e3, "anchor_vel": [0.1, 0]}]}
+    stiff = run_json("simulate", written(d, scene), "--error", "10%", "--duration", "0.02")
+    assert stiff["error"]["promised"], stiff["error"]
+
+
+def effects_that_no_bound_tells_of_stay_in(d):
+    for scene, formulation, solver in left_out_by_mistake():
+        path = written(d, scene)
+        way = ("--formulation", formulation, "--solver", solver, "--effects")
+        whole = run_json("simulate", path, *way, "declared")["observables"]
+        for level in ("1e-2", "1e-4"):
+            auto = run_json("simulate", path, *way, f"auto:{level}")
+            told = auto["effects_auto"]
+            for name, q in whole.items():
+                scale = told["size_m"] if q["unit"] == "m" else told["speed_m_s"]
+                scale /= told["size_m"] if q["unit"] == "rad/s" else 1.0
+                off = abs(auto["observables"][name]["value"] - q["value"]) / scale
+                assert off <= float(level), (scene["id"], level, name, off, told)
+
+
+tap(
+    [
+        loads_that_swing_are_seen,
+        a_contact_that_closes_and_opens_in_a_step_is_seen,
+        bodies_do_not_pass_through_each_other,
+        what_a_driven_body_pushes_is_pushed,
+        a_speed_next_to_an_impact_is_of_the_right_side,
+        a_length_between_two_states_is_no_chords,
+        what_grows_off_a_steady_turning_is_seen,
+        an_answer_that_is_not_verified_is_not_promised,
+        steps_of_the_scene_are_not_asked_for,
+        effects_that_no_bound_tells_of_stay_in,
+    ]
+)
