@@ -108,7 +108,7 @@ static base_status change_effects(watch *w, unsigned now, base_error *err) {
 static unsigned with_friction(const sim_request *q, unsigned more) {
   const bool bristles = (q->form->form->model & FORM_REGULARISED) != 0;
   return (bristles && (more & EFFECT_FRICTION) != 0)
-             ? q->effects & (EFFECT_ROTATION | EFFECT_SPATIAL)
+             ? q->effects & (EFFECT_ROTATION | EFFECT_GYROSCOPIC | EFFECT_SPATIAL)
              : 0u;
 }
 
@@ -448,7 +448,7 @@ static bool has_friction(const sim_request *q) {
 /* Round cones and bristles give mu times the normal force at most; facets that contain the circle more, and a box the most at its corners: the
  * root of 2, and as much again where that normal force is one of before. */
 static double friction_reach(const sim_request *q) {
-  const double quarter = 2.0 * atan(1.0);
+  const double half_turn = 4.0 * atan(1.0);
   const unsigned model = q->form->form->model;
   const int facets = formulation_choice_facets(q->form);
   if (q->spec->dim == 2 || (model & (FORM_CONE_EXACT | FORM_REGULARISED)) != 0) {
@@ -458,7 +458,7 @@ static double friction_reach(const sim_request *q) {
     return (model & FORM_BOUNDS_LAGGED) != 0 ? 2.0 : sqrt(2.0);
   }
   const bool outside = strstr(q->form->config, "cone=circumscribed") != NULL;
-  return outside ? 1.0 / cos(2.0 * quarter / facets) : 1.0;
+  return outside ? 1.0 / cos(half_turn / facets) : 1.0;
 }
 
 /* What none of the bounds tells of stays in: whether a contact has slid (friction_kinetic); the plane where the facets of a cone do not lie in

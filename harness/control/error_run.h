@@ -20,11 +20,15 @@
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
  *
+ * Of a speed it is no less than what an impact so near its time, or that no solve saw, changes (`jump`); of the extreme of a length over a time
+ * no less than what a straight way between two states is nearer to the origin. Steps are no longer than springs bear, than a sixth of the
+ * shortest period of a load, and than a quarter of the time in which what is off a steady turning grows by e.
+ *
  * Nor is it less than what the formulation's friction does beyond Coulomb's (`law`, `left`), which no step mends; where that alone is more
  * than E the run says so and ends (`other_law`).
  *
  * It says that the error cannot be promised where the runs do not come nearer to each other, where they do not tell in which order bodies
- * are hit, where a step has no solution, and where the limit of work comes first. */
+ * are hit, where a step has no solution or a solve is not verified, and where the limit of work comes first. */
 #pragma once
 
 #include "harness/control/error_quantity.h"

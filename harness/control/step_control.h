@@ -28,9 +28,12 @@
  * An extrapolated state obeys the contacts as they are there, the end of a step those at its start. Where something turns, the first step
  * from it has other normal forces than the next one, by what holds bodies on curved ways, and friction may hold in it that slips in
  * the next one, in every step however short. Where it does, the step is tried again with contacts that turn within it
- * (world_contacts_turned), and so are those behind it until others carry. And a corner may come to a body that no contact at the start of a
- * step has told of: how much deeper bodies are in each other at its end counts as what changes, and where two come near each other and are
- * gone at the end (world_first_touch), it is tried again up to there.
+ * (world_contacts_turned), and so are those behind it until others carry.
+ *
+ * A side may come to another that no contact at the start of a step has told of, or that opens again within it: how much deeper bodies are in
+ * each other at its end counts as what changes; where two come near each other and are gone at the end (world_first_touch), it is tried again
+ * up to there; and where two come into each other and part again in a step of even acceleration, so that no solve gave an impact, twice the
+ * speed at which they do counts, as long as velocities last, and as `jump`.
  *
  * Impacts on one body that follow each other more closely than gaps are known (by what all steps so far are off by, and a step may sink) are
  * taken as they come, one by one or in one solve, and what goes with that is told (`doubt`): the part of the speed of one that is taken by

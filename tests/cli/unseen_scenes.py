@@ -186,6 +186,7 @@ def left_out_by_mistake() -> list[tuple[Scene, str, str]]:
     turning["static"] = [plane("floor", [0, 1], 0, surface_velocity=[3, 0])]
     turning["static"].append(plane("wall", [-1, 0], -0.199565727))
     turning["loads"] = [{"type": "constant_force", "body": "a", "force": [-5, 0]}]
+    tall = box("a", [0.1, 0.05, 0.2], [0, 0, 0.2], vel=[1.5, 0.3, 0])
     ice = 0.0031743119266055045
     aslant = [math.sqrt(0.5), math.sqrt(0.5), 0]
     return [
@@ -197,5 +198,6 @@ def left_out_by_mistake() -> list[tuple[Scene, str, str]]:
         (slid, "velocity", "lemke"),
         (turning, "velocity", "lemke"),
         (on_floor("bristle", 0.4, [cube(vel=[0.2, 0, 0])]), "regularized", "lemke"),
+        (on_floor("tumbles", 0.4, [tall]), "regularized", "lemke"),
         (on_floor("corners", 0.1 * ice, [cube(vel=aslant)]), "boxed", "ppm"),
     ]
