@@ -1,4 +1,4 @@
-/* Bodies that turn and come near each other between the ends of a step. */
+/* Bodies that come near each other between the ends of a step. */
 #include "tests/support/small_world.h"
 
 #include <math.h>
@@ -8,11 +8,12 @@ static base_error err;
 
 static const double near_by = 1e-6; /* [m] */
 
+static double passed; /* at what speed, as last asked [m/s] */
+
 /* Takes the world from where it is over h at the velocities it has, and asks. */
 static double first_touch(world *w, double h) {
   contact_set c;
   double at;
-  double passed;
   double *start = malloc(world_saved_size(w) * sizeof *start);
   assert_non_null(start);
   world_save(w, start);
@@ -53,7 +54,7 @@ static void a_corner_passes_the_floor(void **state) {
   }
 }
 
-static void what_ends_before_it_or_does_not_turn_tells_of_none(void **state) {
+static void what_ends_before_it_or_stands_still_tells_of_none(void **state) {
   (void)state;
   scene_spec s;
   world *w = spinning_box(&s, 2, 3.0);
@@ -88,11 +89,61 @@ static void a_face_passes_a_ball(void **state) {
   spec_free(&s);
 }
 
+/* Two discs of radius 0.05 a metre apart, one of which goes through the other at 2 m/s. */
+static world *crossing_discs(scene_spec *s) {
+  world *w;
+  spec_init(s);
+  s->dim = 2;
+  s->duration = 1.0;
+  add_body(s, "fast", SPEC_SPHERE, 0.05);
+  add_body(s, "still", SPEC_SPHERE, 0.05);
+  s->body[0].vel[0] = 2.0;
+  s->body[1].pos[0] = 1.0;
+  check_ok(world_open(&w, s, ~0u, &err), &err);
+  return w;
+}
+
+static void discs_that_cross_have_passed(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w = crossing_discs(&s);
+  check_close(first_touch(w, 1.0), 0.45, near_by);
+  check_close(passed, 2.0, 1e-9);
+  world_close(w);
+  spec_free(&s);
+}
+
+static void discs_that_still_come_on_have_not(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w = crossing_discs(&s);
+  assert_true(first_touch(w, 0.45 + 0.25 * near_by) == 0.45 + 0.25 * near_by);
+  assert_true(passed == 0.0);
+  world_close(w);
+  spec_free(&s);
+}
+
+static void what_is_near_tells_how_fast_it_nears(void **state) {
+  (void)state;
+  scene_spec s;
+  world *w = crossing_discs(&s);
+  double speed;
+  check_ok(world_nearing(w, 0.89, &speed, &err), &err);
+  assert_true(speed == 0.0);
+  check_ok(world_nearing(w, 0.91, &speed, &err), &err);
+  check_close(speed, 2.0, 1e-6);
+  world_close(w);
+  spec_free(&s);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_corner_passes_the_floor),
-      cmocka_unit_test(what_ends_before_it_or_does_not_turn_tells_of_none),
+      cmocka_unit_test(what_ends_before_it_or_stands_still_tells_of_none),
       cmocka_unit_test(a_face_passes_a_ball),
+      cmocka_unit_test(discs_that_cross_have_passed),
+      cmocka_unit_test(discs_that_still_come_on_have_not),
+      cmocka_unit_test(what_is_near_tells_how_fast_it_nears),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
