@@ -300,7 +300,7 @@ base_status error_speed_times(const sim_request *q, double **at, int *n, base_er
   const double end = q->duration;
   bool ends = false;
   *n = 0;
-  *at = realloc(*at, ((size_t)q->spec->n_check + 1) * sizeof **at);
+  *at = malloc(((size_t)q->spec->n_check + 1) * sizeof **at);
   if (*at == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
   }

@@ -64,5 +64,5 @@ void error_made_close(error_made *m);
  * at all states of a time is given `parts` of it. *stop is grown; free it. */
 base_status error_stops(const sim_request *q, int parts, double **stop, int *n_stop,
                         base_error *err);
-/* Those of them that states of speed are looked at, ascending [s]. *at is grown; free it. BASE_ENOMEM. */
+/* Those of them that states of speed are looked at, ascending [s]. Free *at. BASE_ENOMEM. */
 base_status error_speed_times(const sim_request *q, double **at, int *n, base_error *err);

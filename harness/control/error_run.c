@@ -123,8 +123,9 @@ typedef struct climber {
       missed; /* by how much the last run misses a law, over what that allows; 0: not, or its error is more than E yet [1] */
   char law[200];    /* which */
   double *stop;     /* of the last run; owned */
-  double *speed_at; /* owned */
-  sim_times spent;  /* by all runs */
+  double *speed_at; /* n_speed_at times that speeds are asked at; owned */
+  int n_speed_at;
+  sim_times spent; /* by all runs */
 } climber;
 
 /* What E is as a length in the last run [m]. */
@@ -142,8 +143,8 @@ static base_status one_run(climber *l, base_error *err) {
   BASE_TRY(
       error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
   l->ladder.rule.stop = l->stop;
-  BASE_TRY(error_speed_times(l->q, &l->speed_at, &l->ladder.rule.n_speed_at, err));
   l->ladder.rule.speed_at = l->speed_at;
+  l->ladder.rule.n_speed_at = l->n_speed_at;
   l->ladder.rule.limit = r->asked.limit - r->solved;
   l->ladder.rule.until = r->asked.until;
   BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
@@ -427,6 +428,7 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   BASE_TRY(start_open(q, &start, err));
   climber l = {.q = q, .result = result};
   const error_steps steps = (q->form->form->memory != 0) ? ERROR_EXTRAPOLATED : ERROR_OWN;
+  BASE_TRY(error_speed_times(q, &l.speed_at, &l.n_speed_at, err));
   base_status done = climb(&l, steps, &start, err);
   if (done == BASE_OK && steps == ERROR_EXTRAPOLATED && !extrapolated_stands(&l)) {
     done = climb(&l, ERROR_PLAIN, &start, err);
