@@ -189,7 +189,8 @@ typedef struct touches {
 } touches;
 
 /* The two sides of a pair; those that carry the step knows of, and of those that are near at its end if they have not passed. */
-static void look_at(world *w, touches *t, int a, int b) {
+static void look_at(world *w, void *of, int a, int b) {
+  touches *t = of;
   const bool plane = b >= w->n_body;
   path pa;
   path pb;
@@ -230,6 +231,26 @@ static base_status fill_balls(world *w, const double *start, double h, base_erro
   return BASE_OK;
 }
 
+/* Shows the two sides of every pair that may collide and whose balls meet, after broad_find. */
+static void each_pair(world *w, void (*look)(world *, void *, int, int), void *of) {
+  for (int k = 0; k < w->broad.n_pair; k++) {
+    const broad_pair p = w->broad.pair[k];
+    if (detect_may_collide(w, p.a, p.b)) {
+      look(w, of, p.a, p.b);
+    }
+  }
+  for (int a = 0; a < w->n_body; a++) {
+    const broad_ball *ball = &w->broad.ball[a];
+    for (int i = 0; i < w->spec.n_static; i++) {
+      const spec_static *plane = &w->spec.fixed[i];
+      const double away = v3_dot(plane->normal, ball->x) - plane->offset - ball->r;
+      if (away < 0.0 && detect_may_collide(w, a, w->n_body + i)) {
+        look(w, of, a, w->n_body + i);
+      }
+    }
+  }
+}
+
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
                               double *speed, base_error *err) {
   touches t = {.start = start, .h = h, .near = near, .first = 1.0};
@@ -240,61 +261,52 @@ base_status world_first_touch(world *w, double h, const double *start, double ne
   }
   BASE_TRY(fill_balls(w, start, h, err));
   BASE_TRY(broad_find(&w->broad, w->dim, err));
-  for (int k = 0; k < w->broad.n_pair; k++) {
-    const broad_pair p = w->broad.pair[k];
-    if (detect_may_collide(w, p.a, p.b)) {
-      look_at(w, &t, p.a, p.b);
-    }
-  }
-  for (int a = 0; a < w->n_body; a++) {
-    const broad_ball *ball = &w->broad.ball[a];
-    for (int i = 0; i < w->spec.n_static; i++) {
-      const spec_static *plane = &w->spec.fixed[i];
-      const double away = v3_dot(plane->normal, ball->x) - plane->offset - ball->r;
-      if (away < 0.0 && detect_may_collide(w, a, w->n_body + i)) {
-        look_at(w, &t, a, w->n_body + i);
-      }
-    }
-  }
+  each_pair(w, look_at, &t);
   *at = t.first * h;
   *speed = t.passed;
   return BASE_OK;
 }
 
-/* The speed at which two sides that are no farther apart than `near` come nearer to each other, over so short a time that they stay so. */
-static double nearing(world *w, int a, int b, double near) {
-  const bool plane = b >= w->n_body;
-  const double gap = detect_pair_gap(w, a, b);
-  if (gap > near) {
-    return 0.0;
+typedef struct neighbours {
+  double near, speed; /* [m], [m/s] */
+} neighbours;
+
+/* Where side i is after h as fast as now; a plane stays. */
+static void go_on(world *w, int i, double h) {
+  if (i < w->n_body) {
+    path p = {.start = w->body[i]};
+    v3_scale(h, p.start.v, p.v);
+    v3_scale(h, p.start.v + 3, p.w);
+    pose_at(&w->body[i], &p, 1.0, w->dim);
   }
-  path pa;
-  path pb;
-  const body now_a = w->body[a];
-  const body now_b = w->body[plane ? a : b];
-  const double fast = v3_norm(now_a.v) + now_a.bound * v3_norm(now_a.v + 3) + v3_norm(now_b.v) +
-                      now_b.bound * v3_norm(now_b.v + 3);
-  if (!(fast > 0.0)) {
-    return 0.0;
+}
+
+/* Largest speed of a point of a body. */
+static double fast_of(const body *b) {
+  return v3_norm(b->v) + b->bound * v3_norm(b->v + 3);
+}
+
+/* How fast two sides come nearer that are near now, over so short a time that they stay so. */
+static void see_nearing(world *w, void *of, int a, int b) {
+  neighbours *n = of;
+  const int other = (b < w->n_body) ? b : a; /* of a plane nothing moves */
+  const double gap = detect_pair_gap(w, a, b);
+  const double fast = fast_of(&w->body[a]) + fast_of(&w->body[other]);
+  if (gap > n->near || !(fast > 0.0)) {
+    return;
   }
   const double h = 1e-6 * w->size / fast;
-  pa = (path){.start = now_a};
-  v3_scale(h, now_a.v, pa.v);
-  v3_scale(h, now_a.v + 3, pa.w);
-  pose_at(&w->body[a], &pa, 1.0, w->dim);
-  if (!plane) {
-    pb = (path){.start = now_b};
-    v3_scale(h, now_b.v, pb.v);
-    v3_scale(h, now_b.v + 3, pb.w);
-    pose_at(&w->body[b], &pb, 1.0, w->dim);
-  }
-  const double speed = (gap - detect_pair_gap(w, a, b)) / h;
-  w->body[plane ? a : b] = now_b;
+  const body now_a = w->body[a];
+  const body now_b = w->body[other];
+  go_on(w, a, h);
+  go_on(w, b, h);
+  n->speed = fmax(n->speed, (gap - detect_pair_gap(w, a, b)) / h);
+  w->body[other] = now_b;
   w->body[a] = now_a;
-  return fmax(speed, 0.0);
 }
 
 base_status world_nearing(world *w, double near, double *speed, base_error *err) {
+  neighbours n = {.near = near};
   *speed = 0.0;
   if (w->model != NULL || !world_has(w, EFFECT_CONTACT)) {
     return BASE_OK;
@@ -306,18 +318,7 @@ base_status world_nearing(world *w, double near, double *speed, base_error *err)
     ball->r = w->body[i].bound + near;
   }
   BASE_TRY(broad_find(&w->broad, w->dim, err));
-  for (int k = 0; k < w->broad.n_pair; k++) {
-    const broad_pair p = w->broad.pair[k];
-    if (detect_may_collide(w, p.a, p.b)) {
-      *speed = fmax(*speed, nearing(w, p.a, p.b, near));
-    }
-  }
-  for (int a = 0; a < w->n_body; a++) {
-    for (int i = 0; i < w->spec.n_static; i++) {
-      if (detect_may_collide(w, a, w->n_body + i)) {
-        *speed = fmax(*speed, nearing(w, a, w->n_body + i, near));
-      }
-    }
-  }
+  each_pair(w, see_nearing, &n);
+  *speed = n.speed;
   return BASE_OK;
 }
