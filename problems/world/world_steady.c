@@ -184,11 +184,10 @@ static double unlike(const world *w, int i) {
   return fmax(I[0], fmax(I[1], I[2])) / world_least_inertia(w, i) - 1.0;
 }
 
-/* Adds what body i makes of deviations. tied: what acts on it may go with its place. Of what turns with w by some angle more, velocities
+/* Adds what body i makes of deviations. falls: what a step makes of a place where what acts on it may go with that (`tied`). Of what turns with w by some angle more, velocities
  * on its contacts differ by w times that, in a step of h by h w^2 times the place. */
-static void add_body(const world *w, int i, bool tied, world_growth *g) {
+static void add_body(const world *w, int i, bool tied, double falls, world_growth *g) {
   const residual *r = world_residual(w, i);
-  const double falls = tied ? w->h * world_most_acceleration(w) / w->size : 0.0;
   const double carried = w->h * r->turn * r->turn, size = w->body[i].mass * w->size;
   if (r->press > 0.0 || tied) {
     g->place = fmax(falls, r->bends / size) + carried;
@@ -201,6 +200,7 @@ static void add_body(const world *w, int i, bool tied, world_growth *g) {
 void world_grown(const world *w, unsigned effects, const double *v_next, const double *impulse,
                  world_growth *grown) {
   const bool tied = w->n_joint > 0 || !loads_stay(w);
+  const double falls = tied ? w->h * world_most_acceleration(w) / w->size : 0.0;
   bool some = false;
   note_floors(w, impulse, grown);
   for (int i = 0; i < w->n_body; i++) {
@@ -218,7 +218,7 @@ void world_grown(const world *w, unsigned effects, const double *v_next, const d
   if (some) {
     add_presses(w, impulse, grown);
     for (int i = 0; i < w->n_body; i++) {
-      add_body(w, i, tied, &grown[i]);
+      add_body(w, i, tied, falls, &grown[i]);
     }
   }
 }
