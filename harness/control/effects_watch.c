@@ -20,6 +20,7 @@ static const double small =
 
 enum { MOST_LEFT = 8 };  /* times that something is left out in motion: each may be taken back */
 enum { ASK_AFTER = 16 }; /* steps between tries for a change of contacts */
+static const double most_repeated = 0.5; /* of all steps: beyond, what comes in stays in */
 
 /* Where deviations grow only while bodies turn or meet, that the end would be off by more than E if they went on to is no reason yet while
  * the deviation by now goes into E often enough: 16 times in the first step of doubt, 64, 144, ... times in those that follow it. */
@@ -137,7 +138,7 @@ static base_status step_back(watch *w, unsigned more, base_error *err) {
   return add_effects(w, more, err);
 }
 
-/* From the clean step on with more effects. */
+/* From the clean step on with more effects: to stay, once that has been dear. */
 static base_status go_back(watch *w, unsigned more, base_error *err) {
   const sim_result *out = w->s->out;
   const long reached = out->steps;
@@ -152,6 +153,9 @@ static base_status go_back(watch *w, unsigned more, base_error *err) {
   w->pause = 1;
   w->next = reached + w->pause; /* not before what it came in for */
   w->s->would_deviate = false;
+  if ((double)w->result->repeated > most_repeated * (double)out->steps_planned) {
+    w->result->watched &= ~more;
+  }
   return add_effects(w, more, err);
 }
 

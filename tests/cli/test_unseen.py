@@ -3,6 +3,7 @@
 from unseen_scenes import (
     crossed,
     grazed,
+    hopping,
     just_hit,
     left_out_by_mistake,
     middle_axis,
@@ -100,6 +101,14 @@ def effects_that_no_bound_tells_of_stay_in(d):
                 assert off <= float(level), (scene["id"], level, name, off, told)
 
 
+def what_comes_in_again_and_again_stays_in(d):
+    """Steps that are taken again: no more than one return beyond half of the run."""
+    way = ("--formulation", "velocity", "--solver", "lemke", "--effects", "auto:1e-2")
+    r = run_json("simulate", written(d, hopping()), *way)
+    again = r["effects_auto"]["steps_repeated"]
+    assert 0 < again <= 1.5 * r["steps"], (again, r["steps"], r["effects_auto"])
+
+
 tap(
     [
         loads_that_swing_are_seen,
@@ -112,5 +121,6 @@ tap(
         an_answer_that_is_not_verified_is_not_promised,
         steps_of_the_scene_are_not_asked_for,
         effects_that_no_bound_tells_of_stay_in,
+        what_comes_in_again_and_again_stays_in,
     ]
 )

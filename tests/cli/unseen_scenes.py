@@ -146,6 +146,15 @@ def on_floor(name: str, mu: float, bodies: list[Scene], **more: Any) -> Scene:
     return s | {"friction": {"default": mu}} | more
 
 
+def hopping() -> Scene:
+    """Two balls that hop on a box, whose hits take friction in, once each."""
+    made = on_floor("hopping", 1e-5, [box("a", [0.5, 0.5, 0.1], [0, 0, 0.1], mass=10)])
+    for name, pos, speed in (("b", [0.05, 0.02, 0.8], 0.1), ("c", [-0.2, 0.1, 1.0], 0.05)):
+        ball = {"type": "sphere", "r": 0.1}
+        made["bodies"].append(body(name, ball, pos, mass=0.1, vel=[speed, 0, 0]))
+    return made | {"T": 3.0, "hs": [0.002], "restitution": {"default": 0.8}}
+
+
 def left_out_by_mistake() -> list[tuple[Scene, str, str]]:
     belt = on_floor("belt_across", 0.3, [cube()])
     belt["static"] = [plane("floor", [0, 0, 1], 0, surface_velocity=[0, 1, 0])]
