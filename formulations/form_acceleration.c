@@ -311,6 +311,12 @@ static long dimension(int dim, int p, const void *opt) {
   return (long)p * ((dim == 2) ? 4 : o->facets + 2);
 }
 
+static formulation_friction friction(int dim, const void *opt) {
+  const options *o = opt;
+  (void)dim;
+  return (formulation_friction){.most = 1.0, .aslant = o->facets % 4 != 0};
+}
+
 const formulation form_acceleration = {
     .name = "acceleration",
     .title = "Force-acceleration LCP",
@@ -328,6 +334,7 @@ const formulation form_acceleration = {
     .state_size = sizeof(state),
     .memory = offsetof(state, memory),
     .dimension = dimension,
+    .friction = friction,
     .close = close,
     .begin = begin,
     .assemble = assemble,

@@ -44,5 +44,6 @@ const formulation form_position = {
     .stands_for = "position",
     .sets = 1u << LCP_ORTHANT,
     .dimension = poly_dimension,
+    .friction = poly_friction,
     POLY_FORM_PARTS,
 };

@@ -38,5 +38,6 @@ const formulation form_velocity = {
     .stands_for = "velocity",
     .sets = 1u << LCP_ORTHANT,
     .dimension = poly_dimension,
+    .friction = poly_friction,
     POLY_FORM_PARTS,
 };

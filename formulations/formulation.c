@@ -3,6 +3,7 @@
 #include "form_list.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,6 +25,15 @@ const formulation *formulation_find(const char *name) {
     }
   }
   return NULL;
+}
+
+formulation_friction formulation_friction_of(const formulation *f, int dim, const void *opt) {
+  if (f->friction != NULL) {
+    return f->friction(dim, opt);
+  }
+  const bool round = dim == 2 || (f->model & (FORM_CONE_EXACT | FORM_REGULARISED)) != 0;
+  const bool lagged = (f->model & FORM_BOUNDS_LAGGED) != 0;
+  return (formulation_friction){.most = (round ? 1.0 : sqrt(2.0)) * (lagged ? sqrt(2.0) : 1.0)};
 }
 
 const char *formulation_model_word(int bit) {

@@ -98,6 +98,13 @@ typedef struct formulation_reader {
   bool newton;     /* lcp_solver.newton */
 } formulation_reader;
 
+/* How far its law of friction goes beyond mu times the normal force. */
+typedef struct formulation_friction {
+  double most; /* its largest force over mu times the normal one, per contact [1] */
+  bool
+      aslant; /* of a facet whose neighbours lie aslant of the axes: it pushes out of a plane of motion */
+} formulation_friction;
+
 typedef struct formulation formulation;
 
 /* One formulation with its options and state over a run; opaque, owns its arrays, grows them when
@@ -126,6 +133,8 @@ struct formulation {
 
   /* LCP dimension in closed form: p active contacts, of which all have friction. */
   long (*dimension)(int dim, int p, const void *opt);
+  /* Of a space of `dim`. NULL: what the bits of its model tell (formulation_friction_of). */
+  formulation_friction (*friction)(int dim, const void *opt);
 
   /* state lifetime */
   base_status (*open)(void *state, const void *opt, base_error *err); /* may be NULL */
@@ -153,6 +162,10 @@ struct formulation {
 
 const formulation *const *formulations(int *count);
 const formulation *formulation_find(const char *name);
+
+/* The law of friction of f with these options. Round cones and bristles give mu times the normal force at most, a box the
+ * root of 2 times that at its corners, and each as much again where that normal force is one of before. */
+formulation_friction formulation_friction_of(const formulation *f, int dim, const void *opt);
 
 base_status formulation_open(formulation_run **out, const formulation *f, const void *opt,
                              base_error *err);

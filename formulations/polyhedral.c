@@ -11,6 +11,18 @@ long poly_dimension(int dim, int p, const void *opt) {
   return (long)p * ((dim == 2) ? planar : o->facets + 2);
 }
 
+/* How far facets are from the middle, over how far their corners are [1]. */
+static double facet_height(int facets) {
+  return cos(3.14159265358979323846 / facets);
+}
+
+formulation_friction poly_friction(int dim, const void *opt) {
+  const poly_options *o = opt;
+  const bool outside = dim == 3 && o->cone == 1;
+  return (formulation_friction){.most = outside ? 1.0 / facet_height(o->facets) : 1.0,
+                                .aslant = o->facets % 4 != 0};
+}
+
 static void layout_groups(void *state, base_arena *m) {
   polyhedral *s = state;
   const int g = s->cap_group;
@@ -69,7 +81,7 @@ static double friction_of(const polyhedral *s, int i) {
   const contact_set *c = s->a.set;
   double mu = contact_memory_mu(&s->memory, c, s->a.group[i]);
   if (s->opt.cone == 1 && c->dim == 3) {
-    mu /= cos(3.14159265358979323846 / s->opt.facets); /* the circle touches the facets */
+    mu /= facet_height(s->opt.facets); /* the circle touches the facets */
   }
   return mu;
 }

@@ -122,6 +122,7 @@ typedef struct polyhedral {
 } polyhedral;
 
 long poly_dimension(int dim, int p, const void *opt);
+formulation_friction poly_friction(int dim, const void *opt);
 /* rows: FORM_ROWS_NORMAL for a frictionless model, else FORM_ROWS_ALL. */
 base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *opt, form_rows rows,
                        formulation_start start, base_error *err);

@@ -449,20 +449,8 @@ static bool has_friction(const sim_request *q) {
   return (q->effects & EFFECT_FRICTION) != 0;
 }
 
-/* Round cones and bristles give mu times the normal force at most; facets that contain the circle more, and a box the most at its corners: the
- * root of 2, and as much again where that normal force is one of before. */
-static double friction_reach(const sim_request *q) {
-  const double half_turn = 4.0 * atan(1.0);
-  const unsigned model = q->form->form->model;
-  const int facets = formulation_choice_facets(q->form);
-  if (q->spec->dim == 2 || (model & (FORM_CONE_EXACT | FORM_REGULARISED)) != 0) {
-    return 1.0;
-  }
-  if ((model & FORM_CONE_POLYHEDRAL) == 0) {
-    return (model & FORM_BOUNDS_LAGGED) != 0 ? 2.0 : sqrt(2.0);
-  }
-  const bool outside = strstr(q->form->config, "cone=circumscribed") != NULL;
-  return outside ? 1.0 / cos(half_turn / facets) : 1.0;
+static formulation_friction friction_of(const sim_request *q) {
+  return formulation_friction_of(q->form->form, q->spec->dim, q->form->opt);
 }
 
 /* What none of the bounds tells of stays in: whether a contact has slid (friction_kinetic); the plane where the facets of a cone do not lie in
@@ -471,8 +459,7 @@ static base_status kept_in(const watch *w, unsigned *kept, base_error *err) {
   const sim_request *q = w->q;
   const scene_spec *spec = q->spec;
   const bool slid = spec->friction_kinetic.dflt >= 0.0 || spec->friction_kinetic.n_pair > 0;
-  const bool polygon = (q->form->form->model & FORM_CONE_POLYHEDRAL) != 0 && has_friction(q);
-  const bool aslant = polygon && formulation_choice_facets(q->form) % 4 != 0;
+  const bool aslant = has_friction(q) && friction_of(q).aslant;
   double depth = 0.0;
   if ((q->form->form->model & FORM_POSITION) != 0) {
     BASE_TRY(world_depth(w->s->w, &depth, err));
@@ -487,7 +474,7 @@ static base_status kept_in(const watch *w, unsigned *kept, base_error *err) {
 /* Before the first step. */
 static base_status keep_in(watch *w, base_error *err) {
   unsigned kept = 0;
-  world_set_friction_reach(w->s->w, friction_reach(w->q));
+  world_set_friction_reach(w->s->w, friction_of(w->q).most);
   if (w->result->watched != 0) {
     BASE_TRY(kept_in(w, &kept, err));
   }

@@ -105,6 +105,61 @@ static void boxes_resist_by_components(void **state) {
   }
 }
 
+/* The law that a formulation says it has. */
+static formulation_friction said(const char *form, const char *opt) {
+  const formulation *f = formulation_find(form);
+  base_error err = {0};
+  void *options = calloc(1, f->options_size + 1);
+  base_fields_default(f->fields, f->n_fields, options);
+  assert_int_equal(base_fields_parse(f->fields, f->n_fields, options, opt, &err), BASE_OK);
+  const formulation_friction is = formulation_friction_of(f, 3, options);
+  free(options);
+  return is;
+}
+
+/* The most that friction takes in one step, over mu times the normal force, of all directions of a slide, is what the formulation says; and
+ * where it says so, a slide along an axis is not pushed off it. */
+static void laws_say_how_far_they_reach(void **state) {
+  (void)state;
+  static const struct {
+    const char *form, *opt;
+  } laws[] = {{"coulomb", ""},
+              {"regularized", ""},
+              {"boxed", ""},
+              {"velocity", "facets=4"},
+              {"velocity", "facets=6"},
+              {"velocity", "cone=circumscribed,facets=4"},
+              {"velocity", "cone=circumscribed,facets=5"},
+              {"position", "cone=circumscribed,facets=8"},
+              {"acceleration", "facets=8"}};
+  enum { TURNS = 360 };
+  const double h = 0.001, force = 0.4 * 9.81;
+  for (int l = 0; l < BASE_COUNT(laws); l++) {
+    const formulation_friction law = said(laws[l].form, laws[l].opt);
+    double most = 0;
+    for (int k = 0; k < TURNS; k++) {
+      rig *r = puck(3, h, 1, 9.81, 0.4, 0.4);
+      formulation_run *run = rig_open(laws[l].form, laws[l].opt);
+      r->v[0] = (k == 0) ? 3 : 3 * cos(2 * pi * k / TURNS);
+      r->v[1] = (k == 0) ? 0 : 3 * sin(2 * pi * k / TURNS);
+      const double from[2] = {r->v[0], r->v[1]};
+      rig_step(r, run);
+      assert_true(r->answer.solved);
+      most = fmax(most, hypot(r->v[0] - from[0], r->v[1] - from[1]) / (force * h));
+      assert_true(k > 0 || law.aslant || r->v[1] == 0);
+      rig_close(run);
+      free(r);
+    }
+    const bool lagged = (formulation_find(laws[l].form)->model & FORM_BOUNDS_LAGGED) != 0;
+    if (most > law.most * (1 + 1e-9) || (!lagged && most < law.most * (1 - 1e-9))) {
+      printf("# %s:%s says %.17g, does %.17g\n", laws[l].form, laws[l].opt, law.most, most);
+      fail();
+    }
+  }
+  assert_true(said("velocity", "facets=6").aslant && said("acceleration", "facets=5").aslant);
+  assert_false(said("velocity", "facets=8").aslant || said("boxed", "").aslant);
+}
+
 static void ellipse_of_coefficients(void **state) {
   (void)state;
   const double h = 0.001;
@@ -283,13 +338,10 @@ static void every_stiffness_holds(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(circles_are_straight),
-      cmocka_unit_test(polygons_bend_the_path),
-      cmocka_unit_test(boxes_resist_by_components),
-      cmocka_unit_test(ellipse_of_coefficients),
-      cmocka_unit_test(belt_stick_slip),
-      cmocka_unit_test(lugre_slips_and_drifts),
-      cmocka_unit_test(limits_of_the_law),
+      cmocka_unit_test(circles_are_straight),       cmocka_unit_test(polygons_bend_the_path),
+      cmocka_unit_test(boxes_resist_by_components), cmocka_unit_test(laws_say_how_far_they_reach),
+      cmocka_unit_test(ellipse_of_coefficients),    cmocka_unit_test(belt_stick_slip),
+      cmocka_unit_test(lugre_slips_and_drifts),     cmocka_unit_test(limits_of_the_law),
       cmocka_unit_test(every_stiffness_holds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
