@@ -6,7 +6,7 @@ import math
 from near_impacts import flat, groove, scene_file
 from random_scenes import random_file, random_scene
 
-from support import fewer, one_line_error, run, run_json, tap
+from support import SANITIZED, Skip, fewer, one_line_error, run, run_json, tap
 
 RUN = ("--formulation", "coulomb", "--solver", "nsgs")
 
@@ -164,6 +164,8 @@ def friction_that_is_not_coulombs_is_told(_):
 def estimates_fall_with_the_steps_alone(_):
     """A run no finer than the one before was taken for sqrt(5) times as good: the stick-slip of
     `belt` at 1e-5 was 4.8 E off, and promised."""
+    if SANITIZED:
+        raise Skip("450000 steps of what every test here steps")
     way = ("--formulation", "acceleration", "--solver", "lemke")
     o = simulate("belt:speed=0.3", "1e-5", "--work", 450000, formulation=way, code=3)
     q, true = reference(o)
@@ -404,8 +406,9 @@ def chaos_is_not_promised(d):
     e = simulate(path, "1%", formulation=event, code=3)["error"]
     assert not e["promised"] and "do not come nearer" in e["reason"], e
     assert e["err_estimate"] > 0.01 and e["steps_solved"] < e["steps_limit"] / 100
-    e = simulate(path, "1%", code=3)["error"]
-    assert not e["promised"] and e["reason"], e
+    if not SANITIZED:  # 20000 steps of what the runs above step
+        e = simulate(path, "1%", code=3)["error"]
+        assert not e["promised"] and e["reason"], e
 
 
 def friction_that_pushes_a_slip_on_is_seen(d):

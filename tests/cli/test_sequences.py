@@ -3,7 +3,7 @@
 import json
 import pathlib
 
-from support import TESTS, campaign, one_line_error, rows, run, run_json, tap
+from support import TESTS, campaign, fewer, one_line_error, rows, run, run_json, tap
 
 PAIR = ("--sequence", "--formulation", "regularized", "--solver", "lemke", "--step", "0.01")
 COUNTERS = ("n_iter", "n_pivot", "n_factor", "n_matvec")
@@ -33,7 +33,7 @@ def the_manifest_tells_every_problem(d: pathlib.Path) -> None:
 
 def a_cold_pass_is_every_file_alone(d: pathlib.Path) -> None:
     run("export", "clatter", *PAIR, "--count", "60", "--out", d / "s")
-    for solver in ("lemke", "newton", "pgs"):
+    for solver in fewer(("lemke", "newton", "pgs")):
         alone = dict.fromkeys(COUNTERS, 0)
         for p in manifest(d / "s")["problems"]:
             one = run_json("solve", d / "s" / p["file"], "--solver", solver)

@@ -71,7 +71,8 @@ def what_grows_off_a_steady_turning_is_seen(d):
 
 
 def an_answer_that_is_not_verified_is_not_promised(_):
-    o = run_json("simulate", "impact", "--error", "1e-3", "--tol", "1", code=3)
+    few = ("--work", "20000")
+    o = run_json("simulate", "impact", "--error", "1e-3", "--tol", "1", *few, code=3)
     assert not o["error"]["promised"] and "tolerance" in o["error"]["reason"], o["error"]
 
 

@@ -409,7 +409,7 @@ static lcp_outcome run(const lcp_problem *p, double *z, lcp_result *res) {
  * few; no claim is false; and an answer is its own warm start. */
 static void faceted_sets_are_solved_folded(void **state) {
   (void)state;
-  enum { SETS = 30 };
+  enum { SETS = CHECK_FEWER(30) };
   int folded = 0, stored = 0;
   long steps[2] = {0};
   for (int seed = 1; seed <= SETS; seed++) {

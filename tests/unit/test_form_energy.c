@@ -57,7 +57,7 @@ static bool loses(const char *form, const char *opt, int k) {
  * 0, 2 and 0), bounds that do not settle (85), forces that do not exist (3). */
 static void random_sets_only_lose(void **state) {
   (void)state;
-  enum { SCENES = 1000 };
+  enum { SCENES = CHECK_FEWER(1000) };
   static const struct {
     const char *form, *opt;
     int allowed; /* unsolved, which is said */
