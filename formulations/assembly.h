@@ -236,11 +236,21 @@ static inline int form_storage_without_joints(int storage, int factored, const c
  * mass in these directions. */
 double form_mobility(const form_assembly *a, int i, int at, int dim);
 
+/* What slides of a step are told by, reckoned once. */
+typedef struct form_slip {
+  double still; /* what is no slower slides: 1e-8 of the largest velocity without contacts [m/s] */
+  bool hit;     /* a contact meets its surface in the step (form_has_impact) */
+} form_slip;
+
+form_slip form_slip_of(const form_assembly *a, double rest);
 /* Does active contact i slide in the motion that form_assembly_answer wrote? Impulses at their bound [N s], mu lambda_n, do not
- * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, which form_still_speed reckons once
- * a step [m/s], and than a millionth of what the bound changes. */
-bool form_slides(const form_assembly *a, int i, double bound, double still);
-double form_still_speed(const form_assembly *a);
+ * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, and than a millionth of what the bound changes. */
+bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip);
+/* What is remembered of active contact i if it slides (PAST_SLIDES). Where kinetic friction is less than static, a slip that loads turn
+ * round has been at rest within the step, where static friction is what they have to overcome: that holds until the slip rests,
+ * or grows against it. An impact turns a slip without a rest. */
+double form_slides_on(const form_assembly *a, int i, const contact_memory *m,
+                      const form_slip *slip);
 
 /* u = r + C lambda over the rows in use. */
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);

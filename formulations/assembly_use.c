@@ -192,25 +192,65 @@ void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u
  * which solvers answer to about 1e-9. */
 static const double of_friction = 1e-6, of_largest = 1e-8;
 
-double form_still_speed(const form_assembly *a) {
+form_slip form_slip_of(const form_assembly *a, double rest) {
   double largest = 0;
   for (int r = 0; r < a->row[a->n_contact]; r++) {
     largest = fmax(largest, fabs(a->r[r]));
   }
-  return of_largest * largest;
+  return (form_slip){.still = of_largest * largest, .hit = form_has_impact(a, rest)};
 }
 
-bool form_slides(const form_assembly *a, int i, double bound, double still) {
+/* u, over the rows of the set of active contact i, along its tangents in use: t[0] and t[1], 0 where there is only one. */
+static void tangents_of(const form_assembly *a, int i, const double *u, double t[2]) {
+  double used[6];
+  form_to_rows(a, i, u, used);
+  t[0] = used[1];
+  t[1] = (a->rows[i].tangent > 1) ? used[2] : 0;
+}
+
+/* In the motion that form_assembly_answer wrote. */
+static void tangents_at_end(const form_assembly *a, int i, double t[2]) {
   const contact_set *c = a->set;
-  const int g = a->group[i], tangent = a->rows[i].tangent;
-  double u[6], used[6];
+  const int g = a->group[i], rows = c->row_start[g + 1] - c->row_start[g];
+  double u[6];
+  memcpy(u, c->u_drift + c->row_start[g], (size_t)rows * sizeof *u);
+  add_velocity(c, g, rows, a->v_next, u);
+  tangents_of(a, i, u, t);
+}
+
+bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip) {
+  const int tangent = a->rows[i].tangent;
+  double u[2];
   if (tangent == 0) {
     return false;
   }
-  memcpy(u, c->u_drift + c->row_start[g],
-         (size_t)(c->row_start[g + 1] - c->row_start[g]) * sizeof *u);
-  add_velocity(c, g, c->row_start[g + 1] - c->row_start[g], a->v_next, u);
-  form_to_rows(a, i, u, used);
-  const double speed = (tangent == 1) ? fabs(used[1]) : hypot(used[1], used[2]);
-  return speed > still && speed > of_friction * form_mobility(a, i, 1, tangent) * bound;
+  tangents_at_end(a, i, u);
+  const double speed = hypot(u[0], u[1]);
+  return speed > slip->still && speed > of_friction * form_mobility(a, i, 1, tangent) * bound;
+}
+
+/* Do the applied forces alone give active contact i the slip u within a step? */
+static bool is_by_loads(const form_assembly *a, int i, const double before[2], const double u[2]) {
+  const double *free = a->r + a->row[i] + 1;
+  const double across = (a->rows[i].tangent > 1) ? free[1] - before[1] : 0;
+  return hypot(u[0], u[1]) <= hypot(free[0] - before[0], across);
+}
+
+double form_slides_on(const form_assembly *a, int i, const contact_memory *m,
+                      const form_slip *slip) {
+  const contact_set *c = a->set;
+  const int g = a->group[i];
+  double before[2], u[2];
+  if (!(c->mu_kinetic[g] < c->mu_static[g])) {
+    return 1;
+  }
+  tangents_of(a, i, c->u_before + c->row_start[g], before);
+  tangents_at_end(a, i, u);
+  const double was = hypot(before[0], before[1]), is = hypot(u[0], u[1]);
+  const int slid = contact_memory_slides(m, c, g);
+  const bool turned = slid != 0 && before[0] * u[0] + before[1] * u[1] <= 0;
+  if (turned && (!slip->hit || is_by_loads(a, i, before, u))) {
+    return -1;
+  }
+  return (slid < 0 && is < was) ? -1 : 1;
 }

@@ -2,6 +2,7 @@
 
 #include "lcp/base/arena.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -150,6 +151,28 @@ static int first_from(const uint64_t *ids, int n, uint64_t id) {
   return low;
 }
 
+int contact_memory_slides(const contact_memory *m, const contact_set *c, int i) {
+  static const double still = 1e-6;
+  const double *past = contact_memory_old(m, i);
+  const double *u = c->u_before + c->row_start[i];
+  double slip = 0, took = 0, pushed = 0;
+  if (past == NULL || past[PAST_SLIDES] == 0) {
+    return 0;
+  }
+  if (!(c->mu_kinetic[i] < c->mu_static[i])) {
+    return 1;
+  }
+  for (int k = 1; k <= c->rows[i].tangent; k++) {
+    slip = hypot(slip, u[k]);
+    took = hypot(took, past[PAST_IMPULSE + k]);
+    pushed += past[PAST_IMPULSE + k] * u[k];
+  }
+  if (slip <= still * contact_mobility(c, i, 1) * took) {
+    return 0;
+  }
+  return (past[PAST_SLIDES] > 0 && !(pushed > 0)) ? 1 : -1;
+}
+
 bool contact_memory_closed(const contact_memory *m, int i) {
   if (m->match[i] >= 0) {
     return contact_memory_old(m, i)[PAST_CLOSED] > 0;
@@ -230,6 +253,7 @@ void contact_memory_settle(contact_past *past) {
   const int stride = size_of(past->layout);
   for (int i = 0; i < past->n; i++) {
     entry[(ptrdiff_t)i * stride + PAST_APPROACH] = 0;
+    entry[(ptrdiff_t)i * stride + PAST_SLIDES] = 0;
   }
 }
 

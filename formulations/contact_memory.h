@@ -11,8 +11,9 @@
 /* Impulses are over the rows of the set. What springs pull with is a force or moment, since their deflections mean nothing to
  * another stiffness: k times the deflection, as form_bristle_remember keeps it, for friction, torsion and rolling. */
 enum {
-  PAST_CLOSED,   /* it was active */
-  PAST_SLIDES,   /* its friction slid: the kinetic coefficient holds */
+  PAST_CLOSED, /* it was active */
+  PAST_SLIDES, /* 1: its friction slid, the kinetic coefficient holds; -1: it came to rest within the step and slid on the other way,
+                    the static one holds until it rests or is driven on */
   PAST_APPROACH, /* at which it was met, to be given back in the next step, <= 0 [m/s] */
   PAST_SPRUNG,   /* the last law with springs left them pulling with what is behind the impulses */
   PAST_IMPULSE   /* [N s], [N m s]; behind them the pulls [N], [N m] */
@@ -80,10 +81,12 @@ static inline const double *contact_memory_old(const contact_memory *m, int i) {
 /* Was contact i of the set closed in the last step? A new one was if one of the same two shapes was closed that is no longer
  * listed: where faces lie on each other the corner of one takes the place of the corner of the other. */
 bool contact_memory_closed(const contact_memory *m, int i);
-/* The coefficient of friction of contact i of set c: the kinetic one where it slid in the last step. */
+/* Does contact i of set c slide since the last step: 1, 0, or -1 (PAST_SLIDES)? What moves by less than a millionth of what its friction did to
+ * it in that step is at rest; where that friction would push its slip, that has turned round since, as an extrapolated state may. */
+int contact_memory_slides(const contact_memory *m, const contact_set *c, int i);
+/* The coefficient of friction of contact i of set c: the kinetic one where it slides since the last step. */
 static inline double contact_memory_mu(const contact_memory *m, const contact_set *c, int i) {
-  const double *past = contact_memory_old(m, i);
-  return (past != NULL && past[PAST_SLIDES] > 0) ? c->mu_kinetic[i] : c->mu_static[i];
+  return (contact_memory_slides(m, c, i) > 0) ? c->mu_kinetic[i] : c->mu_static[i];
 }
 /* Where pulls, and what only one formulation understands, begin in an entry. */
 static inline int contact_memory_pulls(const contact_memory *m) {

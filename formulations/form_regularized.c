@@ -134,6 +134,7 @@ static void finish(regularized *s, bool solved) {
   s->answer.solved = solved;
   reg_commit(s, s->lambda);
   form_assembly_answer(&s->a, s->lambda);
+  reg_note_slides(s);
 }
 
 /* Redundant contacts leave lambda_n undetermined: a pivoting method jumps from one extreme

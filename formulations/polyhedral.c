@@ -356,7 +356,8 @@ static double approach_met(const polyhedral *s, int i) {
 
 /* 0 open, 1 stick, 2 slip; and the memory of the next step. */
 static void note_modes(polyhedral *s, const double *z) {
-  const double still = form_still_speed(&s->a);
+  const form_slip slip = form_slip_of(&s->a, s->opt.repair.rest);
+  const bool three = s->opt.planar == POLY_THREE && s->a.set->dim == 2;
   for (int i = 0; i < s->a.n_contact; i++) {
     const int g = s->a.group[i];
     const double *zi = z + s->first[i];
@@ -364,10 +365,11 @@ static void note_modes(polyhedral *s, const double *z) {
     double *now = contact_memory_now(&s->memory, g);
     const bool friction = shape->n_part > 0 && shape->part_kind[0] == 0;
     const double normal = s->base[s->a.row[i]];
-    const bool slides = friction && zi[shape->n_column] > 0 &&
-                        form_slides(&s->a, i, s->bound[s->parts * i] * normal, still);
+    /* the third of three unknowns is the slip to one side alone */
+    const bool slides = friction && (three || zi[shape->n_column] > 0) &&
+                        form_slides(&s->a, i, s->bound[s->parts * i] * normal, &slip);
     s->a.mode[g] = (unsigned char)((normal > 0) ? (slides || !friction) + 1 : 0);
-    now[PAST_SLIDES] = slides;
+    now[PAST_SLIDES] = slides ? form_slides_on(&s->a, i, &s->memory, &slip) : 0;
     memset(now + PAST_IMPULSE, 0, (size_t)s->memory.layout.impulse * sizeof *now);
     form_to_set(&s->a, i, s->base + s->a.row[i], now + PAST_IMPULSE);
     if (s->opt.restitution == POLY_TWO_STEPS) {

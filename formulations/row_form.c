@@ -125,7 +125,7 @@ base_status row_form_begin(row_form *s, const contact_set *c, const row_options 
 typedef struct ending {
   row_form *s;
   const double *lambda;
-  double still;
+  form_slip slip;
 } ending;
 
 /* Modes of the contacts of one part, and what the next step remembers of them. */
@@ -142,8 +142,8 @@ static void settle_contacts(void *of, int part, int hand) {
     const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
-    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, e->still);
-    now[PAST_SLIDES] = slides;
+    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, &e->slip);
+    now[PAST_SLIDES] = slides ? form_slides_on(&s->a, i, &s->memory, &e->slip) : 0;
     form_to_set(&s->a, i, l, now + PAST_IMPULSE);
     s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + (slides || tangent == 0) : 0);
   }
@@ -153,7 +153,7 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
   s->done = true;
   s->answer.solved = solved;
   form_assembly_answer(&s->a, lambda);
-  ending e = {s, lambda, form_still_speed(&s->a)};
+  ending e = {s, lambda, form_slip_of(&s->a, s->opt.repair.rest)};
   base_share(base_parts(s->a.n_contact, CONTACT_SHARE), settle_contacts, &e);
 }
 

@@ -93,6 +93,7 @@ typedef struct reg_part {
   int openings;               /* solves of this step that took its secant's load away */
   unsigned char mode;         /* reg_mode */
   unsigned char sliding;      /* mu is the kinetic one */
+  unsigned char holds;        /* it is the static one throughout the step: the slide turned round */
   unsigned char followed;     /* log_r and log_step are of the last iteration */
   unsigned char flips;        /* changes of `sliding` in this step */
 } reg_part;
@@ -225,6 +226,8 @@ void reg_parts_build(regularized *s);
 double reg_law_residual(regularized *s, const double *lambda, const double *u);
 /* Puts the law's friction impulses into lambda and stores states and modes. */
 void reg_commit(regularized *s, double *lambda);
+/* Remembers what slides in the motion that form_assembly_answer wrote from them. */
+void reg_note_slides(regularized *s);
 bool reg_is_lugre(const regularized *s, const reg_part *p);
 /* Carries and asks for nothing that the tolerance can see. */
 bool reg_is_idle(const regularized *s, const reg_part *p);

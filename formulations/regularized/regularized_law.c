@@ -181,7 +181,9 @@ static void restore(const regularized *s, int g, reg_part *p) {
       p->s[m] = along[m] / (k * axis_unit(p, m));
     }
   }
-  p->sliding = past != NULL && p->kind == 0 && past[PAST_SLIDES] > 0;
+  const int slides = (p->kind == 0) ? contact_memory_slides(&s->memory, s->a.set, g) : 0;
+  p->sliding = slides > 0;
+  p->holds = slides < 0;
   if (past != NULL && is_own(s, past) && s->opt.stiffness == 0 && !reg_is_lugre(s, p) &&
       past[own_of(s, p->kind) + REG_PAST_MODE] == REG_SLIP) {
     relax(s, p, k);
@@ -301,10 +303,10 @@ static void trial(const regularized *s, reg_part *p, const double *lambda, const
   }
 }
 
-/* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATHEMATICS 2.3.6). At
+/* Static friction holds up to mu_s; once it slides it takes mu_k to hold again (MATHEMATICS 2.3.6), but where the slide turned round. At
  * most one change to and fro in a step. */
 static void choose_coefficient(const regularized *s, reg_part *p, double lambda_n) {
-  if (reg_is_lugre(s, p) || s->opt.modes == REG_ONCE) {
+  if (p->holds || reg_is_lugre(s, p) || s->opt.modes == REG_ONCE) {
     return; /* mu_k and mu_s are both in its g; or what slides was decided before the solve */
   }
   const bool slides = p->size > bound_of(p, lambda_n);
@@ -380,7 +382,6 @@ static void store(regularized *s, const reg_part *p, const double *next) {
   for (int k = 0; k < p->dim; k++) {
     force[k] = stiffness_of(s, p) * next[k] * axis_unit(p, k);
   }
-  now[PAST_SLIDES] = (p->kind == 0) ? p->sliding : now[PAST_SLIDES];
   remember(s, p, force,
            now + contact_memory_pulls(&s->memory) + (ptrdiff_t)PAST_PULL_NUMBERS * p->kind);
   if (m[REG_PAST_MODE] == REG_SLIP && p->size > 0) {
@@ -456,6 +457,19 @@ void reg_commit(regularized *s, double *lambda) {
   for (int i = 0; i < s->a.n_contact; i++) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
     form_to_set(&s->a, i, lambda + s->a.row[i], now + PAST_IMPULSE);
+  }
+}
+
+void reg_note_slides(regularized *s) {
+  const form_slip slip = form_slip_of(&s->a, s->opt.repair.rest);
+  for (int k = 0; k < s->n_part; k++) {
+    const reg_part *p = &s->part[k];
+    const int g = s->a.group[p->contact];
+    const bool slides = p->sliding || (p->holds && p->next_r < 1);
+    if (p->kind == 0 && s->a.mode[g] != 0) {
+      contact_memory_now(&s->memory, g)[PAST_SLIDES] =
+          slides ? form_slides_on(&s->a, p->contact, &s->memory, &slip) : 0;
+    }
   }
 }
 

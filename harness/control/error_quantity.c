@@ -183,7 +183,6 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
       const bool straight = of_bodies(world_observe_unit(c->var)) && !of_spin(c);
       m->at_stops = m->at_stops && (state || straight);
       m->between = m->between || !state;
-      m->angles = m->angles || (!state && of_turning(world_observe_unit(c->var)));
     }
   }
 }
@@ -204,6 +203,9 @@ void error_made_read(const sim_request *q, const error_asked *asked, error_made 
   }
   if (m->n_quantity == 0) {
     (void)add(m, asked, all_places, "m", m->places.travel);
+  }
+  for (int i = 0; i < m->n_quantity; i++) {
+    m->turns = m->turns || of_turning(m->quantity[i].unit);
   }
 }
 

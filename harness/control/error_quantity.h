@@ -42,8 +42,8 @@ typedef struct error_made {
   run_places places;
   bool
       at_stops; /* all quantities are of states that steps end at, or of places, angles and speeds */
-  bool angles;  /* some of those between states are angles */
   bool between; /* some are of what these do between states */
+  bool turns;   /* some are angles or rates of turning */
   int n_quantity;
   error_quantity quantity[ERROR_QUANTITIES];
 } error_made;

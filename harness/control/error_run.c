@@ -71,13 +71,16 @@ static void estimate(error_result *r, error_made *now, const error_made *before,
   }
 }
 
-/* E as a length: what a step may be off [m]. */
+/* E as a length: what a step may be off [m]. Of turning, that of a point as far out as the smallest body is large: `scale` is that then. */
 static double length_of(const sim_request *q, const error_asked *a, double scale) {
   if (strcmp(a->unit, "m") == 0) {
     return a->E;
   }
   if (strcmp(a->unit, "m/s") == 0) {
     return a->E * q->duration;
+  }
+  if (strcmp(a->unit, "rad/s") == 0) {
+    return a->E * q->duration * scale;
   }
   return a->E * scale;
 }
@@ -91,8 +94,16 @@ static bool diverges(const error_result *r) {
   return same;
 }
 
+/* Does the scene have friction at rest that the formulation has not? */
+static bool lacks_static(const sim_request *q) {
+  const spec_coefficient *kinetic = &q->spec->friction_kinetic;
+  const bool two = kinetic->dflt >= 0.0 || kinetic->n_pair > 0;
+  return two && (q->form->form->model & FORM_PENALTY) != 0 && (q->effects & EFFECT_FRICTION) != 0;
+}
+
 /* What a run has to say for itself before it is compared with others; false: it is the last. */
-static bool complete(error_result *r, const error_level *l, const sim_result *out) {
+static bool complete(error_result *r, const error_level *l, const sim_request *q,
+                     const sim_result *out) {
   if (out->status != RUN_OK) {
     char why[200];
     (void)snprintf(why, sizeof why, "a step is %s: %.150s", run_status_name(out->status),
@@ -102,6 +113,10 @@ static bool complete(error_result *r, const error_level *l, const sim_result *ou
   }
   if (!out->verified) {
     refuse(r, "a solve is off by more than the tolerance of its kind");
+    return false;
+  }
+  if (lacks_static(q)) {
+    refuse(r, "the formulation's friction has no static coefficient, and the scene's has one");
     return false;
   }
   if (!l->account.ended) {
@@ -130,7 +145,8 @@ typedef struct climber {
 
 /* What E is as a length in the last run [m]. */
 static double length_now(const climber *l) {
-  return length_of(l->q, &l->result->asked, fmax(l->now.places.travel, l->now.places.size));
+  const run_places *p = &l->now.places;
+  return length_of(l->q, &l->result->asked, l->now.turns ? p->size : fmax(p->travel, p->size));
 }
 
 static base_status one_run(climber *l, base_error *err) {
@@ -194,10 +210,7 @@ static bool as_if_exact(climber *l) {
     return false;
   }
   const double bow = l->now.between ? ERROR_SAFETY * a->bow : 0.0;
-  /* a point as far out as the smallest body is large goes so far along */
-  const double over =
-      l->now.angles ? length_of(l->q, &r->asked, l->now.places.size) : length_now(l);
-  r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / over);
+  r->estimate = r->asked.E * fmax(fmax(off / ERROR_EXACT, located(l)), bow / length_now(l));
   for (int i = 0; i < l->now.n_quantity; i++) {
     const error_quantity *e = &l->now.quantity[i];
     const double more = fmax(jumped(r, &l->now, e), unseen(r, e));
@@ -273,7 +286,7 @@ static bool is_bent(const climber *l) {
 static bool go_on(climber *l) {
   error_result *r = l->result;
   error_level *level = &r->level[r->n_level - 1];
-  if (!complete(r, level, &l->now.out)) {
+  if (!complete(r, level, l->q, &l->now.out)) {
     return false;
   }
   l->missed = 0.0;

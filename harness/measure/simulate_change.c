@@ -39,9 +39,15 @@ static bool same_solver(const solver_choice *a, const solver_choice *b) {
   return a->solver == b->solver && strcmp(a->config, b->config) == 0;
 }
 
+/* What keeps more than its contacts' memory, or other memory, cannot be begun anew where it was: it goes on. */
+static bool goes_on(const formulation_choice *a, const formulation_choice *b) {
+  return a->form == b->form && a->form->memory == 0 && strcmp(a->config, b->config) == 0;
+}
+
 base_status sim_change_combination(sim *s, const formulation_choice *form,
                                    const solver_choice *solver, base_error *err) {
   const formulation *last = s->q->form->form;
+  const bool on = goes_on(s->q->form, form);
   if (last->memory != 0) {
     BASE_TRY(formulation_keep(s->form, &s->past, err));
     s->past_of = last;
@@ -59,8 +65,10 @@ base_status sim_change_combination(sim *s, const formulation_choice *form,
   s->changed.solver = solver;
   s->q = &s->changed;
   s->iterates = (form->form->model & FORM_NO_LCP) == 0;
-  BASE_TRY(sim_open_formulation(s, err));
-  BASE_TRY(formulation_take_over(s->form, s->past_of, &s->past, err));
+  if (!on) {
+    BASE_TRY(sim_open_formulation(s, err));
+    BASE_TRY(formulation_take_over(s->form, s->past_of, &s->past, err));
+  }
   sim_ask_admission(s);
   return BASE_OK;
 }

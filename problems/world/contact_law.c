@@ -6,19 +6,27 @@
  * share of it is off by the solve. */
 static const double directed = 1e-6;
 
-/* Contact i, which slides at u in space: adds what its friction l is beyond mu_k l_n against the slip. What that does is no faster than the slip:
+/* Contact i, which slides at u: adds what its friction l is beyond mu_k l_n against the slip. What that does is no faster than the slip:
  * as soon as it were, it would turn round. */
 static bool bends(const contact_set *c, int i, const double *l, const double *u, double *v) {
-  const double slip = hypot(u[1], u[2]);
+  const int tangent = c->rows[i].tangent;
   const double limit = c->mu_kinetic[i] * l[0];
-  const double beyond[2] = {l[1] + limit * u[1] / slip, l[2] + limit * u[2] / slip};
-  const double much = hypot(beyond[0], beyond[1]);
-  if (l[1] * u[1] + l[2] * u[2] > 0.0 || !(much > directed * limit)) {
+  double slip = 0.0, power = 0.0, much = 0.0, beyond[3] = {0};
+  for (int k = 1; k <= tangent; k++) {
+    slip = hypot(slip, u[k]);
+    power += l[k] * u[k];
+  }
+  for (int k = 1; k <= tangent; k++) {
+    beyond[k] = l[k] + limit * u[k] / slip;
+    much = hypot(much, beyond[k]);
+  }
+  if (power > 0.0 || !(much > directed * limit)) {
     return false;
   }
   const double share = fmin(1.0, slip / (much * contact_mobility(c, i, 1)));
-  contact_push(c, i, 1, share * beyond[0], v);
-  contact_push(c, i, 2, share * beyond[1], v);
+  for (int k = 1; k <= tangent; k++) {
+    contact_push(c, i, k, share * beyond[k], v);
+  }
   return true;
 }
 
@@ -57,7 +65,7 @@ contact_law contact_law_at(const contact_set *c, const double *impulse, const un
     if (!(slip > directed * c->mu_kinetic[i] * impulse[k] * contact_mobility(c, i, 1))) {
       continue;
     }
-    if (mode[i] == SLIDES && tangent == 2) {
+    if (mode[i] == SLIDES) {
       law.bent = bends(c, i, impulse + k, u + k, v) || law.bent;
     } else if (mode[i] == HOLDS && bounces(c, i, u[k])) {
       law.left = fmax(law.left, left_to(c, i, slip, u_free + k));

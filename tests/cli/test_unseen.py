@@ -9,7 +9,9 @@ from unseen_scenes import (
     middle_axis,
     passed_by,
     poked,
+    stopped,
     swinging,
+    tossed,
     written,
 )
 
@@ -87,6 +89,28 @@ def steps_of_the_scene_are_not_asked_for(d):
     assert stiff["error"]["promised"], stiff["error"]
 
 
+def a_load_does_not_turn_a_slide_round_that_friction_holds(d):
+    """Wherever in a step it stops: kinetic friction held on, and let it go (62 E)."""
+    for dim, load in ((2, 4), (2, 5.5), (3, 4)):
+        made, known = stopped(dim, load)
+        keeps(d, (made, known), ("2e-2", "1e-2", "1e-3"))
+
+
+def a_turn_is_not_measured_by_the_way(d):
+    """An impact is small beside 360 m, and all of the turning (330 E)."""
+    for speed in (600.0, 20.0):
+        keeps(d, tossed(speed), ("1e-1", "1e-2"))
+
+
+def friction_that_is_too_small_is_said(d):
+    """Of a law without friction, and of one without a static coefficient."""
+    made, _ = stopped(2, 4)
+    for way, why in (("normal", "not Coulomb's"), ("penalty", "static")):
+        words = ("--formulation", way, "--solver", "lemke", "--error", "1%")
+        e = run_json("simulate", written(d, made), *words, code=3)["error"]
+        assert not e["promised"] and why in e["reason"], (way, e)
+
+
 def effects_that_no_bound_tells_of_stay_in(d):
     for scene, formulation, solver in left_out_by_mistake():
         path = written(d, scene)
@@ -121,6 +145,9 @@ tap(
         what_grows_off_a_steady_turning_is_seen,
         an_answer_that_is_not_verified_is_not_promised,
         steps_of_the_scene_are_not_asked_for,
+        a_load_does_not_turn_a_slide_round_that_friction_holds,
+        a_turn_is_not_measured_by_the_way,
+        friction_that_is_too_small_is_said,
         effects_that_no_bound_tells_of_stay_in,
         what_comes_in_again_and_again_stays_in,
     ]

@@ -132,6 +132,27 @@ def middle_axis(off: float) -> tuple[Scene, dict[str, float]]:
     return s, dict(zip((f"b.omega.{x}" for x in "xyz"), in_space, strict=True))
 
 
+def stopped(dim: int, load: float) -> tuple[Scene, dict[str, float]]:
+    """A load stops a slide that static friction holds then; kinetic friction would let it go."""
+    side = [0.0] * (dim - 2)
+    half, pos = [0.2, *side, 0.1], [0.0, *side, 0.1]
+    block = box("a", [h or 0.2 for h in half], pos, vel=[1.0, *side, 0.0])
+    made = scene("stopped", dim, 0.6, [block], gravity=[0.0, *side, -10.0])
+    made |= {"static": [plane("floor", [0.0, *side, 1.0], 0)], "observe": ["a.x", "a.vx"]}
+    made |= {"friction": {"default": 0.6}, "friction_kinetic": {"default": 0.2}}
+    made["loads"] = [{"type": "constant_force", "body": "a", "force": [-load, *side, 0.0]}]
+    return made, {"a.x": 0.5 / (load + 2.0), "a.vx": 0.0}
+
+
+def tossed(speed: float) -> tuple[Scene, dict[str, float]]:
+    """A disc falls for half a second, and slides for a tenth: the impact turns it by 2 mu v_n / r,
+    its weight by 2 mu g / r a second. It is so fast that the fall is small beside its way."""
+    ball = disc("a", 0.1, [0.0, 1.35], vel=[speed, 0.0])
+    made = scene("tossed", 2, 0.6, [ball], gravity=[0.0, -10.0], observe=["a.angle"])
+    made |= {"static": [plane("floor", [0.0, 1.0], 0)], "friction": {"default": 0.3}}
+    return made, {"a.angle": -(30.0 * 0.1 + 0.5 * 60.0 * 0.1**2)}
+
+
 # ---- for --effects: the scene, the formulation and the solver ----------------------------------
 
 

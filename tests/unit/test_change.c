@@ -180,6 +180,22 @@ static void the_same_goes_on_bit_for_bit(void **state) {
   }
 }
 
+/* Nor of the speed at which contacts closed, by which `penalty` lets them part. */
+static void a_penalty_in_the_middle_of_an_impact_goes_on(void **state) {
+  (void)state;
+  static const way penalty = {"penalty", "lemke"};
+  simulation *a = opened("impact", penalty, "previous");
+  simulation *b = opened("impact", penalty, "previous");
+  motion alone = run(a, NULL, BOUNCES);
+  motion turns = run(a, b, BOUNCES);
+  assert_true(alone.n_step > 10);
+  assert_memory_equal(alone.place, turns.place, 3 * (size_t)alone.n_step * sizeof *alone.place);
+  free(alone.place);
+  free(turns.place);
+  closed(a);
+  closed(b);
+}
+
 /* `position` meets an impact in one step and gives it back in the next: whoever takes that one does. */
 static void an_impact_that_is_owed_is_given_back(void **state) {
   (void)state;
@@ -240,6 +256,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(turns_keep_the_motion),
       cmocka_unit_test(the_same_goes_on_bit_for_bit),
+      cmocka_unit_test(a_penalty_in_the_middle_of_an_impact_goes_on),
       cmocka_unit_test(an_impact_that_is_owed_is_given_back),
       cmocka_unit_test(texts_name_steps),
   };

@@ -160,6 +160,41 @@ static void laws_say_how_far_they_reach(void **state) {
   assert_false(said("velocity", "facets=8").aslant || said("boxed", "").aslant);
 }
 
+/* A load of `share` of what static friction holds stops a slide and cannot turn it round: the puck rests where it stopped, at
+ * v^2 / 2 (a + mu_k g), wherever in a step that is. Kinetic friction, a third of the static, would let it go (0.2 m by the end). */
+static void slides_end_where_loads_would_turn_them(void **state) {
+  (void)state;
+  static const struct {
+    const char *form, *opt;
+  } laws[] = {{"velocity", "facets=4"}, {"position", "facets=8"},
+              {"coulomb", ""},          {"boxed", ""},
+              {"regularized", ""},      {"regularized", "form=contact"},
+              {"acceleration", ""},     {"velocity", "planar=three"}};
+  static const double share[] = {0.5, 0.8, 0.95};
+  for (int k = 0; k < BASE_COUNT(laws) * BASE_COUNT(share) * 24; k++) {
+    const int l = k % BASE_COUNT(laws), dim = 2 + k / BASE_COUNT(laws) % 2;
+    const double load = share[k / (2 * BASE_COUNT(laws)) % BASE_COUNT(share)] * 0.6 * 10;
+    const int steps = 400 + 7 * (k % 12);
+    const double h = 0.6 / steps, end = 1 / (2 * (load + 2));
+    rig *r = puck(dim, h, 1, 10, 0.6, 0.2);
+    formulation_run *run = rig_open(laws[l].form, laws[l].opt);
+    r->gravity[0] = -load;
+    r->v[0] = 1;
+    for (int i = 0; i < steps; i++) {
+      rig_step(r, run);
+      assert_true(r->answer.solved);
+    }
+    if (fabs(r->x[0][0] - end) > 2.5 * h) {
+      printf("# %s:%s in %d dimensions, load %g, step %.17g\n", laws[l].form, laws[l].opt, dim,
+             load, h);
+      check_close(r->x[0][0], end, 2.5 * h);
+    }
+    check_close(r->v[0], 0, 1e-5);
+    rig_close(run);
+    free(r);
+  }
+}
+
 static void ellipse_of_coefficients(void **state) {
   (void)state;
   const double h = 0.001;
@@ -338,10 +373,15 @@ static void every_stiffness_holds(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(circles_are_straight),       cmocka_unit_test(polygons_bend_the_path),
-      cmocka_unit_test(boxes_resist_by_components), cmocka_unit_test(laws_say_how_far_they_reach),
-      cmocka_unit_test(ellipse_of_coefficients),    cmocka_unit_test(belt_stick_slip),
-      cmocka_unit_test(lugre_slips_and_drifts),     cmocka_unit_test(limits_of_the_law),
+      cmocka_unit_test(circles_are_straight),
+      cmocka_unit_test(polygons_bend_the_path),
+      cmocka_unit_test(boxes_resist_by_components),
+      cmocka_unit_test(laws_say_how_far_they_reach),
+      cmocka_unit_test(slides_end_where_loads_would_turn_them),
+      cmocka_unit_test(ellipse_of_coefficients),
+      cmocka_unit_test(belt_stick_slip),
+      cmocka_unit_test(lugre_slips_and_drifts),
+      cmocka_unit_test(limits_of_the_law),
       cmocka_unit_test(every_stiffness_holds),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
