@@ -1,6 +1,7 @@
 /* lcpbench choose: which formulation and solver `simulate --error` would take for a scene, how sure that is, and with
  * --measure what the first of them really take. */
 #include "harness/cli/cli.h"
+#include "harness/cli/repeat.h"
 #include "harness/control/simulation.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
@@ -76,7 +77,7 @@ static void order(const measured *m, int n, int *place) {
 static json_t *candidate(const simulation *s, const simulation_texts *t, const choice_candidate *c,
                          const measured *m) {
   json_t *o = json_object();
-  char command[1600];
+  char command[8192];
   json_out_text(o, "formulation", c->formulation);
   json_out_text(o, "solver", c->solver);
   json_out_real(o, "cost", c->cost);
@@ -87,9 +88,9 @@ static json_t *candidate(const simulation *s, const simulation_texts *t, const c
     json_out_real(o, "err_estimate", m->estimate);
     json_out_real(o, "t_total_s", m->seconds);
   }
-  (void)snprintf(command, sizeof command,
-                 "lcpbench simulate '%.1000s' --formulation '%s' --solver '%s' --error '%.17g%s'",
-                 t->scene, c->formulation, c->solver, s->error.E, s->error.unit);
+  shell_line l = {command, sizeof command, 0};
+  repeat_run(&l, t, c->formulation, c->solver, t->effects);
+  repeat_error(&l, t, &s->error);
   json_out_text(o, "command", command);
   return o;
 }

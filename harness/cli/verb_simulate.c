@@ -1,17 +1,18 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/cli/cli.h"
+#include "harness/cli/repeat.h"
 #include "harness/control/simulation.h"
 #include "harness/measure/predictions.h"
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
 #include "harness/util/memory.h"
-#include "harness/util/shell.h"
 #include "lcp/base/crew.h"
 #include "lcp/base/output.h"
 #include "problems/world/world.h"
 #include "problems/write/scene_write.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -178,38 +179,49 @@ static void put_error(json_t *o, const simulation *s) {
   (void)json_object_set_new(o, "error", e);
 }
 
-/* The command of the same run with nothing automatic in it but, without a file of steps, the steps. */
-static void repeat_command(const simulation *s, const simulation_texts *t, const char *steps,
-                           shell_line *l) {
+/* The command of the same run with nothing automatic in it but, without a file of steps, the steps. A run that ended before its time has
+ * steps up to there. */
+static void put_repeat(json_t *o, const char *key, const simulation *s, const simulation_texts *t,
+                       const char *steps) {
   const choice *c = &s->choice;
-  const choice_candidate *taken = &c->candidate[s->taken];
+  char text[8192];
   char effects[EFFECTS_TEXT];
-  char error[64];
-  effects_plan_print(&s->watched.plan, s->spec.effects, effects);
-  (void)snprintf(error, sizeof error, "%.17g%s", s->error.E, s->error.unit);
-  shell_put(l, "lcpbench simulate ");
-  shell_put_word(l, t->scene);
-  shell_put_option(l, "formulation", taken->formulation);
-  shell_put_option(l, "solver", taken->solver);
-  shell_put_option(l, "tol", t->tol);
-  shell_put_option(l, "duration", t->duration);
-  shell_put_option(l, "start", t->start);
-  shell_put_option(l, "contact-order", t->contact_order);
-  shell_put_option(l, "effects", s->watch > 0.0 ? effects : t->effects);
-  if (steps != NULL) {
-    shell_put_option(l, "steps", steps);
-    return;
+  char duration[32];
+  shell_line l = {text, sizeof text, 0};
+  simulation_texts own = *t;
+  double sum = 0.0;
+  for (long i = 0; i < s->steps.n; i++) {
+    sum += s->steps.h[i];
   }
-  shell_put_option(l, "step", t->step);
-  shell_put_option(l, "error", error);
-  shell_put_option(l, "work", t->work);
-  shell_put_option(l, "time-limit", t->time_limit);
+  if (steps != NULL && sum > 0.0 && !(fabs(sum - s->request.duration) <= 1e-6 * sum)) {
+    (void)snprintf(duration, sizeof duration, "%.17g", sum);
+    own.duration = duration;
+  }
+  effects_plan_print(&s->watched.plan, s->spec.effects, effects);
+  repeat_run(&l, &own, s->chooses ? c->candidate[s->taken].formulation : t->formulation,
+             s->chooses ? c->candidate[s->taken].solver : t->solver,
+             s->watch > 0.0 ? effects : t->effects);
+  if (steps != NULL) {
+    shell_put_option(&l, "steps", steps);
+  } else if (s->error.E > 0.0) {
+    repeat_error(&l, t, &s->error);
+  } else {
+    shell_put_option(&l, "step", t->step);
+    shell_put_option(&l, "steps", t->steps);
+  }
+  json_out_text(o, key, text);
 }
 
 /* What chose formulation and solver, and the command that chooses nothing. */
 static void put_choice(json_t *o, const simulation *s, const simulation_texts *t,
                        const char *steps) {
   const choice *c = &s->choice;
+  if (s->watch > 0.0) {
+    put_repeat(json_object_get(o, "effects_auto"), "command", s, t, steps);
+  }
+  if (s->error.E > 0.0) {
+    put_repeat(json_object_get(o, "error"), "command", s, t, steps);
+  }
   if (!s->chooses) {
     return;
   }
@@ -235,10 +247,7 @@ static void put_choice(json_t *o, const simulation *s, const simulation_texts *t
     (void)json_array_append_new(list, one);
   }
   (void)json_object_set_new(a, "candidates", list);
-  char repeat[8192];
-  shell_line l = {repeat, sizeof repeat, 0};
-  repeat_command(s, t, steps, &l);
-  json_out_text(a, "repeat", repeat);
+  put_repeat(a, "repeat", s, t, steps);
   (void)json_object_set_new(o, "choice", a);
 }
 
@@ -374,6 +383,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   json_out_int(o, "contact_order", (long long)s->request.contact_order); /* 0: given */
   json_out_real(o, "step_s", s->request.h);
   json_out_int(o, "steps", r->steps);
+  json_out_real(o, "t_end_s", record->column[SERIES_TIME][record->n_row - 1]);
   json_out_text(o, "status", run_status_name(r->status));
   json_out_text(o, "claimed", run_status_name(r->claimed));
   json_out_text(o, "note", r->note);

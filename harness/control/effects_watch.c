@@ -95,6 +95,13 @@ static unsigned left_out(const watch *w) {
   return w->q->effects & ~p->span[p->n - 1].effects;
 }
 
+/* Nothing left out has acted up to the step now reached. */
+static base_status take_clean(watch *w, base_error *err) {
+  const checkpoint *c = &w->clean;
+  const bool there = c->n_row > 0 && c->out.steps == w->s->out->steps;
+  return there ? BASE_OK : checkpoint_take(&w->clean, w->s, w->record, err);
+}
+
 /* From the step now reached on. */
 static base_status change_effects(watch *w, unsigned now, base_error *err) {
   effects_plan *p = &w->result->plan;
@@ -286,8 +293,12 @@ static base_status leave_out(watch *w, outlook from, base_error *err) {
   without &= ~world_moves(w->s->w, without, least_change(w));
   without &= ~with_friction(w->q, w->s->effects & ~without);
   without = with_gyroscopic(w->q, without);
-  w->left += (without != 0);
-  return (without != 0) ? change_effects(w, w->s->effects & ~without, err) : BASE_OK;
+  if (without == 0) {
+    return BASE_OK;
+  }
+  w->left++;
+  BASE_TRY(take_clean(w, err)); /* with what is to be left out as it is */
+  return change_effects(w, w->s->effects & ~without, err);
 }
 
 /* The same contacts carried twice, after a beginning without any. Once a run. */
@@ -374,7 +385,7 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   double from = base_seconds();
   deviation_points(&w->off, w->point);
   deviation_copy(&w->before, &w->off);
-  BASE_TRY(checkpoint_take(w->off.any ? &w->last : &w->clean, s, w->record, err));
+  BASE_TRY(w->off.any ? checkpoint_take(&w->last, s, w->record, err) : take_clean(w, err));
   out->time.watch += base_seconds() - from;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();
@@ -427,8 +438,11 @@ static base_status run(watch *w, base_error *err) {
   BASE_TRY(checkpoint_open(&w->clean, w->s, err));
   BASE_TRY(checkpoint_open(&w->last, w->s, err));
   BASE_TRY(begin(w, err));
-  for (bool taken = true; taken && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
+  bool late = false;
+  for (bool taken = true;
+       taken && !late && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
     BASE_TRY(step(w, &taken, err));
+    late = w->q->until > 0.0 && base_seconds() >= w->q->until;
   }
   return BASE_OK;
 }

@@ -61,7 +61,7 @@ base_status watch_parse(const char *text, bool *is, double *level, base_error *e
 base_status watch_check(const char *text, base_error *err);
 
 /* As simulate() with q->effects, less what proves to be unneeded. The request must not ask for files: what was taken back
- * would be in them. q->plan is not read. */
+ * would be in them. q->plan is not read. At q->until it ends, wherever it is. */
 base_status watch_run(const sim_request *q, double level, series *record, sim_result *out,
                       watch_result *result, base_error *err);
 

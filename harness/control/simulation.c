@@ -218,6 +218,7 @@ static base_status run_watched(simulation *s, series *record, sim_result *out, b
   sim_request *q = &s->request;
   sim_request silent = without_files(q);
   silent.effects = s->spec.effects;
+  silent.until = s->error.until;
   BASE_TRY(watch_run(&silent, s->watch, record, out, &s->watched, err));
   s->plan = s->watched.plan;
   q->effects = effects_plan_union(&s->plan);
@@ -255,7 +256,8 @@ static base_status run_alone(simulation *s, series *record, sim_result *out, bas
   }
   const sim_times spent = out->time;
   series_close(record);
-  BASE_TRY(step_list_run(q, &s->steps, record, out, err));
+  BASE_TRY((to_error && s->steps.n == 0) ? step_list_run_none(q, record, out, err)
+                                         : step_list_run(q, &s->steps, record, out, err));
   sim_times_add(&out->time, &spent);
   return BASE_OK;
 }
@@ -319,10 +321,10 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   BASE_TRY(scene_load(t->scene, &out->spec, err));
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
+  BASE_TRY(open_steps(t, out, err));
   if (!given(t->error)) {
     BASE_TRY(sim_check_times(q->h, q->duration, err));
   }
-  BASE_TRY(open_steps(t, out, err));
   BASE_TRY(start_of(t->start, &q->start, err));
   if (given(t->contact_order)) {
     BASE_TRY(contact_order_parse(t->contact_order, &q->contact_order, err));

@@ -27,3 +27,6 @@ void step_list_close(step_list *l);
  * with answers stored or replayed. */
 base_status step_list_run(const sim_request *q, const step_list *l, series *record, sim_result *out,
                           base_error *err);
+/* The start of a run whose limit came before its first step: files and record are of that, the outcome is what *out says. */
+base_status step_list_run_none(const sim_request *q, series *record, sim_result *out,
+                               base_error *err);

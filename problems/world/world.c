@@ -232,6 +232,7 @@ base_status world_set_effects(world *w, unsigned effects, base_error *err) {
   w->effects = effects;
   const base_status done = start(w, err);
   world_load(w, state);
+  world_still_locked(w);
   free(state);
   return done;
 }

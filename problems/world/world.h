@@ -75,8 +75,8 @@ void world_config_rate(const world *w, const double *config, const double *v, do
 base_status world_acceleration(world *w, double *a, base_error *err);
 
 /* Everything of a world that its next step depends on, its clock included, as world_saved_size numbers: a step from a
- * loaded state has the bits of the step from the state that was saved. Of a world of the same spec; the effects may
- * differ: an axis that stands still without one of them is at rest after the load. */
+ * loaded state has the bits of the step from the state that was saved. Of a world of the same spec; where the effects
+ * differ world_set_effects follows, after which an axis that stands still without one of them is at rest. */
 size_t world_saved_size(const world *w);
 void world_save(const world *w, double *state);
 void world_load(world *w, const double *state);

@@ -173,6 +173,8 @@ static inline bool world_has(const world *w, unsigned bit) {
 base_status world_reserve(world *w, world_unit unit, size_t n, base_error *err);
 /* Frees all arrays; the world is left without any. */
 void world_release(world *w);
+/* Axes that are neither free nor driven do not move from here on. */
+void world_still_locked(world *w);
 
 /* world_detect.c: fills store.item with points below margin, and store.key. margin < 0: per pair,
  * from h and the speeds. */

@@ -171,6 +171,11 @@ void world_load(world *w, const double *state) {
   }
   for (int i = 0; i < w->n_body; i++) {
     world_saved_body(state - 1, i, &w->body[i]);
+  }
+}
+
+void world_still_locked(world *w) {
+  for (int i = 0; i < w->n_body && w->model == NULL; i++) {
     still_locked(&w->body[i]);
   }
 }
