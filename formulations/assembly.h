@@ -246,6 +246,8 @@ form_slip form_slip_of(const form_assembly *a, double rest);
 /* Does active contact i slide in the motion that form_assembly_answer wrote? Impulses at their bound [N s], mu lambda_n, do not
  * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, and than a millionth of what the bound changes. */
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip);
+/* The speed of that motion along the tangents of active contact i [m/s]. */
+double form_slip_speed(const form_assembly *a, int i);
 /* What is remembered of active contact i if it slides (PAST_SLIDES). Where kinetic friction is less than static, a slip that loads turn
  * round has been at rest within the step, where static friction is what they have to overcome: that holds until the slip rests,
  * or grows against it. An impact turns a slip without a rest. */

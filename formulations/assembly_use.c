@@ -218,14 +218,18 @@ static void tangents_at_end(const form_assembly *a, int i, double t[2]) {
   tangents_of(a, i, u, t);
 }
 
+double form_slip_speed(const form_assembly *a, int i) {
+  double u[2];
+  tangents_at_end(a, i, u);
+  return hypot(u[0], u[1]);
+}
+
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip) {
   const int tangent = a->rows[i].tangent;
-  double u[2];
   if (tangent == 0) {
     return false;
   }
-  tangents_at_end(a, i, u);
-  const double speed = hypot(u[0], u[1]);
+  const double speed = form_slip_speed(a, i);
   return speed > slip->still && speed > of_friction * form_mobility(a, i, 1, tangent) * bound;
 }
 

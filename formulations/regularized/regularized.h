@@ -93,6 +93,7 @@ typedef struct reg_part {
   int openings;               /* solves of this step that took its secant's load away */
   unsigned char mode;         /* reg_mode */
   unsigned char sliding;      /* mu is the kinetic one */
+  unsigned char slid;         /* it was at the start of the step */
   unsigned char holds;        /* it is the static one throughout the step: the slide turned round */
   unsigned char followed;     /* log_r and log_step are of the last iteration */
   unsigned char flips;        /* changes of `sliding` in this step */

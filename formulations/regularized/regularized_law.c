@@ -182,7 +182,7 @@ static void restore(const regularized *s, int g, reg_part *p) {
     }
   }
   const int slides = (p->kind == 0) ? contact_memory_slides(&s->memory, s->a.set, g) : 0;
-  p->sliding = slides > 0;
+  p->sliding = p->slid = slides > 0;
   p->holds = slides < 0;
   if (past != NULL && is_own(s, past) && s->opt.stiffness == 0 && !reg_is_lugre(s, p) &&
       past[own_of(s, p->kind) + REG_PAST_MODE] == REG_SLIP) {
@@ -460,6 +460,53 @@ void reg_commit(regularized *s, double *lambda) {
   }
 }
 
+/* The friction between two bodies in the step. */
+typedef struct two_bodies {
+  int n;                /* parts */
+  bool fell;            /* one of them began to slide, with less than its static friction */
+  double took, could;   /* impulses [N s] */
+  double slip, inverse; /* the fastest [m/s], the lightest [1/kg] */
+} two_bodies;
+
+static void add_to_two(regularized *s, const reg_part *p, two_bodies *t) {
+  const double *l = s->lambda + p->row;
+  t->n++;
+  const double *now = contact_memory_now(&s->memory, s->a.group[p->contact]);
+  t->fell = t->fell || (now[PAST_SLIDES] > 0 && !p->slid && p->mu_kinetic < p->mu_static);
+  t->took += norm_of(l, p->dim);
+  t->could += p->mu_static * fmax(s->lambda[s->a.row[p->contact]], 0);
+  t->slip = fmax(t->slip, form_slip_speed(&s->a, p->contact));
+  t->inverse = fmax(t->inverse, 1 / p->m);
+}
+
+/* Did contacts of two bodies begin to slide that all of them together could have held? Equal bristles take equal shares: those with less normal
+ * force give way, and leave theirs to the others. */
+static bool gave_way(const two_bodies *t) {
+  static const double sure = 1e-3;
+  return t->n > 1 && t->fell && t->took + t->slip / t->inverse < (1 - sure) * t->could;
+}
+
+static bool any_gave_way(regularized *s) {
+  const int *body = s->a.set->body;
+  two_bodies t = {0};
+  const int *last = NULL;
+  bool any = false;
+  for (int k = 0; k < s->n_part && !any; k++) {
+    const reg_part *p = &s->part[k];
+    const int *now = body + 2 * (ptrdiff_t)s->a.group[p->contact];
+    if (p->kind != 0) {
+      continue;
+    }
+    if (last == NULL || now[0] != last[0] || now[1] != last[1]) {
+      any = gave_way(&t);
+      t = (two_bodies){0};
+      last = now;
+    }
+    add_to_two(s, p, &t);
+  }
+  return any || gave_way(&t);
+}
+
 void reg_note_slides(regularized *s) {
   const form_slip slip = form_slip_of(&s->a, s->opt.repair.rest);
   for (int k = 0; k < s->n_part; k++) {
@@ -471,6 +518,7 @@ void reg_note_slides(regularized *s) {
           slides ? form_slides_on(&s->a, p->contact, &s->memory, &slip) : 0;
     }
   }
+  s->answer.gave_way = any_gave_way(s);
 }
 
 contact_layout reg_layout(const contact_set *c) {

@@ -279,7 +279,8 @@ static bool arrived(climber *l) {
 /* Does the law of friction alone make it more than E, and finer steps not less of it? */
 static bool is_bent(const climber *l) {
   const error_level *level = &l->result->level[l->result->n_level - 1];
-  return bent(l) > 1.0 && law_of(&level[-1]) < 2.0 * law_of(level);
+  const double now = law_of(level), before = law_of(&level[-1]);
+  return bent(l) > 1.0 && (before < 2.0 * now || before == now);
 }
 
 /* Judges the run just made; false: it is the last. */

@@ -271,6 +271,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
   if (a->mode != NULL) {
     memset(s->law, 0, (size_t)set->n_dof * sizeof *s->law);
     s->friction = contact_law_at(set, a->impulse, a->mode, u, u_free, s->law);
+    s->friction.left = a->gave_way ? HUGE_VAL : s->friction.left; /* whatever comes of it */
   }
   return BASE_OK;
 }
