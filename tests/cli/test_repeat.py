@@ -74,7 +74,7 @@ def given_ways_have_one_too(d):
 
 
 def names_of_files_are_quoted(d):
-    for name in ("it's a scene.json", "-dash.json", "a $HOME `b` \"c\".json"):
+    for name in ("it's a scene.json", "-dash.json", 'a $HOME `b` "c".json'):
         (d / name).write_text(json.dumps(THROWN))
         given = f"./{name}" if name[0] == "-" else name
         same(d, "simulate", given, "--error", "1%")
