@@ -6,6 +6,7 @@
 #include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/input.h"
 
@@ -106,7 +107,7 @@ static base_status attend(runner *r, int u, base_error *err) {
 static base_status run_units(runner *r, base_error *err) {
   measure_canary(r);
   r->other = runner_busy_now();
-  for (int u = 0; u < r->o->units && isolate_stop_requested() == 0; u++) {
+  for (int u = 0; u < r->o->units && stop_requested() == 0; u++) {
     if (r->done[u] || !spent(r)) {
       BASE_TRY(attend(r, u, err));
     }
@@ -114,7 +115,7 @@ static base_status run_units(runner *r, base_error *err) {
   count_left(r);
   measure_canary(r);
   runner_watch_others(&r->other, isnan(r->other.load) ? 0.05 : 0.5); /* of a short session */
-  r->sum->interrupted = isolate_stop_requested() != 0;
+  r->sum->interrupted = stop_requested() != 0;
   BASE_TRY(runner_close_rows(r, err));
   BASE_TRY(write_manifest(r, err));
   return runner_count_cells(r->plan, r->o->out, r->sum->by_status, err);
@@ -139,7 +140,7 @@ static base_status lock_directory(runner *r, base_error *err) {
   const struct timespec nap = {.tv_nsec = 50000000}; /* a blocking wait would miss a signal that
                                                         comes just before it */
   while (fcntl(r->lock, F_SETLK, &whole) != 0) {
-    if (isolate_stop_requested() != 0) {
+    if (stop_requested() != 0) {
       return BASE_FAIL(err, BASE_EIO, "%s: another run is writing here", r->o->out);
     }
     (void)nanosleep(&nap, NULL);

@@ -1,5 +1,6 @@
 #include "harness/cell/isolate.h"
 
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 
 #include <errno.h>
@@ -16,23 +17,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-static volatile sig_atomic_t stop_signal;
-
-static void on_signal(int number) {
-  stop_signal = number;
-}
-
-void isolate_catch_signals(void) {
-  struct sigaction act = {.sa_handler = on_signal}; /* no SA_RESTART: poll must return */
-  (void)sigemptyset(&act.sa_mask);
-  (void)sigaction(SIGINT, &act, NULL);
-  (void)sigaction(SIGTERM, &act, NULL);
-}
-
-int isolate_stop_requested(void) {
-  return stop_signal;
-}
 
 /* ---- child ------------------------------------------------------------------------------------*/
 
@@ -170,7 +154,7 @@ static void take_log(watch *w) {
 
 /* Signals that are due now. */
 static void keep_time(watch *w) {
-  if (stop_signal != 0 && !w->term_sent) {
+  if (stop_requested() != 0 && !w->term_sent) {
     begin_kill(w, ISOLATE_INTERRUPTED);
   }
   if (base_seconds() < w->deadline) {

@@ -26,7 +26,7 @@ typedef enum isolate_how {
   ISOLATE_FLOOD,       /* killed for too much output */
   ISOLATE_OOM,         /* killed by the kernel for memory */
   ISOLATE_EXIT,        /* called exit: no end of the work was announced */
-  ISOLATE_INTERRUPTED, /* this process was asked to stop (isolate_stop_requested) */
+  ISOLATE_INTERRUPTED, /* this process was asked to stop (stop_requested) */
 } isolate_how;
 
 typedef struct isolate_end {
@@ -52,7 +52,3 @@ typedef struct isolate_work {
 
 base_status isolate_run(const isolate_work *w, const isolate_limits *limits, isolate_end *out,
                         base_error *err);
-
-/* From now on SIGINT and SIGTERM only raise a flag; the signal, or 0. A running child is stopped. */
-void isolate_catch_signals(void);
-int isolate_stop_requested(void);

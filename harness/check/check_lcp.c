@@ -1,5 +1,6 @@
 #include "harness/check/case_lcp.h"
 #include "harness/check/check_run.h"
+#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -119,7 +120,7 @@ static void run_unit(void *ctx, isolate_channel *out) {
 }
 
 base_status check_lcp_case(const check_plan *plan, const lcp_case *c, base_error *err) {
-  for (int i = 0; i < plan->n_solver && isolate_stop_requested() == 0; i++) {
+  for (int i = 0; i < plan->n_solver && stop_requested() == 0; i++) {
     lcp_unit u = {c, &plan->solver[i], {.check = "run"}};
     u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;
     (void)snprintf(u.blank.id, sizeof u.blank.id, "%s", c->id);

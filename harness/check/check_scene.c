@@ -1,6 +1,7 @@
 #include "harness/check/check_run.h"
 #include "harness/measure/check_eval.h"
 #include "harness/measure/simulate.h"
+#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -162,7 +163,7 @@ const char *check_limit(const scene_spec *spec, const formulation_choice *form) 
 /* What the scene says of each effect switched off. */
 static base_status run_off(const check_plan *plan, scene_unit *u, base_error *err) {
   const scene_spec *spec = u->request.spec;
-  for (int k = 0; k < spec->n_off && isolate_stop_requested() == 0; k++) {
+  for (int k = 0; k < spec->n_off && stop_requested() == 0; k++) {
     u->off = &spec->off[k];
     if (!spec_check_applies(&u->off->check, u->request.form->form->name, u->forms, 0)) {
       continue;
@@ -178,7 +179,7 @@ static base_status run_off(const check_plan *plan, scene_unit *u, base_error *er
 static base_status run_pair(const check_plan *plan, scene_unit *u, base_error *err) {
   const scene_spec *spec = u->request.spec;
   const int n_h = (plan->step > 0.0) ? 1 : spec->n_h;
-  for (int i = 0; i < n_h && isolate_stop_requested() == 0; i++) {
+  for (int i = 0; i < n_h && stop_requested() == 0; i++) {
     u->request.h = (plan->step > 0.0) ? plan->step : spec->h[i];
     u->request.effects = spec->effects;
     u->request.duration = spec->duration;

@@ -1,6 +1,7 @@
 #include "harness/check/conform.h"
 
 #include "harness/measure/solve_once.h"
+#include "harness/util/stop.h"
 #include "problems/families/family.h"
 
 #include <malloc.h>
@@ -335,7 +336,7 @@ static base_status run_case(const check_plan *plan, const conform_case *c, lcp_s
 }
 
 base_status conform_solver(const check_plan *plan, base_error *err) {
-  for (int i = 0; i < BASE_COUNT(cases) && isolate_stop_requested() == 0; i++) {
+  for (int i = 0; i < BASE_COUNT(cases) && stop_requested() == 0; i++) {
     for (int storage = LCP_DENSE; storage <= LCP_CSC; storage++) {
       BASE_TRY(run_case(plan, &cases[i], (lcp_storage)storage, err));
     }

@@ -3,6 +3,7 @@
 #include "harness/cell/isolate.h"
 #include "harness/choice/plugins.h"
 #include "harness/cli/help.h"
+#include "harness/util/stop.h"
 #include "harness/util/version.h"
 #include "lcp/base/nearest.h"
 #include "lcp/base/printable.h"
@@ -32,7 +33,7 @@ static int finish(int code) {
 }
 
 int cli_stopped(void) {
-  return (isolate_stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
+  return (stop_requested() == SIGINT) ? CLI_SIGINT_EXIT : CLI_INTERRUPTED;
 }
 
 static int run_verb(const cli_verb *v, int argc, char **argv) {

@@ -9,7 +9,7 @@
 /* The whole program; returns the exit code. */
 int cli_main(int argc, char **argv);
 
-/* The exit code where isolate_stop_requested() tells of a signal. */
+/* The exit code where stop_requested() tells of a signal. */
 int cli_stopped(void);
 
 /* Prints "lcpbench: text" as one line on stderr, without control characters, and returns the exit code for

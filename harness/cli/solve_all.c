@@ -2,6 +2,7 @@
 
 #include "harness/cell/death.h"
 #include "harness/util/json_out.h"
+#include "harness/util/stop.h"
 #include "harness/util/table.h"
 
 #include <stdlib.h>
@@ -145,8 +146,8 @@ base_status solve_all(const problem_source *src, const solver_choice *s, int n, 
   attempt *all = calloc((size_t)n + 1, sizeof *all);
   base_status done = (all != NULL) ? BASE_OK : BASE_FAIL(err, BASE_ENOMEM, "no memory for a table");
   int ran = 0;
-  isolate_catch_signals();
-  while (done == BASE_OK && ran < n && isolate_stop_requested() == 0) {
+  stop_catch_signals();
+  while (done == BASE_OK && ran < n && stop_requested() == 0) {
     attempt *a = &all[ran];
     isolate_end how;
     *a = (attempt){.src = src, .s = &s[ran], .r = {.status = RUN_NO_OUTPUT}};
@@ -157,7 +158,7 @@ base_status solve_all(const problem_source *src, const solver_choice *s, int n, 
     }
     ran += (how.how == ISOLATE_INTERRUPTED) ? 0 : 1;
   }
-  *end = (solve_all_end){.stopped = isolate_stop_requested() != 0};
+  *end = (solve_all_end){.stopped = stop_requested() != 0};
   if (done == BASE_OK) {
     qsort(all, (size_t)ran, sizeof *all, by_worth);
     json_t *rows = json_array();

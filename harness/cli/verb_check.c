@@ -2,6 +2,7 @@
 #include "harness/check/check_run.h"
 #include "harness/cli/cli.h"
 #include "harness/util/args.h"
+#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -149,7 +150,7 @@ static int run(int argc, char **argv) {
   if (args_parse(&args, &o, argc, argv, &path, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  isolate_catch_signals();
+  stop_catch_signals();
   check_report report;
   check_plan *plan = calloc(1, sizeof *plan);
   if (plan == NULL) {
@@ -174,7 +175,7 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   const bool printed = check_report_close(&report);
-  if (isolate_stop_requested() != 0) {
+  if (stop_requested() != 0) {
     return cli_stopped();
   }
   return !printed ? CLI_INTERNAL : (report.count[CHECK_FAILED] == 0) ? CLI_OK : CLI_HONEST;

@@ -1,10 +1,11 @@
 /* lcpbench choose: which formulation and solver `simulate --error` would take for a scene, how sure that is, and with
  * --measure what the first of them really take. */
 #include "harness/cli/cli.h"
-#include "harness/cli/repeat.h"
+#include "harness/control/repeat.h"
 #include "harness/control/simulation.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
+#include "harness/util/stop.h"
 
 typedef struct choose_options {
   simulation_texts t;
@@ -49,7 +50,7 @@ static base_status measure(const simulation_texts *asked, const choice_candidate
   if (done == BASE_OK) {
     done = simulation_run(&s, &record, &r, err);
   }
-  if (done == BASE_OK) {
+  if (done == BASE_OK && stop_requested() == 0) {
     *out = (measured){true, s.found.promised, r.status, sim_total_seconds(&r), s.found.estimate};
   }
   series_close(&record);
@@ -137,7 +138,9 @@ static int run(int argc, char **argv) {
   bool kept = o.measure == 0;
   json_t *found = NULL;
   base_status done = simulation_open(&o.t, &s, &err);
-  for (int i = 0; done == BASE_OK && i < o.measure && i < s.choice.n; i++) {
+  stop_catch_signals(); /* what was measured is told */
+  for (int i = 0; done == BASE_OK && i < o.measure && i < s.choice.n && stop_requested() == 0;
+       i++) {
     done = measure(&o.t, &s.choice.candidate[i], &m[i], &err);
     kept = kept || m[i].kept;
   }
@@ -149,7 +152,8 @@ static int run(int argc, char **argv) {
   if (done != BASE_OK) {
     return cli_report(&err);
   }
-  return !json_out_print(found, stdout) ? CLI_INTERNAL : (kept ? CLI_OK : CLI_HONEST);
+  const int code = (stop_requested() != 0) ? cli_stopped() : (kept ? CLI_OK : CLI_HONEST);
+  return json_out_print(found, stdout) ? code : CLI_INTERNAL;
 }
 
 extern const cli_verb verb_choose;

@@ -4,6 +4,7 @@
 #include "harness/cli/cli.h"
 #include "harness/cli/help.h"
 #include "harness/measure/solve_once.h"
+#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -91,7 +92,7 @@ static int conform(const conform_options *o, check_plan *plan, const char *text)
     return cli_report(&err);
   }
   const bool printed = check_report_close(plan->report);
-  if (isolate_stop_requested() != 0) {
+  if (stop_requested() != 0) {
     return cli_stopped();
   }
   return !printed ? CLI_INTERNAL : (r->count[CHECK_FAILED] == 0) ? CLI_OK : CLI_HONEST;
@@ -105,7 +106,7 @@ static int run(int argc, char **argv) {
   if (args_parse(&args, &o, argc, argv, &text, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  isolate_catch_signals();
+  stop_catch_signals();
   check_report report;
   check_plan *plan = calloc(1, sizeof *plan);
   if (plan == NULL) {

@@ -6,6 +6,7 @@
 #include "harness/cli/cli.h"
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
+#include "harness/util/stop.h"
 #include "lcp/base/fields.h"
 #include "lcp/base/nearest.h"
 
@@ -250,12 +251,12 @@ static int run(int argc, char **argv) {
     done = parse_shard(o.shard, &o.filter, &err);
   }
   if (done == BASE_OK) {
-    isolate_catch_signals();
+    stop_catch_signals();
     (void)setenv("OPENBLAS_NUM_THREADS", "1", 1);
     (void)setenv("OMP_NUM_THREADS", "1", 1);
     done = run_campaign(text, &o, &code, &err);
   }
-  if (done != BASE_OK && isolate_stop_requested() != 0) {
+  if (done != BASE_OK && stop_requested() != 0) {
     (void)cli_report(&err); /* stopped while it waited for another run */
     return cli_stopped();
   }

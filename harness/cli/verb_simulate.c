@@ -1,12 +1,13 @@
 /* lcpbench simulate: one scene, one formulation, one solver, one JSON object. */
 #include "harness/cli/cli.h"
-#include "harness/cli/repeat.h"
+#include "harness/control/repeat.h"
 #include "harness/control/simulation.h"
 #include "harness/measure/predictions.h"
 #include "harness/measure/trace.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
 #include "harness/util/memory.h"
+#include "harness/util/stop.h"
 #include "lcp/base/crew.h"
 #include "lcp/base/output.h"
 #include "problems/world/world.h"
@@ -588,6 +589,9 @@ static int run(int argc, char **argv) {
   simulation s;
   simulate_report report = {0};
   base_status done = simulation_open(&o.t, &s, &err);
+  if (done == BASE_OK && s.error.E > 0.0) {
+    stop_catch_signals(); /* the finest run that came to its end is told */
+  }
   if (done == BASE_OK && s.request.least_memory) {
     memory_return_from(1u << 16);
   }
@@ -606,6 +610,7 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   FILE *to = args_take_stdout(&args, &o) ? stderr : stdout;
+  report.code = (stop_requested() != 0) ? cli_stopped() : report.code;
   return json_out_print(report.object, to) ? report.code : CLI_INTERNAL;
 }
 

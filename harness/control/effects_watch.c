@@ -2,6 +2,7 @@
 
 #include "harness/control/checkpoint.h"
 #include "harness/control/deviation.h"
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
@@ -442,7 +443,7 @@ static base_status run(watch *w, base_error *err) {
   for (bool taken = true;
        taken && !late && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
     BASE_TRY(step(w, &taken, err));
-    late = w->q->until > 0.0 && base_seconds() >= w->q->until;
+    late = (w->q->until > 0.0 && base_seconds() >= w->q->until) || stop_requested() != 0;
   }
   return BASE_OK;
 }

@@ -2,6 +2,7 @@
 
 #include "harness/measure/check_eval.h"
 #include "harness/measure/predictions.h"
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
@@ -41,7 +42,7 @@ base_status error_parse(const char *text, error_asked *out, base_error *err) {
 }
 
 bool error_late(const error_asked *a, double left) {
-  return a->until > 0.0 && base_seconds() + left >= a->until;
+  return (a->until > 0.0 && base_seconds() + left >= a->until) || stop_requested() != 0;
 }
 
 static const char all_places[] = "places of all bodies at the end";
@@ -122,6 +123,7 @@ static error_quantity *add(error_made *m, const error_asked *asked, const char *
   e->scale = scale_of(m, unit);
   e->estimate = HUGE_VAL;
   e->length = false;
+  e->bow = 0.0;
   return e;
 }
 
@@ -157,6 +159,41 @@ static bool of_spin(const spec_check *c) {
   return !c->has_dir && dot != NULL && strcmp(dot, ".omega") == 0;
 }
 
+/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: as far as a row is from the chord of its
+ * neighbours, which an even acceleration exceeds nowhere by more than a quarter of that, and a kink by no more than all of it. */
+static double beyond_rows(const series *s, int column, double sign, double t0, double t1) {
+  const double *t = s->column[SERIES_TIME], *x = s->column[column];
+  double most = -HUGE_VAL;
+  double reach = -HUGE_VAL;
+  for (int k = 0; k < s->n_row; k++) {
+    if (t[k] < t0 || t[k] > t1) {
+      continue;
+    }
+    double bow = 0.0;
+    if (k > 0 && k + 1 < s->n_row && t[k + 1] > t[k - 1]) {
+      const double part = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
+      bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
+    }
+    most = fmax(most, sign * x[k]);
+    reach = fmax(reach, sign * x[k] + bow);
+  }
+  return (reach > most) ? reach - most : 0.0;
+}
+
+/* That of a check over a time. */
+static double bow_of(const error_made *m, const spec_check *c) {
+  const series *s = &m->record;
+  const series_var *v = series_find_var(s, c);
+  const double end = s->column[SERIES_TIME][s->n_row - 1];
+  const double t1 = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? c->t1 : end;
+  if (v == NULL) {
+    return 0.0;
+  }
+  const double up = beyond_rows(s, v->column, 1.0, c->t0, t1);
+  const double down = beyond_rows(s, v->column, -1.0, c->t0, t1);
+  return (c->kind == CHECK_WINDOW_MAX) ? up : (c->kind == CHECK_WINDOW_MIN) ? down : fmax(up, down);
+}
+
 static void read_checks(const sim_request *q, const error_asked *asked, error_made *m) {
   const check_context ctx = prediction_context(q, &m->record, &m->out);
   for (int i = 0; i < q->spec->n_check; i++) {
@@ -179,6 +216,7 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
       const bool state = c->kind == CHECK_STATE;
       if (e != NULL) {
         e->length = !state && of_length(c);
+        e->bow = (!state && q->form->form->memory == 0) ? bow_of(m, c) : 0.0;
       }
       const bool straight = of_bodies(world_observe_unit(c->var)) && !of_spin(c);
       m->at_stops = m->at_stops && (state || straight);

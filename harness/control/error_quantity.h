@@ -24,7 +24,7 @@ typedef struct error_asked {
   double until;          /* base_seconds() at their end then [s]; 0: none */
 } error_asked;
 
-/* Are less than `left` seconds left for the runs? */
+/* Are less than `left` seconds left for the runs, or was this process asked to stop (harness/util/stop.h)? */
 bool error_late(const error_asked *a, double left);
 
 typedef struct error_quantity {
@@ -32,6 +32,8 @@ typedef struct error_quantity {
   const char *unit;
   double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
   bool length;                   /* an extreme over a time, of the length of a vector */
+  double
+      bow; /* an extreme over a time, of steps that nobody looked into: how far one between two of them may be beyond it [unit] */
 } error_quantity;
 
 /* A run and what was read from it. */

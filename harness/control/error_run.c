@@ -1,6 +1,7 @@
 #include "harness/control/error_run.h"
 
 #include "harness/control/error_ladder.h"
+#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -39,12 +40,13 @@ static double largest_change(const error_result *r, const error_made *now,
   return most;
 }
 
-/* What the extreme of a length over a time may be off by because no state is there: the straight way from one state to the next is nearer to
- * the origin than both. In its unit. */
+/* What an extreme over a time may be off by because no state is there, in its unit: of a length, for the straight way from one state to the
+ * next is nearer to the origin than both; of what formulations with steps of their own leave between those that they are asked for. */
 static double unseen(const error_result *r, const error_quantity *e) {
   const step_account *a = &r->level[r->n_level - 1].account;
   const double far = (strcmp(e->unit, "m") == 0) ? a->way : a->gain;
-  return e->length ? fmin(0.5 * far, far * far / (8.0 * fabs(e->value))) : 0.0;
+  const double chord = e->length ? fmin(0.5 * far, far * far / (8.0 * fabs(e->value))) : 0.0;
+  return fmax(chord, e->bow);
 }
 
 /* What a speed is off by where an impact may be on the other side of the time that it is asked for, in its unit. */
@@ -120,8 +122,9 @@ static bool complete(error_result *r, const error_level *l, const sim_request *q
     return false;
   }
   if (!l->account.ended) {
-    refuse(r, error_late(&r->asked, 0.0) ? "the limit of time comes first"
-                                         : "the limit of work comes first");
+    refuse(r, (stop_requested() != 0)      ? "a signal came first"
+              : error_late(&r->asked, 0.0) ? "the limit of time comes first"
+                                           : "the limit of work comes first");
     return false;
   }
   return true;

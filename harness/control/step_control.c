@@ -1,6 +1,7 @@
 #include "harness/control/step_control.h"
 
 #include "harness/control/extrapolation.h"
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 
 #include <stdlib.h>
@@ -57,7 +58,7 @@ typedef struct controlled {
 } controlled;
 
 static bool late(const step_rule *rule) {
-  return rule->until > 0.0 && base_seconds() >= rule->until;
+  return (rule->until > 0.0 && base_seconds() >= rule->until) || stop_requested() != 0;
 }
 
 static double tolerance_of(const controlled *c) {

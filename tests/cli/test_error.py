@@ -2,11 +2,14 @@
 
 import json
 import math
+import signal
+import subprocess
+import time
 
 from near_impacts import flat, groove, scene_file
 from random_scenes import random_file, random_scene
 
-from support import SANITIZED, Skip, fewer, one_line_error, run, run_json, tap
+from support import LCPBENCH, SANITIZED, Skip, fewer, one_line_error, run, run_json, tap
 
 RUN = ("--formulation", "coulomb", "--solver", "nsgs")
 
@@ -380,6 +383,30 @@ def the_end_is_honest_where_a_step_has_no_solution(_):
     ]
 
 
+def what_event_leaves_between_steps_is_seen(_):
+    """The farthest that a stick-slip gets, between the states of steps of 0.1 s: 6 E off."""
+    for E in fewer((1e-4, 1e-2, 1e-3)):
+        o = simulate("belt", E, formulation=("--formulation", "event", "--solver", "lemke"))
+        q, true = reference(o)
+        assert o["error"]["promised"] and true <= E * q["scale"], (E, q, true)
+
+
+def a_signal_leaves_what_there_is(_):
+    """SIGTERM: the finest run that came to its end, or the start, and candidates measured so far."""
+    for verb in (("simulate",), ("choose", "--measure", "5")):
+        words = (*verb, "sphere_pile:n=64", "--error", "1e-9")
+        p = subprocess.Popen([LCPBENCH, *words], stdout=subprocess.PIPE, text=True)
+        time.sleep(2)
+        p.send_signal(signal.SIGTERM)
+        o = json.loads(p.communicate(timeout=60)[0])
+        assert p.returncode == 4, (verb, p.returncode)
+        if verb == ("simulate",):
+            e = o["error"]
+            assert not e["promised"] and "signal" in e["reason"] and e["steps_solved"] > 0, e
+        else:
+            assert len(o["candidates"]) > 2 and "status" not in o["candidates"][-1], o
+
+
 def chaos_is_not_promised(d):
     """A double pendulum: for a second any error can be had, after twenty the runs are strangers."""
     rod = {"shape": {"type": "rod", "half_length": 0.5}, "mass": 1, "inertia": 0.0833}
@@ -544,6 +571,8 @@ tap(
         the_end_is_honest_where_work_is_limited,
         the_end_is_honest_where_time_is_limited,
         the_end_is_honest_where_a_step_has_no_solution,
+        what_event_leaves_between_steps_is_seen,
+        a_signal_leaves_what_there_is,
         chaos_is_not_promised,
         friction_that_pushes_a_slip_on_is_seen,
         estimates_count_on_no_more_than_first_order_over_impacts,

@@ -103,7 +103,7 @@ def a_limit_before_the_first_step_leaves_the_start(d):
 
 
 def effects_have_theirs(d):
-    """The steps are even, so that nothing automatic is left at all. Runs that came back to a step at
+    """Steps are even, so that nothing automatic is left at all. Runs that came back to a step at
     which something had been left out went on from there without its last digits."""
     for scene, formulation, solver, E in (
         ("incline", "velocity", "lemke", "1e-3"),

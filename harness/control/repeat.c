@@ -1,4 +1,4 @@
-#include "harness/cli/repeat.h"
+#include "harness/control/repeat.h"
 
 #include "harness/choice/plugins.h"
 

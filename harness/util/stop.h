@@ -1,0 +1,8 @@
+/* harness/util/stop.h - SIGINT and SIGTERM as something that work looks at, so that what was measured is told. */
+#pragma once
+
+/* From now on both only raise a flag. */
+void stop_catch_signals(void);
+
+/* The signal that came, or 0. */
+int stop_requested(void);
