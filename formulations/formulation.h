@@ -57,19 +57,18 @@ typedef struct formulation_answer {
   const double *
       shift; /* n_dof: by these velocities besides v_next the bodies move in this step and then no more: what
                                 takes back the errors of joints, which neither contacts nor the next step feel; NULL: none */
-  const double *bias;     /* n_contact: normal bias used [m/s]; HUGE_VAL: contact not active */
-  bool solved;            /* the formulation's own residual met its tolerance in this step */
-  double residual;        /* its own model's residual (mode loop, bound loop) [1] */
-  int circle;             /* solves after which that loop was back, bit for bit, in a state that
+  const double *bias;        /* n_contact: normal bias used [m/s]; HUGE_VAL: contact not active */
+  bool solved;               /* the formulation's own residual met its tolerance in this step */
+  double residual;           /* its own model's residual (mode loop, bound loop) [1] */
+  int circle;                /* solves after which that loop was back, bit for bit, in a state that
                                 it had been in, which proves that it has no end; 0: none is known */
-  int lcp_dim;            /* unknowns of the largest problem posed */
-  int n_active;           /* active contacts */
-  double stiffness_ratio; /* min over contacts of G/m_t; HUGE_VAL if not regularised */
-  double v_slip;          /* max regularisation velocity mu f_n / c [m/s], 0 if none */
-  double deflection;      /* max bristle saturation deflection mu f_n / k [m], 0 if none */
-  double spring_energy;   /* stored in bristles after the step [J] */
-  bool
-      gave_way; /* contacts of two bodies began to slide that static friction of all of them could have held */
+  int lcp_dim;               /* unknowns of the largest problem posed */
+  int n_active;              /* active contacts */
+  double stiffness_ratio;    /* min over contacts of G/m_t; HUGE_VAL if not regularised */
+  double v_slip;             /* max regularisation velocity mu f_n / c [m/s], 0 if none */
+  double deflection;         /* max bristle saturation deflection mu f_n / k [m], 0 if none */
+  double spring_energy;      /* stored in bristles after the step [J] */
+  bool gave_way;             /* bristles of two bodies gave way that all together could have held */
   const unsigned char *mode; /* n_contact: 0 open, 1 stick, 2 slip; NULL: unknown */
   const contact_set *set; /* FORM_NO_LCP: the set at the end of the step that impulse, bias and mode
                              refer to; NULL: the set given to begin */
@@ -103,8 +102,7 @@ typedef struct formulation_reader {
 /* How far its law of friction goes beyond mu times the normal force. */
 typedef struct formulation_friction {
   double most; /* its largest force over mu times the normal one, per contact [1] */
-  bool
-      aslant; /* of a facet whose neighbours lie aslant of the axes: it pushes out of a plane of motion */
+  bool aslant; /* its facets lie aslant of the axes, and push out of a plane of motion */
 } formulation_friction;
 
 typedef struct formulation formulation;

@@ -507,8 +507,18 @@ static bool any_gave_way(regularized *s) {
   return any || gave_way(&t);
 }
 
+/* Is static friction of some part more than kinetic? */
+static bool has_two(const regularized *s) {
+  bool two = false;
+  for (int k = 0; k < s->n_part && !two; k++) {
+    two = s->part[k].mu_kinetic < s->part[k].mu_static;
+  }
+  return two;
+}
+
 void reg_note_slides(regularized *s) {
-  const form_slip slip = form_slip_of(&s->a, s->opt.repair.rest);
+  const bool two = has_two(s);
+  const form_slip slip = two ? form_slip_of(&s->a, s->opt.repair.rest) : (form_slip){0};
   for (int k = 0; k < s->n_part; k++) {
     const reg_part *p = &s->part[k];
     const int g = s->a.group[p->contact];
@@ -518,7 +528,7 @@ void reg_note_slides(regularized *s) {
           slides ? form_slides_on(&s->a, p->contact, &s->memory, &slip) : 0;
     }
   }
-  s->answer.gave_way = any_gave_way(s);
+  s->answer.gave_way = two && any_gave_way(s);
 }
 
 contact_layout reg_layout(const contact_set *c) {

@@ -3,7 +3,6 @@
 #include "harness/campaign/doctor.h"
 #include "harness/campaign/manifest.h"
 #include "harness/campaign/runner_state.h"
-#include "harness/cell/isolate.h"
 #include "harness/measure/verdict.h"
 #include "harness/util/folder.h"
 #include "harness/util/stop.h"

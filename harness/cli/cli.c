@@ -1,6 +1,5 @@
 #include "harness/cli/cli.h"
 
-#include "harness/cell/isolate.h"
 #include "harness/choice/plugins.h"
 #include "harness/cli/help.h"
 #include "harness/util/stop.h"

@@ -2,7 +2,6 @@
 #include "harness/campaign/budget.h"
 #include "harness/campaign/dry_run.h"
 #include "harness/campaign/runner.h"
-#include "harness/cell/isolate.h"
 #include "harness/cli/cli.h"
 #include "harness/measure/registry.h"
 #include "harness/measure/verdict.h"
