@@ -239,7 +239,8 @@ double form_mobility(const form_assembly *a, int i, int at, int dim);
 /* What slides of a step are told by, reckoned once. */
 typedef struct form_slip {
   double still; /* what is no slower slides: 1e-8 of the largest velocity without contacts [m/s] */
-  bool hit;     /* a contact meets its surface in the step (form_has_impact) */
+  bool
+      hit; /* a contact meets its surface in the step (form_has_impact), or gives back what it met */
 } form_slip;
 
 form_slip form_slip_of(const form_assembly *a, double rest);
@@ -248,11 +249,10 @@ form_slip form_slip_of(const form_assembly *a, double rest);
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip);
 /* The speed of that motion along the tangents of active contact i [m/s]. */
 double form_slip_speed(const form_assembly *a, int i);
-/* What is remembered of active contact i if it slides (PAST_SLIDES). Where kinetic friction is less than static, a slip that loads turn
+/* Remembers that active contact i slides in that motion (PAST_SLIDES, PAST_WAY). Where kinetic friction is less than static, a slip that loads turn
  * round has been at rest within the step, where static friction is what they have to overcome: that holds until the slip rests,
  * or grows against it. An impact turns a slip without a rest. */
-double form_slides_on(const form_assembly *a, int i, const contact_memory *m,
-                      const form_slip *slip);
+void form_note_slide(const form_assembly *a, int i, const form_slip *slip, contact_memory *m);
 
 /* u = r + C lambda over the rows in use. */
 void form_assembly_velocity(const form_assembly *a, const double *lambda, double *u);

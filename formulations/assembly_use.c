@@ -197,7 +197,12 @@ form_slip form_slip_of(const form_assembly *a, double rest) {
   for (int r = 0; r < a->row[a->n_contact]; r++) {
     largest = fmax(largest, fabs(a->r[r]));
   }
-  return (form_slip){.still = of_largest * largest, .hit = form_has_impact(a, rest)};
+  const double still = of_largest * largest;
+  bool owed = false; /* an impact of a step before is given back */
+  for (int i = 0; i < a->n_contact && !owed; i++) {
+    owed = a->bias[a->group[i]] < -still;
+  }
+  return (form_slip){.still = still, .hit = owed || form_has_impact(a, rest)};
 }
 
 /* u, over the rows of the set of active contact i, along its tangents in use: t[0] and t[1], 0 where there is only one. */
@@ -208,20 +213,19 @@ static void tangents_of(const form_assembly *a, int i, const double *u, double t
   t[1] = (a->rows[i].tangent > 1) ? used[2] : 0;
 }
 
-/* In the motion that form_assembly_answer wrote. */
-static void tangents_at_end(const form_assembly *a, int i, double t[2]) {
+/* Of active contact i over the rows of the set, in the motion that form_assembly_answer wrote. */
+static void end_velocity(const form_assembly *a, int i, double u[6]) {
   const contact_set *c = a->set;
   const int g = a->group[i], rows = c->row_start[g + 1] - c->row_start[g];
-  double u[6];
   memcpy(u, c->u_drift + c->row_start[g], (size_t)rows * sizeof *u);
   add_velocity(c, g, rows, a->v_next, u);
-  tangents_of(a, i, u, t);
 }
 
 double form_slip_speed(const form_assembly *a, int i) {
-  double u[2];
-  tangents_at_end(a, i, u);
-  return hypot(u[0], u[1]);
+  double u[6], t[2];
+  end_velocity(a, i, u);
+  tangents_of(a, i, u, t);
+  return hypot(t[0], t[1]);
 }
 
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip) {
@@ -240,21 +244,31 @@ static bool is_by_loads(const form_assembly *a, int i, const double before[2], c
   return hypot(u[0], u[1]) <= hypot(free[0] - before[0], across);
 }
 
-double form_slides_on(const form_assembly *a, int i, const contact_memory *m,
-                      const form_slip *slip) {
+/* Did the slip of contact i, which slid before the step, end as that of one that has been at rest in it? */
+static bool has_rested(const form_assembly *a, int i, const double *end, int slid,
+                       const form_slip *slip) {
+  const contact_set *c = a->set;
+  double before[2], u[2];
+  tangents_of(a, i, c->u_before + c->row_start[a->group[i]], before);
+  tangents_of(a, i, end, u);
+  const bool turned = before[0] * u[0] + before[1] * u[1] <= 0;
+  if (turned && (!slip->hit || is_by_loads(a, i, before, u))) {
+    return true;
+  }
+  return slid < 0 && hypot(u[0], u[1]) < hypot(before[0], before[1]);
+}
+
+void form_note_slide(const form_assembly *a, int i, const form_slip *slip, contact_memory *m) {
   const contact_set *c = a->set;
   const int g = a->group[i];
-  double before[2], u[2];
+  double *now = contact_memory_now(m, g);
+  double end[6];
+  now[PAST_SLIDES] = 1;
   if (!(c->mu_kinetic[g] < c->mu_static[g])) {
-    return 1;
+    return;
   }
-  tangents_of(a, i, c->u_before + c->row_start[g], before);
-  tangents_at_end(a, i, u);
-  const double was = hypot(before[0], before[1]), is = hypot(u[0], u[1]);
   const int slid = contact_memory_slides(m, c, g);
-  const bool turned = slid != 0 && before[0] * u[0] + before[1] * u[1] <= 0;
-  if (turned && (!slip->hit || is_by_loads(a, i, before, u))) {
-    return -1;
-  }
-  return (slid < 0 && is < was) ? -1 : 1;
+  end_velocity(a, i, end);
+  contact_memory_way(c, g, end, now + PAST_WAY);
+  now[PAST_SLIDES] = (slid != 0 && has_rested(a, i, end, slid, slip)) ? -1 : 1;
 }

@@ -151,26 +151,36 @@ static int first_from(const uint64_t *ids, int n, uint64_t id) {
   return low;
 }
 
+void contact_memory_way(const contact_set *c, int i, const double *u, double way[3]) {
+  for (int m = 0; m < 3; m++) {
+    way[m] = 0;
+    for (int k = 1; k <= c->rows[i].tangent; k++) {
+      way[m] += u[k] * c->frame[9 * (ptrdiff_t)i + 3 * k + m];
+    }
+  }
+}
+
 int contact_memory_slides(const contact_memory *m, const contact_set *c, int i) {
-  static const double still = 1e-6;
+  static const double still = 1e-9;
   const double *past = contact_memory_old(m, i);
-  const double *u = c->u_before + c->row_start[i];
-  double slip = 0, took = 0, pushed = 0;
+  double took = 0, on = 0, way[3];
   if (past == NULL || past[PAST_SLIDES] == 0) {
     return 0;
   }
   if (!(c->mu_kinetic[i] < c->mu_static[i])) {
     return 1;
   }
+  contact_memory_way(c, i, c->u_before + c->row_start[i], way);
   for (int k = 1; k <= c->rows[i].tangent; k++) {
-    slip = hypot(slip, u[k]);
     took = hypot(took, past[PAST_IMPULSE + k]);
-    pushed += past[PAST_IMPULSE + k] * u[k];
   }
-  if (slip <= still * contact_mobility(c, i, 1) * took) {
+  for (int k = 0; k < 3; k++) {
+    on += way[k] * past[PAST_WAY + k];
+  }
+  if (hypot(hypot(way[0], way[1]), way[2]) <= still * contact_mobility(c, i, 1) * took) {
     return 0;
   }
-  return (past[PAST_SLIDES] > 0 && !(pushed > 0)) ? 1 : -1;
+  return (past[PAST_SLIDES] > 0 && !(on < 0)) ? 1 : -1;
 }
 
 bool contact_memory_closed(const contact_memory *m, int i) {

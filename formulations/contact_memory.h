@@ -15,8 +15,11 @@ enum {
   PAST_SLIDES, /* 1: its friction slid, the kinetic coefficient holds; -1: it came to rest within the step and slid on the other way,
                     the static one holds until it rests or is driven on */
   PAST_APPROACH, /* at which it was met, to be given back in the next step, <= 0 [m/s] */
-  PAST_SPRUNG,   /* the last law with springs left them pulling with what is behind the impulses */
-  PAST_IMPULSE   /* [N s], [N m s]; behind them the pulls [N], [N m] */
+  PAST_WAY, /* 3: where kinetic friction is less than static, its slip at the end, in the world [m/s] */
+  PAST_SPRUNG =
+      PAST_WAY +
+      3,       /* the last law with springs left them pulling with what is behind the impulses */
+  PAST_IMPULSE /* [N s], [N m s]; behind them the pulls [N], [N m] */
 };
 
 enum {
@@ -81,10 +84,12 @@ static inline const double *contact_memory_old(const contact_memory *m, int i) {
 /* Was contact i of the set closed in the last step? A new one was if one of the same two shapes was closed that is no longer
  * listed: where faces lie on each other the corner of one takes the place of the corner of the other. */
 bool contact_memory_closed(const contact_memory *m, int i);
-/* Does contact i of set c slide since the last step: 1, 0, or -1 (PAST_SLIDES)? What moves by less than a millionth of what its friction did to
- * it in that step is at rest; where that friction would push its slip, that has turned round since, as an extrapolated state may. */
+/* Does contact i of set c slide since the last step: 1, 0, or -1 (PAST_SLIDES)? What moves by less than 1e-9 of what its friction did to
+ * it in that step is at rest, and what slides against its way then has turned round since, as an extrapolated state may. */
 int contact_memory_slides(const contact_memory *m, const contact_set *c, int i);
-/* The coefficient of friction of contact i of set c: the kinetic one where it slides since the last step. */
+/* The slip u, over the rows of contact i of the set, in the world. */
+void contact_memory_way(const contact_set *c, int i, const double *u, double way[3]);
+/* The coefficient of friction of contact i of set c: the kinetic one where contact_memory_slides says 1. */
 static inline double contact_memory_mu(const contact_memory *m, const contact_set *c, int i) {
   return (contact_memory_slides(m, c, i) > 0) ? c->mu_kinetic[i] : c->mu_static[i];
 }

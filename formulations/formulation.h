@@ -68,7 +68,7 @@ typedef struct formulation_answer {
   double v_slip;             /* max regularisation velocity mu f_n / c [m/s], 0 if none */
   double deflection;         /* max bristle saturation deflection mu f_n / k [m], 0 if none */
   double spring_energy;      /* stored in bristles after the step [J] */
-  bool gave_way;             /* bristles of two bodies gave way that all together could have held */
+  bool gave_way;             /* bristles of two shapes gave way that all together could have held */
   const unsigned char *mode; /* n_contact: 0 open, 1 stick, 2 slip; NULL: unknown */
   const contact_set *set; /* FORM_NO_LCP: the set at the end of the step that impulse, bias and mode
                              refer to; NULL: the set given to begin */

@@ -369,7 +369,10 @@ static void note_modes(polyhedral *s, const double *z) {
     const bool slides = friction && (three || zi[shape->n_column] > 0) &&
                         form_slides(&s->a, i, s->bound[s->parts * i] * normal, &slip);
     s->a.mode[g] = (unsigned char)((normal > 0) ? (slides || !friction) + 1 : 0);
-    now[PAST_SLIDES] = slides ? form_slides_on(&s->a, i, &s->memory, &slip) : 0;
+    now[PAST_SLIDES] = 0;
+    if (slides) {
+      form_note_slide(&s->a, i, &slip, &s->memory);
+    }
     memset(now + PAST_IMPULSE, 0, (size_t)s->memory.layout.impulse * sizeof *now);
     form_to_set(&s->a, i, s->base + s->a.row[i], now + PAST_IMPULSE);
     if (s->opt.restitution == POLY_TWO_STEPS) {

@@ -143,7 +143,10 @@ static void settle_contacts(void *of, int part, int hand) {
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
     const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, &e->slip);
-    now[PAST_SLIDES] = slides ? form_slides_on(&s->a, i, &s->memory, &e->slip) : 0;
+    now[PAST_SLIDES] = 0;
+    if (slides) {
+      form_note_slide(&s->a, i, &e->slip, &s->memory);
+    }
     form_to_set(&s->a, i, l, now + PAST_IMPULSE);
     s->a.mode[g] = (unsigned char)((l[0] > 0) ? 1 + (slides || tangent == 0) : 0);
   }

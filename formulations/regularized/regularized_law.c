@@ -460,46 +460,65 @@ void reg_commit(regularized *s, double *lambda) {
   }
 }
 
-/* The friction between two bodies in the step. */
-typedef struct two_bodies {
-  int n;                /* parts */
-  bool fell;            /* one of them began to slide, with less than its static friction */
-  double took, could;   /* impulses [N s] */
-  double slip, inverse; /* the fastest [m/s], the lightest [1/kg] */
-} two_bodies;
+/* The friction between two shapes in the step. */
+typedef struct two_shapes {
+  int n;              /* parts */
+  bool fell;          /* one of them held before, and slides */
+  double took, could; /* impulses; by static friction of all [N s] */
+  double slip;        /* the most that it grew by [m/s] */
+  double inverse;     /* what an impulse on all of them changes that by [1/kg] */
+} two_shapes;
 
-static void add_to_two(regularized *s, const reg_part *p, two_bodies *t) {
-  const double *l = s->lambda + p->row;
-  t->n++;
-  const double *now = contact_memory_now(&s->memory, s->a.group[p->contact]);
-  t->fell = t->fell || (now[PAST_SLIDES] > 0 && !p->slid && p->mu_kinetic < p->mu_static);
-  t->took += norm_of(l, p->dim);
-  t->could += p->mu_static * fmax(s->lambda[s->a.row[p->contact]], 0);
-  t->slip = fmax(t->slip, form_slip_speed(&s->a, p->contact));
-  t->inverse = fmax(t->inverse, 1 / p->m);
+/* An impulse on contacts all around turns no body: 1/m of both, or less, where there are joints. */
+static double moved_by(const regularized *s, const reg_part *p) {
+  const contact_set *c = s->a.set;
+  double inverse = 0;
+  for (int side = 0; side < 2; side++) {
+    const int b = c->body[2 * (ptrdiff_t)s->a.group[p->contact] + side];
+    inverse += (contact_dofs(c, b) > 0) ? 1 / c->mass[c->mass_start[b]] : 0;
+  }
+  return fmin(inverse, 1 / p->m);
 }
 
-/* Did contacts of two bodies begin to slide that all of them together could have held? Equal bristles take equal shares: those with less normal
+static void add_to_two(regularized *s, const reg_part *p, two_shapes *t) {
+  const int g = s->a.group[p->contact];
+  const double *now = contact_memory_now(&s->memory, g);
+  const bool held = !p->slid && contact_memory_closed(&s->memory, g);
+  double l[2] = {0, 0};
+  double before[REG_ROWS_MAX];
+  for (int m = 0; m < p->dim; m++) {
+    l[m] = s->lambda[p->row + m] / axis_unit(p, m);
+  }
+  form_to_rows(&s->a, p->contact, s->a.set->u_before + s->a.set->row_start[g], before);
+  const double slip = norm_of(before + p->row - s->a.row[p->contact], p->dim);
+  t->n++;
+  t->fell = t->fell || (now[PAST_SLIDES] > 0 && held && p->mu_kinetic < p->mu_static);
+  t->took += norm_of(l, p->dim);
+  t->could += p->mu_static * fmax(s->lambda[s->a.row[p->contact]], 0);
+  t->slip = fmax(t->slip, form_slip_speed(&s->a, p->contact) - slip);
+  t->inverse = fmax(t->inverse, moved_by(s, p));
+}
+
+/* Did contacts of two shapes begin to slide that all of them together could have held? Equal bristles take equal shares: those with less normal
  * force give way, and leave theirs to the others. */
-static bool gave_way(const two_bodies *t) {
+static bool gave_way(const two_shapes *t) {
   static const double sure = 1e-3;
   return t->n > 1 && t->fell && t->took + t->slip / t->inverse < (1 - sure) * t->could;
 }
 
 static bool any_gave_way(regularized *s) {
-  const int *body = s->a.set->body;
-  two_bodies t = {0};
-  const int *last = NULL;
+  two_shapes t = {0};
+  uint64_t last = 0;
   bool any = false;
   for (int k = 0; k < s->n_part && !any; k++) {
     const reg_part *p = &s->part[k];
-    const int *now = body + 2 * (ptrdiff_t)s->a.group[p->contact];
+    const uint64_t now = contact_shapes_of(s->a.set->id[s->a.group[p->contact]]);
     if (p->kind != 0) {
       continue;
     }
-    if (last == NULL || now[0] != last[0] || now[1] != last[1]) {
+    if (now != last) {
       any = gave_way(&t);
-      t = (two_bodies){0};
+      t = (two_shapes){0};
       last = now;
     }
     add_to_two(s, p, &t);
@@ -524,8 +543,10 @@ void reg_note_slides(regularized *s) {
     const int g = s->a.group[p->contact];
     const bool slides = p->sliding || (p->holds && p->next_r < 1);
     if (p->kind == 0 && s->a.mode[g] != 0) {
-      contact_memory_now(&s->memory, g)[PAST_SLIDES] =
-          slides ? form_slides_on(&s->a, p->contact, &s->memory, &slip) : 0;
+      contact_memory_now(&s->memory, g)[PAST_SLIDES] = 0;
+    }
+    if (p->kind == 0 && s->a.mode[g] != 0 && slides) {
+      form_note_slide(&s->a, p->contact, &slip, &s->memory);
     }
   }
   s->answer.gave_way = two && any_gave_way(s);

@@ -138,7 +138,7 @@ static int run(int argc, char **argv) {
   bool kept = o.measure == 0;
   json_t *found = NULL;
   base_status done = simulation_open(&o.t, &s, &err);
-  stop_catch_signals(); /* what was measured is told */
+  stop_catch_first_signal(); /* what was measured is told */
   for (int i = 0; done == BASE_OK && i < o.measure && i < s.choice.n && stop_requested() == 0;
        i++) {
     done = measure(&o.t, &s.choice.candidate[i], &m[i], &err);

@@ -194,7 +194,8 @@ static void put_repeat(json_t *o, const char *key, const simulation *s, const si
   for (long i = 0; i < s->steps.n; i++) {
     sum += s->steps.h[i];
   }
-  if (steps != NULL && sum > 0.0 && !(fabs(sum - s->request.duration) <= 1e-6 * sum)) {
+  const bool there = steps != NULL && sum > 0.0; /* none where a limit came first */
+  if (there && !(fabs(sum - s->request.duration) <= 1e-6 * sum)) {
     (void)snprintf(duration, sizeof duration, "%.17g", sum);
     own.duration = duration;
   }
@@ -202,7 +203,7 @@ static void put_repeat(json_t *o, const char *key, const simulation *s, const si
   repeat_run(&l, &own, s->chooses ? c->candidate[s->taken].formulation : t->formulation,
              s->chooses ? c->candidate[s->taken].solver : t->solver,
              s->watch > 0.0 ? effects : t->effects);
-  if (steps != NULL) {
+  if (there) {
     shell_put_option(&l, "steps", steps);
   } else if (s->error.E > 0.0) {
     repeat_error(&l, t, &s->error);
@@ -590,7 +591,7 @@ static int run(int argc, char **argv) {
   simulate_report report = {0};
   base_status done = simulation_open(&o.t, &s, &err);
   if (done == BASE_OK && s.error.E > 0.0) {
-    stop_catch_signals(); /* the finest run that came to its end is told */
+    stop_catch_first_signal(); /* the finest run that came to its end is told */
   }
   if (done == BASE_OK && s.request.least_memory) {
     memory_return_from(1u << 16);
@@ -610,7 +611,7 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   FILE *to = args_take_stdout(&args, &o) ? stderr : stdout;
-  report.code = (stop_requested() != 0) ? cli_stopped() : report.code;
+  report.code = (stop_requested() != 0 && report.code != CLI_OK) ? cli_stopped() : report.code;
   return json_out_print(report.object, to) ? report.code : CLI_INTERNAL;
 }
 

@@ -160,7 +160,7 @@ static bool of_spin(const spec_check *c) {
 }
 
 /* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: as far as a row is from the chord of its
- * neighbours, which an even acceleration exceeds nowhere by more than a quarter of that, and a kink by no more than all of it. */
+ * neighbours, which a kink exceeds nowhere by more; an even acceleration does by a quarter of the longer step over the shorter one. */
 static double beyond_rows(const series *s, int column, double sign, double t0, double t1) {
   const double *t = s->column[SERIES_TIME], *x = s->column[column];
   double most = -HUGE_VAL;
@@ -170,9 +170,11 @@ static double beyond_rows(const series *s, int column, double sign, double t0, d
       continue;
     }
     double bow = 0.0;
-    if (k > 0 && k + 1 < s->n_row && t[k + 1] > t[k - 1]) {
+    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k]) {
       const double part = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
+      const double longer = fmax(part, 1.0 - part), shorter = fmin(part, 1.0 - part);
       bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
+      bow *= fmax(1.0, 0.25 * longer / shorter);
     }
     most = fmax(most, sign * x[k]);
     reach = fmax(reach, sign * x[k] + bow);

@@ -33,7 +33,7 @@ typedef struct error_quantity {
   double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
   bool length;                   /* an extreme over a time, of the length of a vector */
   double
-      bow; /* an extreme over a time, of steps that nobody looked into: how far one between two of them may be beyond it [unit] */
+      bow; /* of an extreme over a time: how far one between two states may be beyond it [unit] */
 } error_quantity;
 
 /* A run and what was read from it. */

@@ -99,7 +99,8 @@ static bool diverges(const error_result *r) {
 /* Does the scene have friction at rest that the formulation has not? */
 static bool lacks_static(const sim_request *q) {
   const spec_coefficient *kinetic = &q->spec->friction_kinetic;
-  const bool two = kinetic->dflt >= 0.0 || kinetic->n_pair > 0;
+  const bool less = kinetic->dflt >= 0.0 && kinetic->dflt < q->spec->friction.dflt;
+  const bool two = less || kinetic->n_pair > 0;
   return two && (q->form->form->model & FORM_PENALTY) != 0 && (q->effects & EFFECT_FRICTION) != 0;
 }
 
@@ -118,6 +119,7 @@ static bool complete(error_result *r, const error_level *l, const sim_request *q
     return false;
   }
   if (lacks_static(q)) {
+    r->other_law = true;
     refuse(r, "the formulation's friction has no static coefficient, and the scene's has one");
     return false;
   }

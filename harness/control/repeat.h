@@ -1,4 +1,4 @@
-/* harness/control/repeat.h - the command of a run that something automatic decided on, with nothing automatic in it. */
+/* harness/control/repeat.h - the command of a run that something automatic decided on. */
 #pragma once
 
 #include "harness/control/simulation.h"

@@ -9,11 +9,19 @@ static void on_signal(int number) {
   stop_signal = number;
 }
 
-void stop_catch_signals(void) {
-  struct sigaction act = {.sa_handler = on_signal}; /* no SA_RESTART: poll must return */
+static void raise_flag(int flags) {
+  struct sigaction act = {.sa_handler = on_signal, .sa_flags = flags};
   (void)sigemptyset(&act.sa_mask);
   (void)sigaction(SIGINT, &act, NULL);
   (void)sigaction(SIGTERM, &act, NULL);
+}
+
+void stop_catch_signals(void) {
+  raise_flag(0); /* no SA_RESTART: poll must return */
+}
+
+void stop_catch_first_signal(void) {
+  raise_flag((int)SA_RESETHAND);
 }
 
 int stop_requested(void) {

@@ -392,7 +392,7 @@ def what_event_leaves_between_steps_is_seen(_):
 
 
 def a_signal_leaves_what_there_is(_):
-    """SIGTERM: the finest run that came to its end, or the start; candidates measured by then."""
+    """SIGTERM: the finest run that came to its end, or the start; candidates, measured or not."""
     for verb in (("simulate",), ("choose", "--measure", "5")):
         words = (*verb, "sphere_pile:n=64", "--error", "1e-9")
         p = subprocess.Popen([LCPBENCH, *words], stdout=subprocess.PIPE, text=True)

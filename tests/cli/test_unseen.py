@@ -94,7 +94,15 @@ def a_load_does_not_turn_a_slide_round_that_friction_holds(d):
     for dim, load in ((2, 4), (2, 5.5), (3, 4), (3, 5.5)):
         made, known = stopped(dim, load)
         keeps(d, (made, known), ("2e-2", "1e-2", "1e-3"))
+    # one that static friction cannot hold breaks away
+    for dim in (2, 3):
+        made, _ = stopped(dim, 6.6)
+        made["bodies"][0]["vel"] = [0.0] * dim
+        way = ("--formulation", "regularized", "--solver", "lemke", "--error", "1e-2")
+        o = run_json("simulate", written(d, made), *way)
+        assert abs(o["observables"]["a.x"]["value"] + 0.5 * 4.6 * 0.36) < 8e-3, o["observables"]
     # of four corners the two with less weight give way to equal bristles, and then the others
+    made, _ = stopped(3, 5.5)
     way = ("--formulation", "regularized", "--solver", "lemke", "--error")
     for E in ("2e-2", "1e-3"):
         e = run_json("simulate", written(d, made), *way, E, code=3)["error"]
