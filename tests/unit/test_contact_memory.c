@@ -7,6 +7,7 @@
 #include <string.h>
 
 enum { WITHOUT = 1, TORSION, ROLLING };
+enum { HEAD = PAST_IMPULSE };
 
 /* Numbers of an entry of a law after a step of a box on its corners, in which corner 3 has torsion or rolling too. */
 static int entry_of(const char *form, const char *options, int kinds) {
@@ -32,13 +33,15 @@ static void entries_hold_what_contacts_have(void **state) {
     const char *form, *opt;
     int numbers[3];
   } laws[] = {
-      {"normal", "", {4 + 1 + 2, 4 + 1 + 2, 4 + 1 + 2}}, /* the unknown and how many there are */
-      {"coulomb", "", {4 + 3, 4 + 4, 4 + 6}},
-      {"boxed", "", {4 + 3, 4 + 4, 4 + 6}},
-      {"boxed", "bristle=1e5", {4 + 3 + 3, 4 + 4 + 6, 4 + 6 + 9}},
-      {"regularized", "pose=cone", {4 + 3 + 3 + 6, 4 + 4 + 6 + 11, 4 + 6 + 9 + 16}},
-      {"velocity", "facets=4", {4 + 3 + 7, 4 + 4 + 10, 4 + 6 + 15}},
-      {"position", "facets=8", {4 + 3 + 11, 4 + 4 + 14, 4 + 6 + 23}},
+      {"normal",
+       "",
+       {HEAD + 1 + 2, HEAD + 1 + 2, HEAD + 1 + 2}}, /* the unknown and how many there are */
+      {"coulomb", "", {HEAD + 3, HEAD + 4, HEAD + 6}},
+      {"boxed", "", {HEAD + 3, HEAD + 4, HEAD + 6}},
+      {"boxed", "bristle=1e5", {HEAD + 3 + 3, HEAD + 4 + 6, HEAD + 6 + 9}},
+      {"regularized", "pose=cone", {HEAD + 3 + 3 + 6, HEAD + 4 + 6 + 11, HEAD + 6 + 9 + 16}},
+      {"velocity", "facets=4", {HEAD + 3 + 7, HEAD + 4 + 10, HEAD + 6 + 15}},
+      {"position", "facets=8", {HEAD + 3 + 11, HEAD + 4 + 14, HEAD + 6 + 23}},
   };
   for (int f = 0; f < BASE_COUNT(laws); f++) {
     for (int kinds = WITHOUT; kinds <= ROLLING; kinds++) {
@@ -74,20 +77,20 @@ static void entries_grow_part_by_part(void **state) {
   const contact_set few = set_of(ids, rows, 2), all = set_of(ids, rows, 3);
   contact_memory m = {0};
   begin(&m, &few);
-  assert_int_equal(m.stride, 4 + 3 + 3 + 2);
+  assert_int_equal(m.stride, HEAD + 3 + 3 + 2);
   fill(&m, 0);
   fill(&m, 1);
   begin(&m, &all);
-  assert_int_equal(m.stride, 4 + 6 + 9 + 2);
-  const double want[] = {200, 201, 202, 203, 204, 205, 206, 0, 0,   0,  207,
-                         208, 209, 0,   0,   0,   0,   0,   0, 210, 211};
+  assert_int_equal(m.stride, HEAD + 6 + 9 + 2);
+  const double want[] = {200, 201, 202, 203, 204, 205, 206, 207, 208, 209, 0,   0,
+                         0,   210, 211, 212, 0,   0,   0,   0,   0,   0,   213, 214};
   assert_memory_equal(contact_memory_old(&m, 1), want, sizeof want);
   assert_null(contact_memory_old(&m, 2));
   fill(&m, 0);
   begin(&m, &few);
   begin(&m, &few);
   begin(&m, &all);
-  assert_int_equal(m.stride, 4 + 6 + 9 + 2);
+  assert_int_equal(m.stride, HEAD + 6 + 9 + 2);
   contact_memory_close(&m);
 }
 
@@ -107,11 +110,11 @@ static void what_is_common_is_taken_over(void **state) {
   contact_memory_strip(&past);
   check_ok(contact_memory_recall(&next, &past, &err), &err);
   check_ok(contact_memory_begin(&next, contact_memory_need(1, false, 5), &c, &err), &err);
-  assert_int_equal(next.stride, 4 + 3 + 3 + 5);
+  assert_int_equal(next.stride, HEAD + 3 + 3 + 5);
   for (int i = 0; i < 2; i++) {
     const double zero[5] = {0};
     assert_memory_equal(contact_memory_old(&next, i), contact_memory_now(&m, i),
-                        (4 + 3 + 3) * sizeof(double));
+                        (HEAD + 3 + 3) * sizeof(double));
     assert_memory_equal(contact_memory_old(&next, i) + contact_memory_own(&next), zero,
                         sizeof zero);
   }
