@@ -443,7 +443,7 @@ static base_status run(watch *w, base_error *err) {
   for (bool taken = true;
        taken && !late && out->steps < out->steps_planned && !sim_hopeless(w->s);) {
     BASE_TRY(step(w, &taken, err));
-    late = (w->q->until > 0.0 && base_seconds() >= w->q->until) || stop_requested() != 0;
+    late = stop_due(w->q->until);
   }
   return BASE_OK;
 }

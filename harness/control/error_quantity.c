@@ -3,7 +3,6 @@
 #include "harness/measure/check_eval.h"
 #include "harness/measure/predictions.h"
 #include "harness/util/stop.h"
-#include "lcp/base/clock.h"
 #include "lcp/base/fields.h"
 
 #include <ctype.h>
@@ -42,7 +41,7 @@ base_status error_parse(const char *text, error_asked *out, base_error *err) {
 }
 
 bool error_late(const error_asked *a, double left) {
-  return (a->until > 0.0 && base_seconds() + left >= a->until) || stop_requested() != 0;
+  return stop_due((a->until > 0.0) ? a->until - left : 0.0);
 }
 
 static const char all_places[] = "places of all bodies at the end";

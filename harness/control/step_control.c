@@ -2,7 +2,6 @@
 
 #include "harness/control/extrapolation.h"
 #include "harness/util/stop.h"
-#include "lcp/base/clock.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -56,10 +55,6 @@ typedef struct controlled {
   patience longer,
       onward; /* with longer steps, and behind an impact with one as long as before it */
 } controlled;
-
-static bool late(const step_rule *rule) {
-  return (rule->until > 0.0 && base_seconds() >= rule->until) || stop_requested() != 0;
-}
 
 static double tolerance_of(const controlled *c) {
   return fmax(c->rule->tolerance, c->rule->of_travel * c->places->travel);
@@ -429,7 +424,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   for (;;) {
     double at;
     bool too_long;
-    if (c->account->solved + 3 > rule->limit || late(rule)) {
+    if (c->account->solved + 3 > rule->limit || stop_due(rule->until)) {
       *limited = true;
       return BASE_OK;
     }
@@ -522,7 +517,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
 static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
   bool taken;
-  *limited = c->account->solved >= c->rule->limit || late(c->rule);
+  *limited = c->account->solved >= c->rule->limit || stop_due(c->rule->until);
   if (*limited || world_time(s->w) >= s->q->duration) {
     return BASE_OK;
   }

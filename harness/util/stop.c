@@ -1,5 +1,7 @@
 #include "harness/util/stop.h"
 
+#include "lcp/base/clock.h"
+
 #include <signal.h>
 #include <stddef.h>
 
@@ -26,4 +28,8 @@ void stop_catch_first_signal(void) {
 
 int stop_requested(void) {
   return stop_signal;
+}
+
+bool stop_due(double until) {
+  return stop_signal != 0 || (until > 0.0 && base_seconds() >= until);
 }
