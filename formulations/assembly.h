@@ -239,8 +239,7 @@ double form_mobility(const form_assembly *a, int i, int at, int dim);
 /* What slides of a step are told by, reckoned once. */
 typedef struct form_slip {
   double still; /* what is no slower slides: 1e-8 of the largest velocity without contacts [m/s] */
-  bool
-      hit; /* a contact meets its surface in the step (form_has_impact), or gives back what it met */
+  bool hit;     /* something is met in the step (form_has_impact), or given back */
 } form_slip;
 
 form_slip form_slip_of(const form_assembly *a, double rest);

@@ -12,13 +12,12 @@
  * another stiffness: k times the deflection, as form_bristle_remember keeps it, for friction, torsion and rolling. */
 enum {
   PAST_CLOSED, /* it was active */
-  PAST_SLIDES, /* 1: its friction slid, the kinetic coefficient holds; -1: it came to rest within the step and slid on the other way,
-                    the static one holds until it rests or is driven on */
+  PAST_SLIDES, /* 1: it slid, by kinetic friction; -1: it rested in the step and slid on, by static friction until it rests or is driven */
   PAST_APPROACH, /* at which it was met, to be given back in the next step, <= 0 [m/s] */
-  PAST_WAY, /* 3: where kinetic friction is less than static, its slip at the end, in the world [m/s] */
-  PAST_SPRUNG =
-      PAST_WAY +
-      3,       /* the last law with springs left them pulling with what is behind the impulses */
+  /* 3: where kinetic friction is less than static, its slip at the end, in the world [m/s] */
+  PAST_WAY,
+  /* the last law with springs left them pulling with what is behind the impulses */
+  PAST_SPRUNG = PAST_WAY + 3,
   PAST_IMPULSE /* [N s], [N m s]; behind them the pulls [N], [N m] */
 };
 

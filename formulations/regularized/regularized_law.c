@@ -540,12 +540,8 @@ void reg_note_slides(regularized *s) {
   const form_slip slip = two ? form_slip_of(&s->a, s->opt.repair.rest) : (form_slip){0};
   for (int k = 0; k < s->n_part; k++) {
     const reg_part *p = &s->part[k];
-    const int g = s->a.group[p->contact];
     const bool slides = p->sliding || (p->holds && p->next_r < 1);
-    if (p->kind == 0 && s->a.mode[g] != 0) {
-      contact_memory_now(&s->memory, g)[PAST_SLIDES] = 0;
-    }
-    if (p->kind == 0 && s->a.mode[g] != 0 && slides) {
+    if (p->kind == 0 && slides && s->a.mode[s->a.group[p->contact]] != 0) {
       form_note_slide(&s->a, p->contact, &slip, &s->memory);
     }
   }

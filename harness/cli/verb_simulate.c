@@ -190,12 +190,10 @@ static void put_repeat(json_t *o, const char *key, const simulation *s, const si
   char duration[32];
   shell_line l = {text, sizeof text, 0};
   simulation_texts own = *t;
-  double sum = 0.0;
-  for (long i = 0; i < s->steps.n; i++) {
-    sum += s->steps.h[i];
-  }
-  const bool there = steps != NULL && sum > 0.0; /* none where a limit came first */
-  if (there && !(fabs(sum - s->request.duration) <= 1e-6 * sum)) {
+  bool whole;
+  const double sum = step_list_length(&s->steps, s->request.duration, &whole);
+  const bool there = steps != NULL && s->steps.n > 0; /* none where a limit came first */
+  if (there && !whole) {
     (void)snprintf(duration, sizeof duration, "%.17g", sum);
     own.duration = duration;
   }

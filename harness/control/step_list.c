@@ -61,6 +61,15 @@ static base_status read_lines(step_list *l, FILE *from, const char *path, base_e
   return BASE_OK;
 }
 
+double step_list_length(const step_list *l, double duration, bool *whole) {
+  double sum = 0.0;
+  for (long i = 0; i < l->n; i++) {
+    sum += l->h[i];
+  }
+  *whole = fabs(sum - duration) <= 1e-6 * duration;
+  return sum;
+}
+
 base_status step_list_read(step_list *l, const char *path, double duration, base_error *err) {
   *l = (step_list){0};
   FILE *from = fopen(path, "r");
@@ -70,11 +79,9 @@ base_status step_list_read(step_list *l, const char *path, double duration, base
   const base_status done = read_lines(l, from, path, err);
   (void)fclose(from);
   BASE_TRY(done);
-  double sum = 0.0;
-  for (long i = 0; i < l->n; i++) {
-    sum += l->h[i];
-  }
-  if (!(fabs(sum - duration) <= 1e-6 * duration)) {
+  bool whole;
+  const double sum = step_list_length(l, duration, &whole);
+  if (!whole) {
     return BASE_FAIL(err, BASE_EINVAL, "%.200s: its steps cover %g s of a run of %g s", path, sum,
                      duration);
   }

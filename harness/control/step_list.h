@@ -22,6 +22,8 @@ base_status step_list_append(step_list *l, double h, unsigned way, base_error *e
 base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
 base_status step_list_write(const step_list *l, const char *path, base_error *err);
 void step_list_close(step_list *l);
+/* The time that its steps take [s]; *whole: that is `duration`, as a file of them has to have it. */
+double step_list_length(const step_list *l, double duration, bool *whole);
 
 /* As simulate() with these steps, which are those of the request. BASE_EUNSUPPORTED: extrapolated ones with a plan of effects, or
  * with answers stored or replayed. */
