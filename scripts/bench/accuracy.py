@@ -584,12 +584,12 @@ def largest_words(large: dict | None) -> tuple[str, str]:
     if not large:
         return "", ""
     same = f"As fast: {', '.join(large['same'])}. " if large["same"] else ""
-    slower = [f"{name} {ratio:.2g}" for name, ratio in large["others"][:3]]
+    slower = [f"{name} ({ratio:.2g} times the time)" for name, ratio in large["others"][:3]]
     return (
         f"{large['contacts']:g} contacts ({large['problem']}): {large['use']},"
         f" {si(large['per_step'], 's', 2)} a step",
         f"Steps of {large['step'] * 1e3:g} ms{rows_.from_last(large['start'])}. {same}"
-        + (f"Times as long: {', '.join(slower)}. " if slower else "")
+        + (f"Slower: {', '.join(slower)}. " if slower else "")
         + f"Error {error(large['error'])} ({large['quantity']}); {large['tenth']}.",
     )
 

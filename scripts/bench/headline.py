@@ -140,10 +140,10 @@ def table(cells: pd.DataFrame) -> Table | None:
         )
     return Table(
         "headline",
-        "Scenes on which a formulation is the cheapest way to an error (m, m/s or rad), alone and"
-        " tied with another within the noise of the campaign and size or the spread of the samples;"
-        " in four readings: steps from nothing or from the last step, one declared default setting"
-        " each or the best of all that were run on each scene.",
+        "On how many scenes is a formulation the cheapest way to an error (m, m/s or rad)? Tied: the"
+        " next one is as fast, to the noise of the campaign or the spread of the samples. Steps"
+        " start from nothing (cold) or from the last step. A formulation has one declared setting"
+        " (default), or the best of all that were run on the scene (tuned per scene).",
         ["error", "start", "setting", "scenes reached", *forms],
         rows,
     )
@@ -170,8 +170,10 @@ def words(cells: pd.DataFrame) -> str:
     for start in STARTS:
         spent, gained = price_of_tuning(own, start, accuracy.LEVEL)
         if math.isfinite(spent):
+            gain = f"{gained:.2g}"
+            faster = "as fast" if gain == "1" else f"{gain} times as fast"
             out.append(
-                f"Tuning ({STARTS[start]}): the winner's best setting is {gained:.2g} times as fast"
-                f" as its default, and finding it took {spent:.2g} times one run (medians)."
+                f"Tuning ({STARTS[start]}): the winner's best setting is {faster} as its default,"
+                f" and finding it took {spent:.2g} times one run (medians)."
             )
     return " ".join(out)

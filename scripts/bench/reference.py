@@ -86,7 +86,7 @@ def advice_words(cells: pd.DataFrame) -> str:
         if not a["use"]:
             continue
         if a["large"]:
-            large.append(": ".join(accuracy.largest_words(a["large"])))
+            large.append(". ".join(accuracy.largest_words(a["large"])))
         body.append(
             [
                 accuracy.kind(a),

@@ -573,7 +573,7 @@ class Judged(unittest.TestCase):
         self.assertEqual(accuracy.kind(cards["stack"]), "stack, below 100 contacts")
         answer, behind = accuracy.largest_words(cards["stack"]["large"])
         self.assertEqual(answer, "200 contacts (stack:n=50): velocity + lemke, 1 ms a step")
-        self.assertIn("Times as long: boxed + ppm 3.", behind)
+        self.assertIn("Slower: boxed + ppm (3 times the time).", behind)
         self.assertIn("a tenth of the error takes 9 times as long", behind)
         self.assertEqual(accuracy.largest_words(cards["sliding"].get("large")), ("", ""))
         self.assertEqual(accuracy.kind(cards["sliding"]), "sliding")
