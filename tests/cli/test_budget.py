@@ -90,16 +90,17 @@ def keeps(cells, axes, known=(), greedy=False):
     sizes = []
     at = 0
     for brings in (values, pairs):
-        whole = set().union(*(brings(c, axes) for c in cells)) if cells else set()
+        left = set().union(*(brings(c, axes) for c in cells)) - covered if cells else set()
         first = at
-        while not whole <= covered:
+        while left:
             new = set(brings(cells[at], axes)) - covered
-            assert new, (cells[at], "brings nothing", len(whole - covered))
+            assert new, (cells[at], "brings nothing", len(left))
             if greedy:
                 most = max(len(set(brings(c, axes)) - covered) for c in cells[at:])
                 assert len(new) == most, (cells[at], len(new), most)
             for every in (values, pairs):
                 covered.update(every(cells[at], axes))
+            left -= new
             at += 1
         sizes.append(at - first)
     return covered, (*sizes, len(cells) - at)

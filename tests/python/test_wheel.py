@@ -21,6 +21,7 @@ def run(command, cwd, home):
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("LCPBENCH", "PYTHON", "LD_"))}
     cache = os.environ.get("PIP_CACHE_DIR", str(pathlib.Path.home() / ".cache" / "pip"))
     own = {"HOME": str(home), "PIP_CACHE_DIR": cache, "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+    own |= {"PIP_NO_COMPILE": "1"}  # of what is installed a tenth is imported
     done = subprocess.run(
         ["sh", "-c", command],
         cwd=cwd,
