@@ -52,6 +52,7 @@ void error_made_close(error_made *m) {
   series_close(&m->record);
   step_list_close(&m->kept);
   run_places_close(&m->places);
+  free(m->met);
   *m = (error_made){0};
 }
 
@@ -100,9 +101,9 @@ static double scale_of(const error_made *m, const char *unit) {
     }
   }
   if (way) {
-    most = fmax(most, fmax(p->travel, p->size));
+    most = fmax(most, run_places_length(p));
   } else if (strcmp(unit, "m/s") == 0) {
-    most = fmax(fmax(most, column_most(s, SERIES_SPEED)), fmax(p->travel, p->size) / end);
+    most = fmax(fmax(most, column_most(s, SERIES_SPEED)), run_places_length(p) / end);
   } else if (strcmp(unit, "rad/s") == 0) {
     most = fmax(most, 1.0 / end);
   }
@@ -112,28 +113,102 @@ static double scale_of(const error_made *m, const char *unit) {
 /* The quantity just added; NULL: E is not for it. */
 static error_quantity *add(error_made *m, const error_asked *asked, const char *name,
                            const char *unit, double value) {
-  if (m->n_quantity == ERROR_QUANTITIES || !holds_for(asked, unit)) {
+  const bool held = holds_for(asked, unit);
+  m->more = m->more || (held && m->n_quantity == ERROR_QUANTITIES);
+  if (!held || m->n_quantity == ERROR_QUANTITIES) {
     return NULL;
   }
   error_quantity *e = &m->quantity[m->n_quantity++];
   (void)snprintf(e->name, sizeof e->name, "%s", name);
   e->unit = unit;
+  e->check = NULL;
   e->value = value;
   e->scale = scale_of(m, unit);
-  e->estimate = HUGE_VAL;
-  e->length = false;
-  e->bow = 0.0;
+  e->estimate = e->change = HUGE_VAL;
+  e->nearest = HUGE_VAL;
+  e->leap = e->known = e->bow = 0.0;
   return e;
 }
 
-/* The checks of one state at one time ask once, however many formulations they are made for. */
-static bool named(const error_made *m, const char *name) {
-  for (int i = 0; i < m->n_quantity; i++) {
-    if (strcmp(m->quantity[i].name, name) == 0) {
-      return true;
+static bool of_speed(const char *unit) {
+  return strcmp(unit, "m/s") == 0 || strcmp(unit, "rad/s") == 0;
+}
+
+/* The impacts that change a speed by more than `least` each, up to a time: by as much one half of a step changes it more than the other. */
+typedef struct bounces {
+  int n;
+  double last, before; /* how much it changed from one to the next, the last two [unit] */
+  double at, since;    /* when the last was, and for how long before that there was none [s] */
+} bounces;
+
+/* By how much more the step to row k changes x than the one before it does in as long. */
+static double bend_at(const double *t, const double *x, int k) {
+  const double now = x[k] - x[k - 1], before = x[k - 1] - x[k - 2];
+  const double slope = (t[k - 1] > t[k - 2]) ? before / (t[k - 1] - t[k - 2]) : 0.0;
+  return fmin(fabs(now - slope * (t[k] - t[k - 1])), fabs(now) + fabs(before));
+}
+
+static bounces bounces_of(const error_made *m, int column, double until, double least) {
+  const series *s = &m->record;
+  const double *t = s->column[SERIES_TIME], *x = s->column[column];
+  bounces found = {0};
+  double low = x[0], high = x[0];
+  for (int k = 0; k < s->n_row && t[k] <= until * (1.0 + 1e-9); k++) {
+    low = fmin(low, x[k]);
+    high = fmax(high, x[k]);
+    const double change = (m->met[k] != 0 && k >= 2) ? bend_at(t, x, k) : 0.0;
+    if (change > least) {
+      found = (bounces){found.n + 1, fmax(change, high - low), found.last, t[k], t[k] - found.at};
+      low = high = x[k];
     }
   }
-  return false;
+  return found;
+}
+
+/* How far off a body may be that bounces, so that it is known at which bounce it is: half of the height of the last one, which lasts up to the time
+ * that is asked for if that is longer, over the number of bounces whose errors come together. Where each changes less than the one before, to
+ * a share e, those are 1 / (1 - e), and all that follow the last take as many times as long as the one before it: then it bounces no more. */
+static void note_bounces(const error_made *m, int column, double until, double least,
+                         error_quantity *e) {
+  const bounces b = bounces_of(m, column, until, least);
+  const double many = (b.last < b.before) ? 1.0 / (1.0 - b.last / b.before) : HUGE_VAL;
+  if (b.n < 2 || until - b.at > many * b.since) {
+    return;
+  }
+  const double arm = (strcmp(e->unit, "rad/s") == 0) ? m->places.size : 1.0;
+  const double height = 0.125 * b.last * arm * fmax(b.since, until - b.at);
+  e->leap = b.last;
+  e->known = 0.5 * height / fmin((double)b.n, many);
+}
+
+/* What E counts in for a quantity. */
+static double unit_of(const error_asked *asked, const error_quantity *e) {
+  return (asked->unit[0] == '\0') ? e->scale : 1.0;
+}
+
+/* Do two checks of state look at the same? */
+static bool same_question(const spec_check *a, const spec_check *b) {
+  const bool along = a->has_dir == b->has_dir && a->dir[0] == b->dir[0] && a->dir[1] == b->dir[1] &&
+                     a->dir[2] == b->dir[2];
+  return a->kind == b->kind && strcmp(a->var, b->var) == 0 && along && a->t == b->t &&
+         a->t0 == b->t0 && a->t1 == b->t1;
+}
+
+/* Such checks ask once, however many formulations they are made for. */
+static bool is_asked(const error_made *m, const spec_check *c) {
+  bool asked = false;
+  for (int i = 0; i < m->n_quantity; i++) {
+    asked = asked || (m->quantity[i].check != NULL && same_question(m->quantity[i].check, c));
+  }
+  return asked;
+}
+
+static bool is_observed(const error_made *m, const char *name) {
+  bool observed = false;
+  for (int i = 0; i < m->n_quantity; i++) {
+    observed = observed || (m->quantity[i].check == NULL && strcmp(m->quantity[i].name, name) == 0);
+  }
+  return observed;
 }
 
 static bool of_turning(const char *unit) {
@@ -158,9 +233,17 @@ static bool of_spin(const spec_check *c) {
   return !c->has_dir && dot != NULL && strcmp(dot, ".omega") == 0;
 }
 
-/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: as far as a row is from the chord of its
- * neighbours, which a kink exceeds nowhere by more; an even acceleration does by a quarter of the longer step over the shorter one. */
-static double beyond_rows(const series *s, int column, double sign, double t0, double t1) {
+/* Is row k one at which an impact bends the way? A step ends just behind it, so that nothing is beyond that. */
+static bool is_kink(const error_made *m, int k) {
+  const int n = m->record.n_row;
+  return (k + 1 < n && m->met[k + 1] != 0) || (k + 2 < n && m->met[k + 2] != 0);
+}
+
+/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: beyond the largest of three by as much as the middle
+ * one is from the chord of the others, which a kink exceeds nowhere; an even acceleration does by a quarter of the longer step over the
+ * shorter one. */
+static double beyond_rows(const error_made *m, int column, double sign, double t0, double t1) {
+  const series *s = &m->record;
   const double *t = s->column[SERIES_TIME], *x = s->column[column];
   double most = -HUGE_VAL;
   double reach = -HUGE_VAL;
@@ -168,15 +251,16 @@ static double beyond_rows(const series *s, int column, double sign, double t0, d
     if (t[k] < t0 || t[k] > t1) {
       continue;
     }
-    double bow = 0.0;
-    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k]) {
+    most = fmax(most, sign * x[k]);
+    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k] && !is_kink(m, k)) {
       const double part = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
       const double longer = fmax(part, 1.0 - part), shorter = fmin(part, 1.0 - part);
-      bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
-      bow *= fmax(1.0, 0.25 * longer / shorter);
+      const double bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
+      const double before = (t[k - 1] >= t0) ? sign * x[k - 1] : -HUGE_VAL;
+      const double behind = (t[k + 1] <= t1) ? sign * x[k + 1] : -HUGE_VAL;
+      const double top = fmax(sign * x[k], fmax(before, behind));
+      reach = fmax(reach, top + bow * fmax(1.0, 0.25 * longer / shorter));
     }
-    most = fmax(most, sign * x[k]);
-    reach = fmax(reach, sign * x[k] + bow);
   }
   return (reach > most) ? reach - most : 0.0;
 }
@@ -190,9 +274,45 @@ static double bow_of(const error_made *m, const spec_check *c) {
   if (v == NULL) {
     return 0.0;
   }
-  const double up = beyond_rows(s, v->column, 1.0, c->t0, t1);
-  const double down = beyond_rows(s, v->column, -1.0, c->t0, t1);
+  const double up = beyond_rows(m, v->column, 1.0, c->t0, t1);
+  const double down = beyond_rows(m, v->column, -1.0, c->t0, t1);
   return (c->kind == CHECK_WINDOW_MAX) ? up : (c->kind == CHECK_WINDOW_MIN) ? down : fmax(up, down);
+}
+
+/* The straight way from one state to the next is nearer to the origin than both: by how much, of a place, the speed tells, which says how far it may be;
+ * of a velocity the least at a state is noted. */
+static void note_length(const error_made *m, int column, const spec_check *c, error_quantity *e) {
+  const series *s = &m->record;
+  const double *t = s->column[SERIES_TIME], *x = s->column[column];
+  const double *speed = s->column[SERIES_SPEED];
+  const double end = (c->t1 > 0.0) ? c->t1 : HUGE_VAL;
+  const bool place = strcmp(e->unit, "m") == 0;
+  double least = HUGE_VAL;
+  for (int k = 0; k < s->n_row; k++) {
+    const bool asked = t[k] >= c->t0 && t[k] <= end;
+    least = asked ? fmin(least, x[k]) : least;
+    if (asked && place && k > 0) {
+      const double far = fmax(speed[k], speed[k - 1]) * (t[k] - t[k - 1]);
+      e->bow = fmax(e->bow, fmin(0.5 * far, far * far / (8.0 * fmin(x[k], x[k - 1]))));
+    }
+  }
+  e->nearest = place ? HUGE_VAL : least;
+}
+
+/* What a check of state says of its quantity beside the value. */
+static void note_check(const error_asked *asked, const error_made *m, const spec_check *c,
+                       error_quantity *e) {
+  const series_var *v = series_find_var(&m->record, c);
+  const bool state = c->kind == CHECK_STATE;
+  if (!state) {
+    e->bow = bow_of(m, c);
+  }
+  if (v != NULL && state && of_speed(e->unit)) {
+    note_bounces(m, v->column, c->t, unit_of(asked, e) * asked->E, e);
+  }
+  if (v != NULL && !state && c->kind != CHECK_WINDOW_MAX && of_length(c)) {
+    note_length(m, v->column, c, e);
+  }
 }
 
 static void read_checks(const sim_request *q, const error_asked *asked, error_made *m) {
@@ -209,15 +329,17 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
     check_label(c, label, sizeof label);
     if (c->kind == CHECK_STATE) {
       (void)snprintf(name, sizeof name, "%s at %.4g s", label, c->t);
+    } else if (c->t1 > 0.0 && c->t1 < q->duration * (1.0 - 1e-9)) {
+      (void)snprintf(name, sizeof name, "%s from %.4g to %.4g s", label, c->t0, c->t1);
     } else {
       (void)snprintf(name, sizeof name, "%s from %.4g s", label, c->t0);
     }
-    if (got.known && !named(m, name)) {
+    if (got.known && !is_asked(m, c)) {
       error_quantity *e = add(m, asked, name, world_observe_unit(c->var), got.got);
       const bool state = c->kind == CHECK_STATE;
       if (e != NULL) {
-        e->length = !state && of_length(c);
-        e->bow = (!state && q->form->form->memory == 0) ? bow_of(m, c) : 0.0;
+        e->check = c;
+        note_check(asked, m, c, e);
       }
       const bool straight = of_bodies(world_observe_unit(c->var)) && !of_spin(c);
       m->at_stops = m->at_stops && (state || straight);
@@ -226,7 +348,22 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
   }
 }
 
-void error_made_read(const sim_request *q, const error_asked *asked, error_made *m) {
+/* Finds the rows behind steps in which other contacts began or ceased to carry. */
+static base_status note_met(error_made *m, base_error *err) {
+  const series *s = &m->record;
+  m->met = calloc((size_t)s->n_row, sizeof *m->met);
+  if (m->met == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for what %d steps met", s->n_row);
+  }
+  for (long k = 0; k < m->kept.n && k + 1 < s->n_row; k++) {
+    m->met[k + 1] = (m->kept.way[k] & STEP_MET) != 0; /* behind the start there is a row a step */
+  }
+  return BASE_OK;
+}
+
+base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
+                            base_error *err) {
+  BASE_TRY(note_met(m, err));
   m->at_stops = true;
   read_checks(q, asked, m);
   for (int i = 0; i < q->spec->n_observe; i++) {
@@ -236,8 +373,12 @@ void error_made_read(const sim_request *q, const error_asked *asked, error_made 
     memcpy(c.var, q->spec->observe[i], sizeof c.var);
     const series_var *v = series_find_var(&m->record, &c);
     (void)snprintf(name, sizeof name, "%s at the end", c.var);
-    if (v != NULL && series_at(&m->record, v->column, q->duration, &value) && !named(m, name)) {
-      (void)add(m, asked, name, world_observe_unit(c.var), value);
+    if (v != NULL && series_at(&m->record, v->column, q->duration, &value) &&
+        !is_observed(m, name)) {
+      error_quantity *e = add(m, asked, name, world_observe_unit(c.var), value);
+      if (e != NULL && of_speed(e->unit)) {
+        note_bounces(m, v->column, q->duration, unit_of(asked, e) * asked->E, e);
+      }
     }
   }
   if (m->n_quantity == 0) {
@@ -246,6 +387,7 @@ void error_made_read(const sim_request *q, const error_asked *asked, error_made 
   for (int i = 0; i < m->n_quantity; i++) {
     m->turns = m->turns || of_turning(m->quantity[i].unit);
   }
+  return BASE_OK;
 }
 
 /* A law of the whole motion, that some formulations keep to rounding? */
@@ -331,10 +473,6 @@ base_status error_stops(const sim_request *q, int parts, double **stop, int *n_s
   at[kept++] = end;
   *n_stop = kept;
   return BASE_OK;
-}
-
-static bool of_speed(const char *unit) {
-  return strcmp(unit, "m/s") == 0 || strcmp(unit, "rad/s") == 0;
 }
 
 base_status error_speed_times(const sim_request *q, double **at, int *n, base_error *err) {

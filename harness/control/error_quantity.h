@@ -5,7 +5,7 @@
  * unit of the quantities it holds for ("1e-3m", "0.01rad"), or relative to the scale of each quantity's unit:
  *
  *   m      the longest way that a body's centre, or one of the quantities, is from where it began; at least the size
- *          of the smallest body, in a scene of points how far these may come by their speed or gravity
+ *          of the smallest body, in a scene of points that rest how far these may come by their speed or gravity
  *   m/s    the largest speed of a body; at least that of the length above in the time of the run
  *   rad    1
  *   rad/s  the largest value of the quantities of this unit; at least 1 rad in the time of the run
@@ -14,7 +14,7 @@
 
 #include "harness/control/step_control.h"
 
-enum { ERROR_QUANTITIES = 64, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
+enum { ERROR_QUANTITIES = 1024, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
 
 typedef struct error_asked {
   double E;              /* in `unit`, or [1] */
@@ -29,9 +29,16 @@ bool error_late(const error_asked *a, double left);
 
 typedef struct error_quantity {
   char name[112];
+  const spec_check
+      *check; /* that asks for it; NULL: it is observed at the end, or stands for all places */
   const char *unit;
   double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
-  bool length;                   /* an extreme over a time, of the length of a vector */
+  double change;                 /* from the run before; HUGE_VAL: there is none [unit] */
+  /* Of the least, or the drift, of the length of a velocity over a time: the least at a state; else HUGE_VAL [unit]. */
+  double nearest;
+  /* Of a speed at a time: what the last impact before that changed it by [unit], 0 where fewer than two did by more than E; and how far off
+   * a body may be without being at another bounce than it seems to be [m]. */
+  double leap, known;
   double
       bow; /* of an extreme over a time: how far one between two states may be beyond it [unit] */
 } error_quantity;
@@ -42,10 +49,13 @@ typedef struct error_made {
   sim_result out;
   step_list kept;
   run_places places;
+  unsigned char
+      *met; /* a row of the record: behind it other contacts carry than two rows before; owned */
   bool
       at_stops; /* all quantities are of states that steps end at, or of places, angles and speeds */
   bool between; /* some are of what these do between states */
   bool turns;   /* some are angles or rates of turning */
+  bool more;    /* than ERROR_QUANTITIES are asked for */
   int n_quantity;
   error_quantity quantity[ERROR_QUANTITIES];
 } error_made;
@@ -53,8 +63,9 @@ typedef struct error_made {
 /* "1e-3m", "2 %", "1%", "0.01". BASE_EINVAL: no number above 0, or no unit that the program knows. */
 base_status error_parse(const char *text, error_asked *out, base_error *err);
 
-/* Reads the quantities that E holds for from the run that was made. */
-void error_made_read(const sim_request *q, const error_asked *asked, error_made *m);
+/* Reads the quantities that E holds for from the run that was made. BASE_ENOMEM. */
+base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
+                            base_error *err);
 /* By how much the run misses the predictions of the scene that its energy or angular momentum is kept, over what they allow [1]; 0: it does
  * not. `name` is the one that is missed by most. */
 double error_made_misses(const sim_request *q, const error_made *m, char *name, size_t cap);

@@ -10,8 +10,8 @@
 static const double spring_step = 0.5;
 /* Of the period of a load: no halving of it, nor of what a run takes, falls on its zeros alone. */
 static const double swing_step = 1.0 / 6.3;
-/* Of the time in which what is off a steady turning grows by e: it is nothing yet where the others begin. */
-static const double growth_step = 0.25;
+/* Of how far points may come, what the first run is measured by to begin with. */
+static const double point_share = 1e-3;
 /* Of the fall of the difference that two orders of convergence stand for, this share shows them; of no fall, that runs converge. */
 static const double shown = 0.75;
 
@@ -40,12 +40,13 @@ static double largest_change(const error_result *r, const error_made *now,
   return most;
 }
 
-/* What an extreme over a time may be off by because no state is there, in its unit: of a length, for the straight way from one state to the
- * next is nearer to the origin than both; of what formulations with steps of their own leave between those that they are asked for. */
+/* What an extreme over a time may be off by because no state is there, in its unit: of the length of a velocity, for the straight way from one state
+ * to the next is nearer to the origin than both; of one of a place, and of what formulations with steps of their own leave between those
+ * that they are asked for, the record tells. */
 static double unseen(const error_result *r, const error_quantity *e) {
-  const step_account *a = &r->level[r->n_level - 1].account;
-  const double far = (strcmp(e->unit, "m") == 0) ? a->way : a->gain;
-  const double chord = e->length ? fmin(0.5 * far, far * far / (8.0 * fabs(e->value))) : 0.0;
+  const double far = r->level[r->n_level - 1].account.gain;
+  const double chord =
+      (e->nearest < HUGE_VAL) ? fmin(0.5 * far, far * far / (8.0 * e->nearest)) : 0.0;
   return fmax(chord, e->bow);
 }
 
@@ -56,16 +57,31 @@ static double jumped(const error_result *r, const error_made *m, const error_qua
   return (turns || strcmp(e->unit, "m/s") == 0) ? jump / (turns ? m->places.size : 1.0) : 0.0;
 }
 
+/* Of a speed behind bounces, in its unit: runs that do not tell at which of them a body is may be near each other by chance, but hardly twice in
+ * a row. */
+static double slipped(const error_result *r, const error_made *before, int i,
+                      const error_quantity *e, double change) {
+  static const double near = 1.0 / 16.0;
+  const double first = (i < before->n_quantity) ? before->quantity[i].change : HUGE_VAL;
+  const bool twice = fmax(first, change) <= near * e->leap;
+  const bool told = r->level[r->n_level - 2].account.off <= e->known;
+  return (e->leap > 0.0 && !told && !twice) ? e->leap : 0.0;
+}
+
 /* Estimates from two runs of which the later one is `finer` times as good, and off by `least` over E at least. */
 static void estimate(error_result *r, error_made *now, const error_made *before, double finer,
                      double least) {
+  error_level *level = &r->level[r->n_level - 1];
   r->estimate = 0.0;
   for (int i = 0; i < now->n_quantity; i++) {
     error_quantity *e = &now->quantity[i];
     const double change =
         (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
     const double told = ERROR_SAFETY * change / (finer - 1.0);
-    const double seen = fmax(unseen(r, e), jumped(r, now, e));
+    const double slip = slipped(r, before, i, e, change);
+    const double seen = fmax(fmax(unseen(r, e), slip), jumped(r, now, e));
+    level->slips = fmax(level->slips, (slip > 0.0) ? level->account.off / e->known : 0.0);
+    e->change = change;
     const double known = fmax(least * r->asked.E * unit_of(r, e), seen);
     e->estimate = (told < known) ? known : told;
     const double over = e->estimate / unit_of(r, e);
@@ -87,11 +103,11 @@ static double length_of(const sim_request *q, const error_asked *a, double scale
   return a->E * scale;
 }
 
-/* Did the last three refinements leave the difference as it was? */
+/* Did the last three refinements leave the difference as it was, which says nothing of runs that are at other bounces? */
 static bool diverges(const error_result *r) {
   bool same = r->n_level > r->first_level + 4;
   for (int k = r->n_level - 1; same && k >= r->n_level - 3; k--) {
-    same = r->level[k].change > shown * r->level[k - 1].change;
+    same = r->level[k].change > shown * r->level[k - 1].change && r->level[k].slips == 0.0;
   }
   return same;
 }
@@ -106,7 +122,7 @@ static bool lacks_static(const sim_request *q) {
 
 /* What a run has to say for itself before it is compared with others; false: it is the last. */
 static bool complete(error_result *r, const error_level *l, const sim_request *q,
-                     const sim_result *out) {
+                     const sim_result *out, bool more) {
   if (out->status != RUN_OK) {
     char why[200];
     (void)snprintf(why, sizeof why, "a step is %s: %.150s", run_status_name(out->status),
@@ -116,6 +132,10 @@ static bool complete(error_result *r, const error_level *l, const sim_request *q
   }
   if (!out->verified) {
     refuse(r, "a solve is off by more than the tolerance of its kind");
+    return false;
+  }
+  if (more) {
+    refuse(r, "the scene asks for more quantities than are watched");
     return false;
   }
   if (lacks_static(q)) {
@@ -151,7 +171,7 @@ typedef struct climber {
 /* What E is as a length in the last run [m]. */
 static double length_now(const climber *l) {
   const run_places *p = &l->now.places;
-  return length_of(l->q, &l->result->asked, l->now.turns ? p->size : fmax(p->travel, p->size));
+  return length_of(l->q, &l->result->asked, l->now.turns ? p->size : run_places_length(p));
 }
 
 static base_status one_run(climber *l, base_error *err) {
@@ -177,8 +197,9 @@ static base_status one_run(climber *l, base_error *err) {
   l->ladder.rule.of_travel = 0.0;
   level->seconds = sim_total_seconds(&m->out);
   level->change = HUGE_VAL;
+  level->slips = 0.0;
   sim_times_add(&l->spent, &m->out.time);
-  error_made_read(l->q, &r->asked, m);
+  BASE_TRY(error_made_read(l->q, &r->asked, m, err));
   return (m->n_quantity > 0)
              ? BASE_OK
              : BASE_FAIL(err, BASE_EINVAL, "--error: the scene is asked for nothing in %s",
@@ -206,12 +227,18 @@ static double located(const climber *l) {
   return fmax(a->located / length_now(l), fmax(doubted(l), bent(l)));
 }
 
-/* Was the run exact, as far as its steps tell? A window or a drift looks at states between them, which are off a chord. */
+/* Did no contact begin or cease to carry in the last run? */
+static bool unchanged(const climber *l) {
+  return l->result->level[l->result->n_level - 1].account.changed == 0;
+}
+
+/* Was the run exact, as far as its steps tell? Impacts may be others than those that it met. A window or a drift looks at states between them, which are off a chord. */
 static bool as_if_exact(climber *l) {
   error_result *r = l->result;
   const step_account *a = &r->level[r->n_level - 1].account;
   const double off = a->off / length_now(l);
-  if (!l->ladder.rule.extrapolate || !l->now.at_stops || a->forced > 0 || !(off <= ERROR_EXACT)) {
+  if (!l->ladder.rule.extrapolate || !l->now.at_stops || a->forced > 0 || !unchanged(l) ||
+      !(off <= ERROR_EXACT)) {
     return false;
   }
   const double bow = l->now.between ? ERROR_SAFETY * a->bow : 0.0;
@@ -228,12 +255,7 @@ static bool as_if_exact(climber *l) {
   return r->estimate <= r->asked.E;
 }
 
-/* Did no contact begin or cease to carry in the last run? */
-static bool unchanged(const climber *l) {
-  return l->result->level[l->result->n_level - 1].account.changed == 0;
-}
-
-/* Is that so, and nothing asked for between its states? What its steps are off by tells what it is off by then, but for how that grows. */
+/* Did no contact do so, and is nothing asked for between the states of the last run? What its steps are off by tells what it is off by then, but for how that grows. */
 static bool smooth(const climber *l) {
   return !l->now.between && unchanged(l);
 }
@@ -242,11 +264,12 @@ static bool smooth(const climber *l) {
  * begins or ceases to carry and three runs show it, or where the steps of a smooth run do: together they are off by that much less, and by
  * no more than E. An impact is off by as much as it is late: three runs over one that seem of second order are near each other by chance. */
 static double finer_by(const climber *l) {
+  static const double nearly = 3.0, shows = 10.0; /* E: what is farther off is of no order yet */
   const error_result *r = l->result;
   const error_level *level = &r->level[r->n_level - 1];
-  const bool changes = r->n_level > r->first_level + 2 && unchanged(l) &&
+  const bool changes = r->n_level > r->first_level + 2 && unchanged(l) && level->change <= shows &&
                        level[-1].change >= shown * l->ratio_before * level->change;
-  const bool steps = smooth(l) && level->account.off <= length_now(l) &&
+  const bool steps = smooth(l) && level->change <= nearly && level->account.off <= length_now(l) &&
                      level[-1].account.off >= shown * l->ladder.ratio * level->account.off;
   return error_ladder_gain(&l->ladder, changes || steps);
 }
@@ -292,7 +315,7 @@ static bool is_bent(const climber *l) {
 static bool go_on(climber *l) {
   error_result *r = l->result;
   error_level *level = &r->level[r->n_level - 1];
-  if (!complete(r, level, l->q, &l->now.out)) {
+  if (!complete(r, level, l->q, &l->now.out, l->now.more)) {
     return false;
   }
   l->missed = 0.0;
@@ -323,7 +346,7 @@ static bool go_on(climber *l) {
 /* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear and its loads show in [s], and whether nothing moves. */
 typedef struct start_sizes {
   double scale, bears;
-  bool rests;
+  bool rests, points;
 } start_sizes;
 
 static base_status start_open(const sim_request *q, start_sizes *start, base_error *err) {
@@ -333,8 +356,9 @@ static base_status start_open(const sim_request *q, start_sizes *start, base_err
   start->scale = fmax(world_size(w), speed * q->duration);
   start->bears =
       fmin(fmin(spring_step * world_longest_step(w), swing_step * world_shortest_period(w)),
-           growth_step / world_growth_rate(w));
+           step_beside_growth(w));
   start->rests = world_may_rest(w);
+  start->points = world_of_points(w);
   world_close(w);
   return BASE_OK;
 }
@@ -354,16 +378,22 @@ base_status error_first_scale(const sim_request *q, double *scale, base_error *e
 }
 
 static base_status climb(climber *l, error_steps steps, const start_sizes *start, base_error *err) {
-  error_ladder_begin(&l->ladder, l->q, steps, length_of(l->q, &l->result->asked, start->scale),
-                     start->bears, start->rests);
+  /* how far points may come says nothing of how far they do */
+  const double scale = start->points ? point_share * start->scale : start->scale;
+  const double length = length_of(l->q, &l->result->asked, scale);
+  const bool relative = l->result->asked.unit[0] == '\0';
+  error_ladder_begin(&l->ladder, l->q, steps, length, start->bears, start->rests);
   /* how far bodies come, which may be much farther than they are large, the first run finds out on its way */
-  l->ladder.rule.of_travel = (l->result->asked.unit[0] == '\0') ? l->result->asked.E : 0.0;
+  const double of_travel = start->points ? l->ladder.rule.tolerance / length : 1.0;
+  l->ladder.rule.of_travel = relative ? of_travel * l->result->asked.E : 0.0;
   l->result->first_level = l->result->n_level;
   BASE_TRY(one_run(l, err));
   while (go_on(l)) {
     l->ratio_before = l->ladder.ratio;
     l->off_before = known_off(l);
-    error_ladder_finer(&l->ladder, fmax(l->off_before, l->missed), (double)l->result->asked.limit);
+    const double slips = l->result->level[l->result->n_level - 1].slips;
+    error_ladder_finer(&l->ladder, fmax(fmax(l->off_before, slips), l->missed),
+                       (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }
   return BASE_OK;

@@ -41,6 +41,8 @@ typedef struct error_level {
   double tolerance; /* [m] */
   double
       change; /* largest difference from the level before, in units of E [1]; HUGE_VAL: the first */
+  double
+      slips; /* by how much it is too far off to tell at which bounce a body is whose speed is asked for; 0: it does [1] */
   step_account account;
   double seconds; /* of simulation, trials included */
 } error_level;

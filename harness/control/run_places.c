@@ -19,11 +19,17 @@ base_status run_places_open(run_places *p, const world *w, base_error *err) {
   }
   p->end = p->start + 3 * (size_t)p->n;
   double quat[4];
+  p->points = world_of_points(w);
   for (int i = 0; i < p->n; i++) {
     world_body_pose(w, i, p->start + 3 * (size_t)i, quat);
   }
   memcpy(p->end, p->start, 3 * (size_t)p->n * sizeof *p->end);
   return BASE_OK;
+}
+
+double run_places_length(const run_places *p) {
+  static const double nowhere = 1e-6; /* of how far they may come: they rest */
+  return (p->points && p->travel > nowhere * p->size) ? p->travel : fmax(p->travel, p->size);
 }
 
 void run_places_note(run_places *p, const world *w) {

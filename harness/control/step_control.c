@@ -36,7 +36,7 @@ typedef struct controlled {
   step_list *kept;
   run_places *places;
   step_account *account;
-  step_pair pair;
+  step_pair pair, ahead;
   bool smooth; /* the step just tried: both of its ways together are better than the fine one */
   double off, plain;     /* what it is off by, and would be if it were not extrapolated [m] */
   bool failed;           /* a step of the shortest length has no solution: the run ends there */
@@ -60,6 +60,11 @@ static double tolerance_of(const controlled *c) {
   return fmax(c->rule->tolerance, c->rule->of_travel * c->places->travel);
 }
 
+double step_beside_growth(const world *w) {
+  static const double part = 0.25;
+  return part / world_growth_rate(w);
+}
+
 /* ---- one step -------------------------------------------------------------------------------- */
 
 /* How long a difference of velocities lasts: what is left of the run, or the time in which the fastest body has come as
@@ -69,6 +74,13 @@ static double reach(const controlled *c) {
   const double way = fmax(c->places->travel, c->places->size);
   const double left = fmax(s->q->duration - world_time(s->w), 0.0);
   return (c->fastest * left > way) ? way / c->fastest : left;
+}
+
+/* How far a body is aside at the end for each length that an impact is off by [1]: sides of bodies that are round, or turn, push in another direction
+ * then, by that length over the size of a body, for as long as velocities last. */
+static double lever(const controlled *c) {
+  const double way = fmin(reach(c) * c->fastest, fmax(c->places->travel, c->places->size));
+  return fmax(1.0, way / c->places->size);
 }
 
 /* Do other contacts carry in the step just tried than before it? */
@@ -120,7 +132,7 @@ static double error_of(controlled *c, double h) {
   const bool behind =
       c->smooth && !event && coarse->closing.at >= 0.5 * h && coarse->closing.at <= h;
   const double sunk = behind ? fmax(coarse->even, fine->held) : fine->sunk;
-  c->located = event ? fmax(position, sunk) : sunk;
+  c->located = fmax(event ? position : 0.0, sunk * lever(c));
   /* a friction that pushes on is one of before the slip turned round, on both ways alike */
   const double lasts = reach(c) + h;
   const double pushed = event ? 0.0 : fine->pushed * lasts;
@@ -134,7 +146,7 @@ static double error_of(controlled *c, double h) {
 /* Half of what a step may sink; no side of a body is missed by it [m]. */
 static double shallow(const controlled *c) {
   static const double most = 0.02; /* of the smallest body */
-  return fmin(0.5 * tolerance_of(c) * event_share, most * c->places->size);
+  return fmin(0.5 * tolerance_of(c) * event_share / lever(c), most * c->places->size);
 }
 
 /* The length of a step in the place of one of h in which a gap closes: to just behind that, so deep as `shallow`, and so that the gap is open
@@ -223,7 +235,7 @@ static base_status count(controlled *c, double h, unsigned way, base_error *err)
   return step_list_append(c->kept, h, way | (c->run.turned ? STEP_TURNED : 0), err);
 }
 
-/* How far places and velocities get in the step just tried, and what a place between its ends is off the straight way. */
+/* How far velocities get in the step just tried, and what a place between its ends is off the straight way. */
 static void note_way(const controlled *c, double h, bool changed) {
   step_account *a = c->account;
   double position;
@@ -231,7 +243,6 @@ static void note_way(const controlled *c, double h, bool changed) {
   world_saved_distance(c->run.w, c->pair.start.state, c->pair.fine.state, &position, &velocity);
   a->bow = fmax(a->bow, 0.125 * h * velocity);
   if (!changed) {
-    a->way = fmax(a->way, position);
     a->gain = fmax(a->gain, velocity);
   }
 }
@@ -303,13 +314,14 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   c->failed = !c->pair.fine.good;
   c->carrying = c->pair.fine.carrying;
   const bool extrapolated = c->smooth && e <= 1.0;
+  const unsigned met = changed ? STEP_MET : 0;
   step_pair_keep(&c->pair, &c->run, h, extrapolated && !changed);
   if (extrapolated) {
     BASE_TRY(step_pair_extrapolate(&c->pair, &c->run, c->record, err));
-    return count(c, h, STEP_EXTRAPOLATED, err);
+    return count(c, h, STEP_EXTRAPOLATED | met, err);
   }
   BASE_TRY(count(c, 0.5 * h, 0, err));
-  return count(c, 0.5 * h, 0, err);
+  return count(c, 0.5 * h, met, err);
 }
 
 /* A longer step that met something, where a shorter one did not, is tried again after 2, 4, 8... steps: until what it met is passed, or
@@ -386,6 +398,54 @@ static base_status look_back(controlled *c, double h, double *e, double *at, bas
   return BASE_OK;
 }
 
+/* The longest step beside what grows off a steady turning, which no step sees: a share of it is off by as much as the steps of the run are of
+ * what they see. */
+static double beside_growth(const controlled *c) {
+  const double share = tolerance_of(c) / fmax(c->places->travel, c->places->size);
+  return fmin(1.0, 2.0 * sqrt(share)) * step_beside_growth(c->run.w);
+}
+
+/* The length of a step in the place of one of h behind which a steady turning is so much faster that what is off it has grown by more than a
+ * step may see; HUGE_VAL: it is not. */
+static double spun_up(const controlled *c, double h) {
+  static const double spare = 1.5;
+  const double longest = beside_growth(c);
+  return (h > spare * longest) ? fmax(0.5 * h, longest) : HUGE_VAL;
+}
+
+/* A contact that carries may end with a side of its body, and both ways over the step do not know when: by how much velocities go another way
+ * in the next one lasts from somewhere in the second half of this one on. *at: where to look for it; h or more: it makes no difference. */
+static base_status look_ahead(controlled *c, double h, double *at, base_error *err) {
+  static const double still = 1e-6; /* of the smallest body */
+  static const double slight =
+      0.1; /* of what velocities change by in a step: forces that fade out do no more */
+  sim *s = &c->run;
+  world *w = s->w;
+  double position;
+  double velocity;
+  double own;
+  const step_end *fine = &c->pair.fine;
+  const bool closed = changes(c) || c->account->solved + 4 > c->rule->limit;
+  world_saved_distance(w, c->pair.start.state, fine->state, &position, &own);
+  if (!c->rule->extrapolate || closed || !(position > still * c->places->size) ||
+      !world_sides_touch(w)) {
+    return BASE_OK;
+  }
+  BASE_TRY(step_pair_begin(&c->ahead, s, c->record, fine->carrying, h, err));
+  c->account->solved++;
+  c->pair.solved++;
+  world_extrapolate(w, c->pair.start.state, fine->state); /* as the step has gone */
+  world_save(w, c->ahead.fine.state);
+  world_saved_distance(w, c->ahead.coarse.state, c->ahead.fine.state, &position, &velocity);
+  const bool ends = c->ahead.coarse.good && c->ahead.coarse.event && !c->ahead.coarse.more;
+  BASE_TRY(step_pair_undo(&c->ahead, s, c->record, err));
+  const double late = (ends && velocity > slight * own) ? 0.5 * velocity * (reach(c) + h) : 0.0;
+  c->located = fmax(c->located, late);
+  c->off = fmax(c->off, late);
+  *at = (late > tolerance_of(c) * fmax(h / s->q->duration, event_share)) ? fmin(*at, 0.5 * h) : *at;
+  return BASE_OK;
+}
+
 /* Error over the share of the step of h just tried; *at: when something happens in it that neither of its ends tells of, h or more: nothing
  * does. `aimed`: it ends where friction was to stop or to give way. */
 static base_status judge(controlled *c, double h, bool aimed, double *e, double *at,
@@ -394,6 +454,8 @@ static base_status judge(controlled *c, double h, bool aimed, double *e, double 
   if (*e <= 1.0) {
     BASE_TRY(look_back(c, h, e, at, err));
     *at = aimed ? *at : fmin(*at, breaks(c, h));
+    *at = fmin(*at, spun_up(c, h));
+    BASE_TRY(look_ahead(c, h, at, err));
   }
   return BASE_OK;
 }
@@ -499,7 +561,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
   sim *s = &c->run;
   const double slack = 0.5 * c->rule->least;
   while (!*limited && !c->failed && !sim_hopeless(s) && world_time(s->w) < stop - slack) {
-    const double wish = fmin(*h, c->rule->most);
+    const double wish = fmin(fmin(*h, c->rule->most), beside_growth(c));
     double next = towards(c, stop - world_time(s->w), wish);
     const double asked = next;
     double taken = 0.0;
@@ -524,7 +586,6 @@ static base_status even_step(controlled *c, double h, bool *limited, base_error 
   BASE_TRY(sim_step(s, c->record, h, &taken, err));
   c->account->solved++;
   BASE_TRY(count(c, h, 0, err));
-  c->account->way = fmax(c->account->way, c->fastest * h);
   c->account->gain = HUGE_VAL; /* nobody looked */
   return BASE_OK;
 }
@@ -550,6 +611,7 @@ static base_status run(controlled *c, base_error *err) {
     BASE_TRY(run_even(c, &limited, err));
   } else {
     BASE_TRY(step_pair_open(&c->pair, s, err));
+    BASE_TRY(step_pair_open(&c->ahead, s, err));
     s->controlled = true;
     c->carrying = s->carrying;
     c->fastest = world_max_speed(s->w);
@@ -583,6 +645,7 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
     done = run(&c, err);
   }
   step_pair_close(&c.pair);
+  step_pair_close(&c.ahead);
   free(c.law);
   sim_close(&c.run);
   return done;

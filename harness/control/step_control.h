@@ -40,7 +40,11 @@
  * the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once as far as the
  * solves can tell, and what bounces no higher than the gaps are known count for nothing.
  *
- * An impact is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or behind one, what they
+ * A side of a body may end under another within a step, which both of its ways see only from the next step on. Where bodies carry each other whose
+ * sides end, a step behind the one just tried tells: it is halved until what velocities do otherwise there makes no difference.
+ *
+ * An impact is located the more closely the farther bodies go behind it: where round sides meet elsewhere, they push in another direction.
+ * It is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or behind one, what they
  * change by in it is told (`jump`).
  *
  * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body, and `law`
@@ -86,14 +90,18 @@ typedef struct step_account {
   double
       left; /* the most that slip does which an impact left to a contact that holds: the next one takes it [m] */
   double doubt; /* the most that goes with the order of impacts too near each other to tell [m] */
-  /* The most in a step kept in which no contact changes: how far a point gets, and how much faster. */
-  double way, gain; /* [m], [m/s] */
+  double
+      gain; /* the most that a point gets faster in a step kept in which no contact changes [m/s] */
   /* The most that a speed changes by in an impact that no solve saw, or so near a time of `speed_at` that it may as well be on its other side. */
   double jump; /* [m/s] */
   double
       bow; /* farthest that a constant acceleration goes from the chord of a step kept, |dv| h / 8 [m] */
   bool ended; /* the run came to its end within the limit */
 } step_account;
+
+/* The longest step beside which what is off a steady turning grows by no more than a quarter of e: it is nothing yet where the others
+ * begin [s]. */
+double step_beside_growth(const world *w);
 
 /* As simulate(), with the steps that were kept; q->h is the first. The request must not ask for files. */
 base_status simulate_controlled(const sim_request *q, const step_rule *rule, series *record,

@@ -3,10 +3,11 @@
 
 #include "harness/measure/simulate.h"
 
-/* How a step is taken: bits. */
+/* How a step is taken: bits. STEP_MET is no word of a file: other contacts carry behind this step and the one before it than at their start. */
 enum {
-  STEP_TURNED = 1,      /* its contacts are world_contacts_turned */
-  STEP_EXTRAPOLATED = 2 /* one step of h and two of h/2 (extrapolation.h) */
+  STEP_TURNED = 1,       /* its contacts are world_contacts_turned */
+  STEP_EXTRAPOLATED = 2, /* one step of h and two of h/2 (extrapolation.h) */
+  STEP_MET = 4
 };
 
 typedef struct step_list {

@@ -167,8 +167,10 @@ void world_angular_momentum(const world *w, double L[3]); /* about the origin */
 double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN without memory [m] */
 /* How deep two sides are in each other at most [m]; 0: none are. BASE_ENOMEM. */
 base_status world_depth(world *w, double *depth, base_error *err);
+/* Did two bodies carry each other in the last step whose sides end? Those of planes and of round bodies do not. */
+bool world_sides_touch(const world *w);
 /* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides come as near as `near` [m]
- * which are further apart at both ends and do not carry at the last [s]; h: none do. *speed: the largest at which two sides that do not carry
+ * which are further apart at both ends, or by a tenth of the smallest body in each other at the last, and do not carry there [s]; h: none do. *speed: the largest at which two sides that do not carry
  * come into each other and begin to go apart again before the end, as if there were no contact [m/s]; 0: none do. BASE_ENOMEM. */
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
                               double *speed, base_error *err);
@@ -196,6 +198,8 @@ double world_most_acceleration(const world *w);
 /* Of the loads that swing; HUGE_VAL: none does [s]. */
 double world_shortest_period(const world *w);
 double world_size(const world *w); /* of the smallest body: the scale of tolerances [m] */
+/* Has no body a size? world_size is how far they may come by speed or gravity then. */
+bool world_of_points(const world *w);
 /* Of body i: its mass [kg], the radius that contains it [m], and its least radius of gyration over that [1]; 0 where it cannot turn with
  * `effects`. Prescribed: mass 0. */
 typedef struct world_inertia {

@@ -262,6 +262,14 @@ double world_size(const world *w) {
   return w->size;
 }
 
+bool world_of_points(const world *w) {
+  bool points = w->model == NULL && w->n_body > 0;
+  for (int i = 0; points && i < w->n_body; i++) {
+    points = !(w->body[i].bound > 0.0);
+  }
+  return points;
+}
+
 /* NaN is below nothing. */
 static bool all_below(double limit, const double *x, int n) {
   bool below = true;

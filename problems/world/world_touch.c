@@ -208,7 +208,10 @@ static void look_at(world *w, void *of, int a, int b) {
     v3_sub(pa.v, pb.v, m.v);
     v3_sub(pa.x2, pb.x2, m.x2);
   }
-  const bool gone = detect_pair_gap(w, a, b) > t->near;
+  static const double through =
+      0.1; /* of the smallest body: deeper than that it may have come through by the next step */
+  const double gap = detect_pair_gap(w, a, b);
+  const bool gone = gap > t->near || gap < -through * w->size;
   const body end_a = w->body[a];
   const body end_b = w->body[plane ? a : b];
   const double at = gone ? touch(w, &m, t->near, t->first) : 0.0;
@@ -265,6 +268,19 @@ base_status world_first_touch(world *w, double h, const double *start, double ne
   *at = t.first * h;
   *speed = t.passed;
   return BASE_OK;
+}
+
+bool world_sides_touch(const world *w) {
+  static const uint64_t mask = ((uint64_t)1 << ID_SIDE_BITS) - 1;
+  const set_store *s = &w->store;
+  bool touch = false;
+  for (int i = 0; i < w->set.n_contact && !touch; i++) {
+    const uint64_t a = (s->id[i] >> ID_SIDE_A_SHIFT) & mask,
+                   b = (s->id[i] >> ID_SIDE_B_SHIFT) & mask;
+    const bool both = b < (uint64_t)w->n_body && !(w->body[a].round && w->body[b].round);
+    touch = both && s->impulse[s->row_start[i]] > 0.0;
+  }
+  return touch;
 }
 
 typedef struct neighbours {

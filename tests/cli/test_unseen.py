@@ -1,16 +1,22 @@
 """What an automatic choice does not see of itself (unseen_scenes): it is kept, or is said."""
 
 from unseen_scenes import (
+    bounced,
     crossed,
+    glanced,
     grazed,
     hopping,
     just_hit,
     left_out_by_mistake,
     middle_axis,
+    much_asked,
     passed_by,
     poked,
+    slid_off,
+    spun_up,
     stopped,
     swinging,
+    thrown_up,
     tossed,
     written,
 )
@@ -63,13 +69,40 @@ def a_speed_next_to_an_impact_is_of_the_right_side(d):
         keeps(d, just_hit(part))
 
 
+def a_speed_behind_many_bounces_is_of_the_right_one(d):
+    """Two runs that are at different bounces are near each other by chance; and how far gravity
+    takes a point in free fall is no scale of one that bounces."""
+    for r, e in ((0.05, 0.95), (0.0, 0.95), (0.05, 0.9)):
+        for part in (0.6, 0.7, 0.8, 0.85, 0.9, 0.95):
+            keeps(d, bounced(r, e, part), ("1e-1", "1e-2"))
+
+
 def a_length_between_two_states_is_no_chords(d):
     keeps(d, passed_by())
+
+
+def the_highest_place_is_between_two_states(d):
+    keeps(d, thrown_up(), ("1e-2", "1e-3", "1e-4"))
+
+
+def a_side_that_ends_is_met(d):
+    for duration in (0.13, 0.15, 0.17, 0.2):
+        keeps(d, slid_off(duration), ("1e-2", "1e-3", "1e-4"))
+
+
+def where_round_sides_are_hit_turns_their_ways(d):
+    for duration in (3.0, 30.0):
+        keeps(d, glanced(duration))
+
+
+def all_that_is_asked_for_is_watched(d):
+    keeps(d, much_asked(), ("1e-2", "1e-3"))
 
 
 def what_grows_off_a_steady_turning_is_seen(d):
     for off in (1e-6, 1e-10):
         keeps(d, middle_axis(off), ("1e-2", "1e-3"))
+    keeps(d, spun_up(), ("1e-1", "1e-2", "1e-3"))
 
 
 def an_answer_that_is_not_verified_is_not_promised(_):
@@ -154,7 +187,12 @@ tap(
         bodies_do_not_pass_through_each_other,
         what_a_driven_body_pushes_is_pushed,
         a_speed_next_to_an_impact_is_of_the_right_side,
+        a_speed_behind_many_bounces_is_of_the_right_one,
         a_length_between_two_states_is_no_chords,
+        the_highest_place_is_between_two_states,
+        a_side_that_ends_is_met,
+        where_round_sides_are_hit_turns_their_ways,
+        all_that_is_asked_for_is_watched,
         what_grows_off_a_steady_turning_is_seen,
         an_answer_that_is_not_verified_is_not_promised,
         steps_of_the_scene_are_not_asked_for,

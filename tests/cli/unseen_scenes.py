@@ -88,6 +88,22 @@ def just_hit(part: float) -> tuple[Scene, dict[str, float]]:
     return s, {"b.x": 2.97 - 1.6 * hit * part, "b.vx": -1.6}
 
 
+def bounced(r: float, e: float, part: float) -> tuple[Scene, dict[str, float]]:
+    """A ball, or a point (r = 0), dropped 1 m onto a floor, at `part` of the time after which it
+    bounces no more."""
+    u = math.sqrt(2.0 * G)
+    duration = part * (u / G + 2.0 * u * e / G / (1.0 - e))
+    t, v, last = u / G, u * e, 0.0  # the next impact, the speed behind it, the one before
+    while t < duration:
+        last, t, v = t, t + 2.0 * v / G, v * e
+    left, speed = duration - last, v / e
+    shape = {"type": "disc", "r": r} if r > 0.0 else {"type": "point"}
+    s = scene("bounced", 2, duration, [body("b", shape, [0, 1.0 + r])], gravity=[0, -G])
+    s |= {"restitution": {"default": e}, "static": [plane("f", [0, 1], 0)]}
+    known = {"b.y": r + speed * left - 0.5 * G * left * left, "b.vy": speed - G * left}
+    return s | {"observe": ["b.y", "b.vy"]}, known
+
+
 def passed_by() -> tuple[Scene, dict[str, float]]:
     """The least distance from the origin on a straight way lies between all states."""
     s = scene("passed_by", 2, 1.0, [disc("b", 0.1, [-0.6, 0.05], vel=[1.3, 0])])
@@ -95,24 +111,89 @@ def passed_by() -> tuple[Scene, dict[str, float]]:
     return s | {"checks": [check | {"tol": {"abs": 1}}]}, {"window_min b.pos": 0.05}
 
 
+def slid_off(duration: float) -> tuple[Scene, dict[str, float]]:
+    """A point slides off a shelf after a tenth of a second: nothing closes or is hit then."""
+    shelf = box("shelf", [0.4, 0.05], [-0.4, -0.05], kinematic={"vel": [0, 0]})
+    dot = body("b", {"type": "point"}, [-0.2, 0], vel=[2.0, 0])
+    s = scene("slid_off", 2, duration, [shelf, dot], gravity=[0, -G], observe=["b.y", "b.vy"])
+    left = duration - 0.1
+    return s, {"b.y": -0.5 * G * left * left, "b.vy": -G * left}
+
+
+def glanced(duration: float) -> tuple[Scene, dict[str, float]]:
+    """A disc hits another with its side, and both go on for long: what they are apart when they
+    are hit turns their ways."""
+    r, side, v = 0.05, 0.08, 1.0
+    along = math.sqrt(4.0 * r * r - side * side)
+    n = [along / (2.0 * r), side / (2.0 * r)]  # from the one that comes to the other
+    given = 0.5 * (1.0 + 0.5) * v * n[0]
+    left = duration - (1.0 - along) / v
+    pair = [disc("a", r, [-1.0, 0], vel=[v, 0]), disc("b", r, [0, side])]
+    s = scene("glanced", 2, duration, pair, observe=["a.x", "a.y", "b.x", "b.y"])
+    a = [-along + (v - given * n[0]) * left, -given * n[1] * left]
+    b = [given * n[0] * left, side + given * n[1] * left]
+    known = dict(zip(["a.x", "a.y", "b.x", "b.y"], a + b, strict=True))
+    return s | {"restitution": {"default": 0.5}}, known
+
+
+def thrown_up() -> tuple[Scene, dict[str, float]]:
+    """The highest place of a ball lies between two states, and it bounces behind it."""
+    v = 0.56
+    ball = disc("b", 0.05, [0, 1.33], vel=[0, v])
+    s = scene("thrown_up", 2, 1.4, [ball], gravity=[0, -G], static=[plane("f", [0, 1], 0)])
+    check = {"type": "window_max", "var": "b.y", "t0": 0, "t1": 1.4, "value": 1.0}
+    s |= {"restitution": {"default": 0.8}, "checks": [check | {"tol": {"abs": 9}}]}
+    return s, {"window_max b.y": 1.33 + 0.5 * v * v / G}
+
+
+def much_asked() -> tuple[Scene, dict[str, float]]:
+    """A hundred states of a ball on a spring, and two windows that begin together."""
+    omega, duration = 5.0, 4.0
+    spring = {"type": "spring_to_moving_anchor", "body": "b", "dir": [1, 0], "k": omega * omega}
+    s = scene("much_asked", 2, duration, [disc("b", 0.1, [1.0, 0])])
+    s["loads"] = [spring | {"c": 0, "anchor0": [0, 0], "anchor_vel": [0, 0]}]
+    times = [0.01 * i for i in range(1, 100)] + [duration]
+    free = {"value": 0, "tol": {"abs": 9}}
+    asked = [{"type": "state", "t": t, "var": "b.x"} for t in times]
+    ends = (0.05, duration)
+    asked += [{"type": "window_min", "var": "b.x", "t0": 0, "t1": t} for t in ends]
+    known = {f"state b.x at {t:.4g} s": math.cos(omega * t) for t in times}
+    known |= {"window_min b.x from 0 to": math.cos(omega * 0.05), "window_min b.x from 0 s": -1.0}
+    return s | {"checks": [a | free for a in asked]}, known
+
+
+def spun_up() -> tuple[Scene, dict[str, float]]:
+    """A free body at rest, and a torque about its middle axis, 2e-9 beside it."""
+    return turning("spun_up", 6.0, [0.0, 0.0, 0.0], 2e-9, 4.0)
+
+
 def middle_axis(off: float) -> tuple[Scene, dict[str, float]]:
-    """A free body turns about its middle axis, `off` beside it [rad/s]; the fourth-order rule of
-    Runge and Kutta for Euler's equations in body axes, and for the quaternion."""
+    """A free body turns about its middle axis, `off` beside it [rad/s]."""
+    return turning("middle_axis", 10.0, [off, 4.0, 0.0], 0.0, 0.0)
+
+
+def turning(
+    name: str, duration: float, omega: list[float], tilt: float, torque: float
+) -> tuple[Scene, dict[str, float]]:
+    """A free body of inertias 1, 2, 3 and a torque about y in space; the fourth-order rule of Runge
+    and Kutta for Euler's equations in body axes, and for the quaternion."""
     a, b, c = 1.0, 2.0, 3.0
-    n, duration = 10000, 10.0
+    n = 10000
     h = duration / n
 
     def rate(z: list[float]) -> list[float]:
         w, x, y, p, q, r, t = *z[3:], *z[:3]
         turn = [-x * q - y * r - p * t, w * q + y * t - p * r, w * r + p * q - x * t]
         turn.append(w * t + x * r - y * q)
+        push = [2.0 * (x * y + w * p), 1.0 - 2.0 * (x * x + p * p), 2.0 * (y * p - w * x)]
         spin = [(b - c) / a * r * t, (c - a) / b * t * q, (a - b) / c * q * r]
+        spin = [s + torque * f / i for s, f, i in zip(spin, push, (a, b, c), strict=True)]
         return spin + [0.5 * v for v in turn]
 
     def on(z: list[float], k: list[float], h: float) -> list[float]:
         return [u + h * v for u, v in zip(z, k, strict=True)]
 
-    z = [off, 4.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+    z = [*omega, 1.0, tilt, 0.0, 0.0]
     for _ in range(n):
         k1 = rate(z)
         k2 = rate(on(z, k1, 0.5 * h))
@@ -127,8 +208,11 @@ def middle_axis(off: float) -> tuple[Scene, dict[str, float]]:
 
     twice = [2.0 * v for v in cross(axis, spin)]
     in_space = [s + w * t + u for s, t, u in zip(spin, twice, cross(axis, twice), strict=True)]
-    body_ = box("b", [0.3, 0.2, 0.1], [0, 0, 0], inertia=[a, b, c], omega=[off, 4.0, 0.0])
-    s = scene("middle_axis", 3, duration, [body_], observe=[f"b.omega.{x}" for x in "xyz"])
+    turned = {"inertia": [a, b, c], "omega": omega, "quat": [1.0, tilt, 0.0, 0.0]}
+    one = [box("b", [0.3, 0.2, 0.1], [0, 0, 0], **turned)]
+    s = scene(name, 3, duration, one, observe=[f"b.omega.{x}" for x in "xyz"])
+    load = {"type": "constant_force", "body": "b", "force": [0, 0, 0], "torque": [0, torque, 0]}
+    s |= {"loads": [load]} if torque != 0.0 else {}
     return s, dict(zip((f"b.omega.{x}" for x in "xyz"), in_space, strict=True))
 
 
