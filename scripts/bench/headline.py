@@ -140,8 +140,8 @@ def table(cells: pd.DataFrame) -> Table | None:
         )
     return Table(
         "headline",
-        "On how many scenes is a formulation the cheapest way to an error (m, m/s or rad)? Tied: the"
-        " next one is as fast, to the noise of the campaign or the spread of the samples. Steps"
+        "On how many scenes is a formulation the cheapest way to an error (m, m/s or rad)? Tied:"
+        " the next one is as fast, to the noise of the campaign or the spread of the samples. Steps"
         " start from nothing (cold) or from the last step. A formulation has one declared setting"
         " (default), or the best of all that were run on the scene (tuned per scene).",
         ["error", "start", "setting", "scenes reached", *forms],
