@@ -123,7 +123,11 @@ static error_quantity *add(error_made *m, const error_asked *asked, const char *
   e->unit = unit;
   e->check = NULL;
   e->value = value;
-  e->scale = scale_of(m, unit);
+  e->scale = 0.0;
+  for (int i = 0; i + 1 < m->n_quantity && !(e->scale > 0.0); i++) {
+    e->scale = (strcmp(m->quantity[i].unit, unit) == 0) ? m->quantity[i].scale : 0.0;
+  }
+  e->scale = (e->scale > 0.0) ? e->scale : scale_of(m, unit);
   e->estimate = e->change = HUGE_VAL;
   e->nearest = HUGE_VAL;
   e->leap = e->known = e->bow = 0.0;
@@ -134,7 +138,7 @@ static bool of_speed(const char *unit) {
   return strcmp(unit, "m/s") == 0 || strcmp(unit, "rad/s") == 0;
 }
 
-/* The impacts that change a speed by more than `least` each, up to a time: by as much one half of a step changes it more than the other. */
+/* The impacts up to a time that change a speed by more than `least` each. An impact shows where a row differs from how the two before it go on. */
 typedef struct bounces {
   int n;
   double last, before; /* how much it changed from one to the next, the last two [unit] */
@@ -181,8 +185,7 @@ static void note_bounces(const error_made *m, int column, double until, double l
   e->known = 0.5 * height / fmin((double)b.n, many);
 }
 
-/* What E counts in for a quantity. */
-static double unit_of(const error_asked *asked, const error_quantity *e) {
+double error_unit(const error_asked *asked, const error_quantity *e) {
   return (asked->unit[0] == '\0') ? e->scale : 1.0;
 }
 
@@ -194,7 +197,7 @@ static bool same_question(const spec_check *a, const spec_check *b) {
          a->t0 == b->t0 && a->t1 == b->t1;
 }
 
-/* Such checks ask once, however many formulations they are made for. */
+/* Is this asked already? Checks that are made for several formulations ask the same once. */
 static bool is_asked(const error_made *m, const spec_check *c) {
   bool asked = false;
   for (int i = 0; i < m->n_quantity; i++) {
@@ -233,16 +236,23 @@ static bool of_spin(const spec_check *c) {
   return !c->has_dir && dot != NULL && strcmp(dot, ".omega") == 0;
 }
 
-/* Is row k one at which an impact bends the way? A step ends just behind it, so that nothing is beyond that. */
-static bool is_kink(const error_made *m, int k) {
+/* What the step that ends at a row met: nothing, something in the one row of its step, or in one of the two halves of it that end here. */
+enum { MET_NOTHING, MET_WHOLE, MET_HALVES };
+
+/* Does an impact bend the way at row k? A step ends just behind it, so that nothing is beyond that. What an impact changes at once (`jumps`) is
+ * bent at the end of that change, too. */
+static bool is_kink(const error_made *m, int k, bool jumps) {
   const int n = m->record.n_row;
-  return (k + 1 < n && m->met[k + 1] != 0) || (k + 2 < n && m->met[k + 2] != 0);
+  const bool next = k + 1 < n && m->met[k + 1] != MET_NOTHING;
+  const bool halves = k + 2 < n && m->met[k + 2] == MET_HALVES;
+  return next || halves || (jumps && m->met[k] != MET_NOTHING);
 }
 
-/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: beyond the largest of three by as much as the middle
- * one is from the chord of the others, which a kink exceeds nowhere; an even acceleration does by a quarter of the longer step over the
- * shorter one. */
-static double beyond_rows(const error_made *m, int column, double sign, double t0, double t1) {
+/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: where it turns round between three rows, beyond the
+ * largest of them by as much as the middle one is from the chord of the others; an even acceleration is by a quarter of the longer step over
+ * the shorter one. */
+static double beyond_rows(const error_made *m, int column, bool jumps, double sign, double t0,
+                          double t1) {
   const series *s = &m->record;
   const double *t = s->column[SERIES_TIME], *x = s->column[column];
   double most = -HUGE_VAL;
@@ -252,14 +262,19 @@ static double beyond_rows(const error_made *m, int column, double sign, double t
       continue;
     }
     most = fmax(most, sign * x[k]);
-    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k] && !is_kink(m, k)) {
+    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k] && !is_kink(m, k, jumps)) {
       const double part = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
       const double longer = fmax(part, 1.0 - part), shorter = fmin(part, 1.0 - part);
       const double bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
+      const double early = (x[k] - x[k - 1]) / (t[k] - t[k - 1]);
+      const double late = (x[k + 1] - x[k]) / (t[k + 1] - t[k]);
+      const double first = early - part * (late - early);
+      const double last = late + (1.0 - part) * (late - early);
       const double before = (t[k - 1] >= t0) ? sign * x[k - 1] : -HUGE_VAL;
       const double behind = (t[k + 1] <= t1) ? sign * x[k + 1] : -HUGE_VAL;
       const double top = fmax(sign * x[k], fmax(before, behind));
-      reach = fmax(reach, top + bow * fmax(1.0, 0.25 * longer / shorter));
+      const double over = bow * fmax(1.0, 0.25 * longer / shorter);
+      reach = (first * last <= 0.0) ? fmax(reach, top + over) : reach;
     }
   }
   return (reach > most) ? reach - most : 0.0;
@@ -274,13 +289,19 @@ static double bow_of(const error_made *m, const spec_check *c) {
   if (v == NULL) {
     return 0.0;
   }
-  const double up = beyond_rows(m, v->column, 1.0, c->t0, t1);
-  const double down = beyond_rows(m, v->column, -1.0, c->t0, t1);
+  const bool jumps = of_speed(world_observe_unit(c->var)) || !of_bodies(world_observe_unit(c->var));
+  const double up = beyond_rows(m, v->column, jumps, 1.0, c->t0, t1);
+  const double down = beyond_rows(m, v->column, jumps, -1.0, c->t0, t1);
   return (c->kind == CHECK_WINDOW_MAX) ? up : (c->kind == CHECK_WINDOW_MIN) ? down : fmax(up, down);
 }
 
-/* The straight way from one state to the next is nearer to the origin than both: by how much, of a place, the speed tells, which says how far it may be;
- * of a velocity the least at a state is noted. */
+double error_nearer(double far, double x) {
+  const double half = 0.5 * far;
+  return (half < x) ? half * half / (x + sqrt(x * x - half * half)) : x;
+}
+
+/* A length is less between two states than at both, where the way from one to the next is straight. Of a place the speed tells how far that may
+ * be; of a velocity the least at a state is noted. */
 static void note_length(const error_made *m, int column, const spec_check *c, error_quantity *e) {
   const series *s = &m->record;
   const double *t = s->column[SERIES_TIME], *x = s->column[column];
@@ -288,14 +309,17 @@ static void note_length(const error_made *m, int column, const spec_check *c, er
   const double end = (c->t1 > 0.0) ? c->t1 : HUGE_VAL;
   const bool place = strcmp(e->unit, "m") == 0;
   double least = HUGE_VAL;
+  double reach = HUGE_VAL;
   for (int k = 0; k < s->n_row; k++) {
     const bool asked = t[k] >= c->t0 && t[k] <= end;
     least = asked ? fmin(least, x[k]) : least;
     if (asked && place && k > 0) {
       const double far = fmax(speed[k], speed[k - 1]) * (t[k] - t[k - 1]);
-      e->bow = fmax(e->bow, fmin(0.5 * far, far * far / (8.0 * fmin(x[k], x[k - 1]))));
+      const double near = fmin(x[k], x[k - 1]);
+      reach = fmin(reach, near - error_nearer(far, near));
     }
   }
+  e->bow = (place && reach < least) ? fmax(e->bow, least - reach) : e->bow;
   e->nearest = place ? HUGE_VAL : least;
 }
 
@@ -308,7 +332,7 @@ static void note_check(const error_asked *asked, const error_made *m, const spec
     e->bow = bow_of(m, c);
   }
   if (v != NULL && state && of_speed(e->unit)) {
-    note_bounces(m, v->column, c->t, unit_of(asked, e) * asked->E, e);
+    note_bounces(m, v->column, c->t, error_unit(asked, e) * asked->E, e);
   }
   if (v != NULL && !state && c->kind != CHECK_WINDOW_MAX && of_length(c)) {
     note_length(m, v->column, c, e);
@@ -356,7 +380,9 @@ static base_status note_met(error_made *m, base_error *err) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for what %d steps met", s->n_row);
   }
   for (long k = 0; k < m->kept.n && k + 1 < s->n_row; k++) {
-    m->met[k + 1] = (m->kept.way[k] & STEP_MET) != 0; /* behind the start there is a row a step */
+    const unsigned way = m->kept.way[k]; /* behind the start there is a row a step */
+    const bool whole = (way & STEP_EXTRAPOLATED) != 0;
+    m->met[k + 1] = ((way & STEP_MET) == 0) ? MET_NOTHING : whole ? MET_WHOLE : MET_HALVES;
   }
   return BASE_OK;
 }
@@ -377,7 +403,7 @@ base_status error_made_read(const sim_request *q, const error_asked *asked, erro
         !is_observed(m, name)) {
       error_quantity *e = add(m, asked, name, world_observe_unit(c.var), value);
       if (e != NULL && of_speed(e->unit)) {
-        note_bounces(m, v->column, q->duration, unit_of(asked, e) * asked->E, e);
+        note_bounces(m, v->column, q->duration, error_unit(asked, e) * asked->E, e);
       }
     }
   }

@@ -14,7 +14,7 @@
 
 #include "harness/control/step_control.h"
 
-enum { ERROR_QUANTITIES = 1024, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
+enum { ERROR_QUANTITIES = 512, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
 
 typedef struct error_asked {
   double E;              /* in `unit`, or [1] */
@@ -49,8 +49,7 @@ typedef struct error_made {
   sim_result out;
   step_list kept;
   run_places places;
-  unsigned char
-      *met; /* a row of the record: behind it other contacts carry than two rows before; owned */
+  unsigned char *met; /* for each row: what the step that ends there met; owned */
   bool
       at_stops; /* all quantities are of states that steps end at, or of places, angles and speeds */
   bool between; /* some are of what these do between states */
@@ -63,6 +62,10 @@ typedef struct error_made {
 /* "1e-3m", "2 %", "1%", "0.01". BASE_EINVAL: no number above 0, or no unit that the program knows. */
 base_status error_parse(const char *text, error_asked *out, base_error *err);
 
+/* What E counts in for a quantity. */
+double error_unit(const error_asked *a, const error_quantity *e);
+/* By how much a straight way of length `far`, whose ends are x from the origin or farther, may be nearer to it. */
+double error_nearer(double far, double x);
 /* Reads the quantities that E holds for from the run that was made. BASE_ENOMEM. */
 base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
                             base_error *err);

@@ -22,11 +22,6 @@ static void refuse(error_result *r, const char *why) {
   (void)snprintf(r->reason, sizeof r->reason, "%s", why);
 }
 
-/* What E counts in for a quantity. */
-static double unit_of(const error_result *r, const error_quantity *e) {
-  return (r->asked.unit[0] == '\0') ? e->scale : 1.0;
-}
-
 /* Largest difference of two runs, over E [1]. */
 static double largest_change(const error_result *r, const error_made *now,
                              const error_made *before) {
@@ -34,7 +29,7 @@ static double largest_change(const error_result *r, const error_made *now,
   for (int i = 0; i < now->n_quantity; i++) {
     const double change =
         (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
-    const double over = change / (unit_of(r, &now->quantity[i]) * r->asked.E);
+    const double over = change / (error_unit(&r->asked, &now->quantity[i]) * r->asked.E);
     most = fmax(most, (over == over) ? over : HUGE_VAL);
   }
   return most;
@@ -45,8 +40,7 @@ static double largest_change(const error_result *r, const error_made *now,
  * that they are asked for, the record tells. */
 static double unseen(const error_result *r, const error_quantity *e) {
   const double far = r->level[r->n_level - 1].account.gain;
-  const double chord =
-      (e->nearest < HUGE_VAL) ? fmin(0.5 * far, far * far / (8.0 * e->nearest)) : 0.0;
+  const double chord = (e->nearest < HUGE_VAL) ? error_nearer(far, e->nearest) : 0.0;
   return fmax(chord, e->bow);
 }
 
@@ -82,9 +76,9 @@ static void estimate(error_result *r, error_made *now, const error_made *before,
     const double seen = fmax(fmax(unseen(r, e), slip), jumped(r, now, e));
     level->slips = fmax(level->slips, (slip > 0.0) ? level->account.off / e->known : 0.0);
     e->change = change;
-    const double known = fmax(least * r->asked.E * unit_of(r, e), seen);
+    const double known = fmax(least * r->asked.E * error_unit(&r->asked, e), seen);
     e->estimate = (told < known) ? known : told;
-    const double over = e->estimate / unit_of(r, e);
+    const double over = e->estimate / error_unit(&r->asked, e);
     r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
   }
 }
@@ -232,7 +226,8 @@ static bool unchanged(const climber *l) {
   return l->result->level[l->result->n_level - 1].account.changed == 0;
 }
 
-/* Was the run exact, as far as its steps tell? Impacts may be others than those that it met. A window or a drift looks at states between them, which are off a chord. */
+/* Was the run exact, as far as its steps tell? One run is not enough where contacts come or go, for other impacts may have been missed. A window or
+ * a drift looks at states between its own, which are off a chord. */
 static bool as_if_exact(climber *l) {
   error_result *r = l->result;
   const step_account *a = &r->level[r->n_level - 1].account;
@@ -246,16 +241,17 @@ static bool as_if_exact(climber *l) {
   for (int i = 0; i < l->now.n_quantity; i++) {
     const error_quantity *e = &l->now.quantity[i];
     const double more = fmax(jumped(r, &l->now, e), unseen(r, e));
-    r->estimate = fmax(r->estimate, more / unit_of(r, e));
+    r->estimate = fmax(r->estimate, more / error_unit(&r->asked, e));
   }
   for (int i = 0; i < l->now.n_quantity; i++) {
     error_quantity *e = &l->now.quantity[i];
-    e->estimate = r->estimate * unit_of(r, e);
+    e->estimate = r->estimate * error_unit(&r->asked, e);
   }
   return r->estimate <= r->asked.E;
 }
 
-/* Did no contact do so, and is nothing asked for between the states of the last run? What its steps are off by tells what it is off by then, but for how that grows. */
+/* Did no contact do so, and is nothing asked for between the states of the last run? What its steps are off by tells what it is off by then, but
+ * for how that grows. */
 static bool smooth(const climber *l) {
   return !l->now.between && unchanged(l);
 }
@@ -378,7 +374,7 @@ base_status error_first_scale(const sim_request *q, double *scale, base_error *e
 }
 
 static base_status climb(climber *l, error_steps steps, const start_sizes *start, base_error *err) {
-  /* how far points may come says nothing of how far they do */
+  /* How far points may come says nothing of how far they do: their way alone is the scale, with the factor that `tolerance` has of others. */
   const double scale = start->points ? point_share * start->scale : start->scale;
   const double length = length_of(l->q, &l->result->asked, scale);
   const bool relative = l->result->asked.unit[0] == '\0';

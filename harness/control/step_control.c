@@ -79,8 +79,7 @@ static double reach(const controlled *c) {
 /* How far a body is aside at the end for each length that an impact is off by [1]: sides of bodies that are round, or turn, push in another direction
  * then, by that length over the size of a body, for as long as velocities last. */
 static double lever(const controlled *c) {
-  const double way = fmin(reach(c) * c->fastest, fmax(c->places->travel, c->places->size));
-  return fmax(1.0, way / c->places->size);
+  return fmax(1.0, reach(c) * c->fastest / c->places->size);
 }
 
 /* Do other contacts carry in the step just tried than before it? */
@@ -413,8 +412,9 @@ static double spun_up(const controlled *c, double h) {
   return (h > spare * longest) ? fmax(0.5 * h, longest) : HUGE_VAL;
 }
 
-/* A contact that carries may end with a side of its body, and both ways over the step do not know when: by how much velocities go another way
- * in the next one lasts from somewhere in the second half of this one on. *at: where to look for it; h or more: it makes no difference. */
+/* A contact that carries may end with a side of its body, and neither way over the step knows when. A step behind it tells: by as much as velocities
+ * go another way in that, bodies may have gone another way since the middle of this one. *at: where to look for it; h or more: it makes no
+ * difference. */
 static base_status look_ahead(controlled *c, double h, double *at, base_error *err) {
   static const double still = 1e-6; /* of the smallest body */
   static const double slight =
@@ -423,23 +423,26 @@ static base_status look_ahead(controlled *c, double h, double *at, base_error *e
   world *w = s->w;
   double position;
   double velocity;
-  double own;
   const step_end *fine = &c->pair.fine;
-  const bool closed = changes(c) || c->account->solved + 4 > c->rule->limit;
-  world_saved_distance(w, c->pair.start.state, fine->state, &position, &own);
-  if (!c->rule->extrapolate || closed || !(position > still * c->places->size) ||
+  world_saved_distance(w, c->pair.start.state, fine->state, &position, &velocity);
+  if (!c->rule->extrapolate || changes(c) || !(position > still * c->places->size) ||
       !world_sides_touch(w)) {
     return BASE_OK;
   }
+  double *told = c->record->column[SERIES_PENETRATION] + c->record->n_row - 1;
+  const double deep = *told; /* the step behind writes it again */
   BASE_TRY(step_pair_begin(&c->ahead, s, c->record, fine->carrying, h, err));
   c->account->solved++;
   c->pair.solved++;
   world_extrapolate(w, c->pair.start.state, fine->state); /* as the step has gone */
   world_save(w, c->ahead.fine.state);
-  world_saved_distance(w, c->ahead.coarse.state, c->ahead.fine.state, &position, &velocity);
+  const saved_step own = {h, c->pair.start.state, NULL, fine->state};
+  const saved_step next = {h, c->ahead.fine.state, NULL, c->ahead.coarse.state};
+  const double swerve = world_saved_swerve(w, &own, &next, slight);
   const bool ends = c->ahead.coarse.good && c->ahead.coarse.event && !c->ahead.coarse.more;
   BASE_TRY(step_pair_undo(&c->ahead, s, c->record, err));
-  const double late = (ends && velocity > slight * own) ? 0.5 * velocity * (reach(c) + h) : 0.0;
+  c->record->column[SERIES_PENETRATION][c->record->n_row - 1] = deep;
+  const double late = ends ? 0.5 * swerve * (reach(c) + h) : 0.0;
   c->located = fmax(c->located, late);
   c->off = fmax(c->off, late);
   *at = (late > tolerance_of(c) * fmax(h / s->q->duration, event_share)) ? fmin(*at, 0.5 * h) : *at;
@@ -486,7 +489,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   for (;;) {
     double at;
     bool too_long;
-    if (c->account->solved + 3 > rule->limit || stop_due(rule->until)) {
+    if (c->account->solved + 4 > rule->limit || stop_due(rule->until)) {
       *limited = true;
       return BASE_OK;
     }
@@ -509,8 +512,9 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
       c->stride = *h;
     }
     BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
+    const bool gives_way = passes && !aimed && at == breaks(c, *h);
     *h = fmax(passes ? at : again(c, *h, e, &aimed), rule->least);
-    aimed = aimed || passes;
+    aimed = aimed || gives_way;
   }
 }
 

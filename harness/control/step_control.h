@@ -99,8 +99,8 @@ typedef struct step_account {
   bool ended; /* the run came to its end within the limit */
 } step_account;
 
-/* The longest step beside which what is off a steady turning grows by no more than a quarter of e: it is nothing yet where the others
- * begin [s]. */
+/* No step is longer than this beside a steady turning: in a quarter of the time in which what is off that grows by e [s]; HUGE_VAL: nothing
+ * grows. */
 double step_beside_growth(const world *w);
 
 /* As simulate(), with the steps that were kept; q->h is the first. The request must not ask for files. */

@@ -3,7 +3,8 @@
 
 #include "harness/measure/simulate.h"
 
-/* How a step is taken: bits. STEP_MET is no word of a file: other contacts carry behind this step and the one before it than at their start. */
+/* How a step is taken: bits. STEP_MET is not written to files: in this step, or in this half and the one before it, other contacts carry than at
+ * the start. */
 enum {
   STEP_TURNED = 1,       /* its contacts are world_contacts_turned */
   STEP_EXTRAPOLATED = 2, /* one step of h and two of h/2 (extrapolation.h) */

@@ -96,6 +96,10 @@ typedef struct saved_step {
   double h;
   const double *start, *coarse, *fine;
 } saved_step;
+/* The most that a velocity differs in a body between the ends of `next`, where that is more than `slight` of what it does between those of `own`
+ * [m/s]. `coarse` is not read. */
+double world_saved_swerve(const world *w, const saved_step *own, const saved_step *next,
+                          double slight);
 /* As world_saved_bend and the distance of the velocities over h, from two steps in a row between which nothing begins or ends: what the
  * later one's extrapolation may be off by [m], of third order also where velocities lag: what a joint or a contact holds is held with the
  * directions at the start of a step, so that v_fine - v_coarse = h r is of first order, but what is left of it has only the change of r.
@@ -169,9 +173,10 @@ double world_min_gap(world *w); /* exact, all pairs; HUGE_VAL if none, NaN witho
 base_status world_depth(world *w, double *depth, base_error *err);
 /* Did two bodies carry each other in the last step whose sides end? Those of planes and of round bodies do not. */
 bool world_sides_touch(const world *w);
-/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides come as near as `near` [m]
- * which are further apart at both ends, or by a tenth of the smallest body in each other at the last, and do not carry there [s]; h: none do. *speed: the largest at which two sides that do not carry
- * come into each other and begin to go apart again before the end, as if there were no contact [m/s]; 0: none do. BASE_ENOMEM. */
+/* The world has come here from the saved state `start` in h [s], bodies evenly accelerated. *at: when two sides that do not carry at the end come
+ * as near as `near` [m], and are further apart again at the end, or deeper in each other than a tenth of the smallest body [s]; h: none do.
+ * *speed: the largest at which two sides that do not carry come into each other and begin to go apart again before the end, as if there were
+ * no contact [m/s]; 0: none do. BASE_ENOMEM. */
 base_status world_first_touch(world *w, double h, const double *start, double near, double *at,
                               double *speed, base_error *err);
 /* The largest speed at which two sides no farther apart than `near` [m] come nearer to each other now [m/s]. BASE_ENOMEM. */

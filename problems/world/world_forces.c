@@ -259,11 +259,26 @@ static double growth_of(const body *b) {
   return 0.0;
 }
 
+/* Can a body leave the axis that it turns about? Not where it is driven or held about one, nor where a joint to the world keeps its axis. */
+static bool turns_freely(const world *w, int i) {
+  const body *b = &w->body[i];
+  int n = 0;
+  for (int k = 0; k < b->n_dof; k++) {
+    n += b->axis[k] >= 3;
+  }
+  bool free = n == 3;
+  for (int k = 0; k < w->n_joint && free; k++) {
+    const joint_data *j = &w->joint[k];
+    const bool keeps = j->kind != SPEC_BALL && j->kind != SPEC_DISTANCE;
+    free = !(keeps && ((j->a == i && j->b < 0) || (j->b == i && j->a < 0)));
+  }
+  return free;
+}
+
 double world_growth_rate(const world *w) {
   double most = 0.0;
   for (int i = 0; w->dim == 3 && world_has(w, EFFECT_GYROSCOPIC) && i < w->n_body; i++) {
-    const body *b = &w->body[i];
-    most = (b->n_dof > 0 && b->spins) ? fmax(most, growth_of(b)) : most;
+    most = turns_freely(w, i) ? fmax(most, growth_of(&w->body[i])) : most;
   }
   return most;
 }

@@ -189,6 +189,26 @@ static double apart(const double *a, const double *b, int n) {
   return sqrt(sum);
 }
 
+/* How far velocities of the points of body i are from each other in two saved states. */
+static double faster(const world *w, int i, const double *a, const double *b) {
+  body_state s;
+  body_state t;
+  memcpy(&s, a + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof s);
+  memcpy(&t, b + 1 + BODY_NUMBERS * (ptrdiff_t)i, sizeof t);
+  return apart(s.v, t.v, 3) + w->body[i].bound * apart(s.v + 3, t.v + 3, 3);
+}
+
+double world_saved_swerve(const world *w, const saved_step *own, const saved_step *next,
+                          double slight) {
+  double most = 0.0;
+  for (int i = 0; w->model == NULL && i < w->n_body; i++) {
+    const double before = faster(w, i, own->start, own->fine);
+    const double other = faster(w, i, next->start, next->fine);
+    most = (other > slight * before) ? fmax(most, other) : most;
+  }
+  return most;
+}
+
 void world_saved_distance(const world *w, const double *a, const double *b, double *position,
                           double *velocity) {
   *position = *velocity = 0.0;
@@ -206,7 +226,7 @@ void world_saved_distance(const world *w, const double *a, const double *b, doub
     const double turn =
         (w->dim == 2) ? fabs(s.angle - t.angle) : apart(s.at.R, t.at.R, 9) / sqrt(2.0);
     *position = fmax(*position, apart(s.at.x, t.at.x, 3) + w->body[i].bound * turn);
-    *velocity = fmax(*velocity, apart(s.v, t.v, 3) + w->body[i].bound * apart(s.v + 3, t.v + 3, 3));
+    *velocity = fmax(*velocity, faster(w, i, a, b));
   }
 }
 

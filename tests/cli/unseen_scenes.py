@@ -137,13 +137,16 @@ def glanced(duration: float) -> tuple[Scene, dict[str, float]]:
 
 
 def thrown_up() -> tuple[Scene, dict[str, float]]:
-    """The highest place of a ball lies between two states, and it bounces behind it."""
+    """The highest place of a ball lies between two states, its fastest fall ends at one."""
     v = 0.56
     ball = disc("b", 0.05, [0, 1.33], vel=[0, v])
     s = scene("thrown_up", 2, 1.4, [ball], gravity=[0, -G], static=[plane("f", [0, 1], 0)])
-    check = {"type": "window_max", "var": "b.y", "t0": 0, "t1": 1.4, "value": 1.0}
-    s |= {"restitution": {"default": 0.8}, "checks": [check | {"tol": {"abs": 9}}]}
-    return s, {"window_max b.y": 1.33 + 0.5 * v * v / G}
+    check = {"t0": 0, "t1": 1.4, "value": 1.0, "tol": {"abs": 9}}
+    kinds = (("window_max", "b.y"), ("window_min", "b.vy"))
+    s["checks"] = [check | {"type": kind, "var": var} for kind, var in kinds]
+    known = {"window_max b.y": 1.33 + 0.5 * v * v / G}
+    known["window_min b.vy"] = -math.sqrt(v * v + 2.0 * G * (1.33 - 0.05))
+    return s | {"restitution": {"default": 0.8}}, known
 
 
 def much_asked() -> tuple[Scene, dict[str, float]]:
