@@ -479,6 +479,15 @@ static base_status take(controlled *c, double *h, double e, bool met, base_error
   return BASE_OK;
 }
 
+/* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for. A
+ * step that is to end where friction gives way is `aimed`. */
+static double retried(const controlled *c, double h, double e, double at, bool *aimed) {
+  const bool gives_way = e == 0.0 && !*aimed && at == breaks(c, h);
+  const double next = (e == 0.0) ? at : again(c, h, e, aimed);
+  *aimed = *aimed || gives_way;
+  return fmax(next, c->rule->least);
+}
+
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */
 static base_status step(controlled *c, double *h, bool *limited, double *taken, base_error *err) {
   const step_rule *rule = c->rule;
@@ -512,9 +521,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
       c->stride = *h;
     }
     BASE_TRY(step_pair_undo(&c->pair, &c->run, c->record, err));
-    const bool gives_way = passes && !aimed && at == breaks(c, *h);
-    *h = fmax(passes ? at : again(c, *h, e, &aimed), rule->least);
-    aimed = aimed || gives_way;
+    *h = retried(c, *h, passes ? 0.0 : e, at, &aimed);
   }
 }
 
