@@ -278,7 +278,8 @@ static bool turns_freely(const world *w, int i) {
 double world_growth_rate(const world *w) {
   double most = 0.0;
   for (int i = 0; w->dim == 3 && world_has(w, EFFECT_GYROSCOPIC) && i < w->n_body; i++) {
-    most = turns_freely(w, i) ? fmax(most, growth_of(&w->body[i])) : most;
+    const double growth = growth_of(&w->body[i]);
+    most = (growth > most && turns_freely(w, i)) ? growth : most;
   }
   return most;
 }
