@@ -36,8 +36,8 @@ static double largest_change(const error_result *r, const error_made *now,
 }
 
 /* What an extreme over a time may be off by because no state is there, in its unit: of the length of a velocity, for the straight way from one state
- * to the next is nearer to the origin than both; of one of a place, and of what formulations with steps of their own leave between those
- * that they are asked for, the record tells. */
+ * to the next is nearer to the origin than both; of one of a place, and of what an even acceleration may be beyond the states, the record
+ * tells. */
 static double unseen(const error_result *r, const error_quantity *e) {
   const double far = r->level[r->n_level - 1].account.gain;
   const double chord = (e->nearest < HUGE_VAL) ? error_nearer(far, e->nearest) : 0.0;

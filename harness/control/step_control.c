@@ -67,13 +67,17 @@ double step_beside_growth(const world *w) {
 
 /* ---- one step -------------------------------------------------------------------------------- */
 
+/* How far bodies get, as far as is known: points less than they may, so that their size counts, too [m]. */
+static double way(const controlled *c) {
+  return fmax(c->places->travel, c->places->size);
+}
+
 /* How long a difference of velocities lasts: what is left of the run, or the time in which the fastest body has come as
  * far as the bodies get [s]. */
 static double reach(const controlled *c) {
   const sim *s = &c->run;
-  const double way = fmax(c->places->travel, c->places->size);
   const double left = fmax(s->q->duration - world_time(s->w), 0.0);
-  return (c->fastest * left > way) ? way / c->fastest : left;
+  return (c->fastest * left > way(c)) ? way(c) / c->fastest : left;
 }
 
 /* How far a body is aside at the end for each length that an impact is off by [1]: sides of bodies that are round, or turn, push in another direction
@@ -400,8 +404,7 @@ static base_status look_back(controlled *c, double h, double *e, double *at, bas
 /* The longest step beside what grows off a steady turning, which no step sees: a share of it is off by as much as the steps of the run are of
  * what they see. */
 static double beside_growth(const controlled *c) {
-  const double share = tolerance_of(c) / fmax(c->places->travel, c->places->size);
-  return fmin(1.0, 2.0 * sqrt(share)) * step_beside_growth(c->run.w);
+  return fmin(1.0, 2.0 * sqrt(tolerance_of(c) / way(c))) * step_beside_growth(c->run.w);
 }
 
 /* The length of a step in the place of one of h behind which a steady turning is so much faster that what is off it has grown by more than a
@@ -424,16 +427,18 @@ static base_status look_ahead(controlled *c, double h, double *at, base_error *e
   double position;
   double velocity;
   const step_end *fine = &c->pair.fine;
-  world_saved_distance(w, c->pair.start.state, fine->state, &position, &velocity);
-  if (!c->rule->extrapolate || changes(c) || !(position > still * c->places->size) ||
-      !world_sides_touch(w)) {
+  if (!c->rule->extrapolate || changes(c) || !world_sides_touch(w)) {
     return BASE_OK;
   }
-  double *told = c->record->column[SERIES_PENETRATION] + c->record->n_row - 1;
-  const double deep = *told; /* the step behind writes it again */
+  world_saved_distance(w, c->pair.start.state, fine->state, &position, &velocity);
+  if (!(position > still * c->places->size)) {
+    return BASE_OK;
+  }
+  const int row = c->record->n_row - 1;
+  const double deep =
+      c->record->column[SERIES_PENETRATION][row]; /* the step behind tells it again */
   BASE_TRY(step_pair_begin(&c->ahead, s, c->record, fine->carrying, h, err));
-  c->account->solved++;
-  c->pair.solved++;
+  c->account->solved = ++c->pair.solved;
   world_extrapolate(w, c->pair.start.state, fine->state); /* as the step has gone */
   world_save(w, c->ahead.fine.state);
   const saved_step own = {h, c->pair.start.state, NULL, fine->state};
@@ -441,7 +446,7 @@ static base_status look_ahead(controlled *c, double h, double *at, base_error *e
   const double swerve = world_saved_swerve(w, &own, &next, slight);
   const bool ends = c->ahead.coarse.good && c->ahead.coarse.event && !c->ahead.coarse.more;
   BASE_TRY(step_pair_undo(&c->ahead, s, c->record, err));
-  c->record->column[SERIES_PENETRATION][c->record->n_row - 1] = deep;
+  c->record->column[SERIES_PENETRATION][row] = deep;
   const double late = ends ? 0.5 * swerve * (reach(c) + h) : 0.0;
   c->located = fmax(c->located, late);
   c->off = fmax(c->off, late);
