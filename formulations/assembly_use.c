@@ -202,7 +202,7 @@ form_slip form_slip_of(const form_assembly *a, double rest) {
   for (int i = 0; i < a->n_contact && !owed; i++) {
     owed = a->bias[a->group[i]] < -still;
   }
-  return (form_slip){.still = still, .hit = owed || form_has_impact(a, rest)};
+  return (form_slip){.still = still, .share = of_friction, .hit = owed || form_has_impact(a, rest)};
 }
 
 /* u, over the rows of the set of active contact i, along its tangents in use: t[0] and t[1], 0 where there is only one. */
@@ -228,13 +228,23 @@ double form_slip_speed(const form_assembly *a, int i) {
   return hypot(t[0], t[1]);
 }
 
+double form_slip_aside(const form_assembly *a, int i, const double *friction) {
+  double u[6], t[2];
+  end_velocity(a, i, u);
+  tangents_of(a, i, u, t);
+  const double across = (a->rows[i].tangent > 1) ? friction[1] : 0;
+  const double pull = hypot(friction[0], across);
+  const double along = (pull > 0) ? (friction[0] * t[0] + across * t[1]) / pull : 0;
+  return (along > 0) ? hypot(t[0], t[1]) : sqrt(fmax(t[0] * t[0] + t[1] * t[1] - along * along, 0));
+}
+
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip) {
   const int tangent = a->rows[i].tangent;
   if (tangent == 0) {
     return false;
   }
   const double speed = form_slip_speed(a, i);
-  return speed > slip->still && speed > of_friction * form_mobility(a, i, 1, tangent) * bound;
+  return speed > slip->still && speed > slip->share * form_mobility(a, i, 1, tangent) * bound;
 }
 
 /* Do the applied forces alone give active contact i the slip u within a step? */

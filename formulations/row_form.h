@@ -10,6 +10,7 @@ typedef struct row_options {
   int storage; /* row_storage */
   int level;   /* form_level */
   int joints;  /* 0 eliminated, 1 kept as free rows */
+  bool round;  /* the cone of friction: friction is against the slip */
   int activation, restitution, distribution;
   form_repair repair;
   int outer;              /* boxed: most solves in a step */

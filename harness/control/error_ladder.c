@@ -14,6 +14,8 @@ static const double most_ratio = 64.0;
 static const double plain_spare = 1.2;
 /* Parts of the first extrapolated run, which is enough where all is at rest; and what the next one's count from. */
 static const double first_parts = 2.0, next_parts = 4.0;
+/* What a run may be off by between its states, so that the next one looks at no more parts [E]. */
+static const double beside = 0.25;
 
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears, bool rests) {
@@ -28,7 +30,7 @@ void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps
   l->rule.first = (steps == ERROR_PLAIN) ? fmin(q->h, l->rule.most) : l->rule.most;
 }
 
-void error_ladder_finer(error_ladder *l, double over, double parts) {
+void error_ladder_finer(error_ladder *l, double over, double between, double parts) {
   const double least = first[l->steps].least;
   step_rule *rule = &l->rule;
   const double spare = (l->steps == ERROR_PLAIN) ? plain_spare : 1.0;
@@ -36,7 +38,8 @@ void error_ladder_finer(error_ladder *l, double over, double parts) {
   rule->tolerance /= l->ratio;
   rule->rests = false;
   if (rule->extrapolate) {
-    l->parts = fmin(fmax(l->parts, next_parts) * sqrt(l->ratio), parts);
+    l->parts = fmin(
+        fmax(l->parts, next_parts) * sqrt(fmin(fmax(between / beside, 1.0), most_ratio)), parts);
   }
   /* or two runs that take the longest steps would be one */
   rule->most /= error_ladder_gain(l, !rule->extrapolate);

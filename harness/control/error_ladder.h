@@ -21,7 +21,7 @@ typedef struct error_ladder {
  * moves at the start. */
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears, bool rests);
-/* The run after one that is `over` times E off, in at most `parts` parts. */
-void error_ladder_finer(error_ladder *l, double over, double parts);
+/* The run after one that is `over` times E off, and `between` times E between its states, in at most `parts` parts. */
+void error_ladder_finer(error_ladder *l, double over, double between, double parts);
 /* How many times better the last run is than the one before, with second order in the step or first. */
 double error_ladder_gain(const error_ladder *l, bool second);

@@ -129,8 +129,8 @@ static error_quantity *add(error_made *m, const error_asked *asked, const char *
   }
   e->scale = (e->scale > 0.0) ? e->scale : scale_of(m, unit);
   e->estimate = e->change = HUGE_VAL;
-  e->nearest = HUGE_VAL;
-  e->leap = e->known = e->bow = 0.0;
+  e->extreme = (extreme){.nearest = HUGE_VAL};
+  e->leap = e->known = 0.0;
   return e;
 }
 
@@ -223,119 +223,21 @@ static bool of_bodies(const char *unit) {
   return strcmp(unit, "m") == 0 || strcmp(unit, "m/s") == 0 || of_turning(unit);
 }
 
-/* Is it the length of a vector of bodies? Between two states it may be less than at both, by more than accelerated motion is off its chord. */
-static bool of_length(const spec_check *c) {
-  const char *dot = strchr(c->var, '.');
-  const char *q = (dot != NULL) ? dot + 1 : "";
-  return !c->has_dir && (strcmp(q, "pos") == 0 || strcmp(q, "vel") == 0 || strcmp(q, "speed") == 0);
-}
-
 /* Of one in space that turns, no step tells. */
 static bool of_spin(const spec_check *c) {
   const char *dot = strchr(c->var, '.');
   return !c->has_dir && dot != NULL && strcmp(dot, ".omega") == 0;
 }
 
-/* What the step that ends at a row met: nothing, something in the one row of its step, or in one of the two halves of it that end here. */
-enum { MET_NOTHING, MET_WHOLE, MET_HALVES };
-
-/* Does an impact bend the way at row k? A step ends just behind it, so that nothing is beyond that. What an impact changes at once (`jumps`) is
- * bent at the end of that change, too. */
-static bool is_kink(const error_made *m, int k, bool jumps) {
-  const int n = m->record.n_row;
-  const bool next = k + 1 < n && m->met[k + 1] != MET_NOTHING;
-  const bool halves = k + 2 < n && m->met[k + 2] == MET_HALVES;
-  return next || halves || (jumps && m->met[k] != MET_NOTHING);
-}
-
-/* How far `sign` times the column may be beyond its largest at a row in [t0, t1] between the rows: where it turns round between three rows, beyond the
- * largest of them by as much as the middle one is from the chord of the others; an even acceleration is by a quarter of the longer step over
- * the shorter one. */
-static double beyond_rows(const error_made *m, int column, bool jumps, double sign, double t0,
-                          double t1) {
-  const series *s = &m->record;
-  const double *t = s->column[SERIES_TIME], *x = s->column[column];
-  double most = -HUGE_VAL;
-  double reach = -HUGE_VAL;
-  for (int k = 0; k < s->n_row; k++) {
-    if (t[k] < t0 || t[k] > t1) {
-      continue;
-    }
-    most = fmax(most, sign * x[k]);
-    if (k > 0 && k + 1 < s->n_row && t[k] > t[k - 1] && t[k + 1] > t[k] && !is_kink(m, k, jumps)) {
-      const double part = (t[k] - t[k - 1]) / (t[k + 1] - t[k - 1]);
-      const double longer = fmax(part, 1.0 - part), shorter = fmin(part, 1.0 - part);
-      const double bow = fabs(x[k] - x[k - 1] - part * (x[k + 1] - x[k - 1]));
-      const double early = (x[k] - x[k - 1]) / (t[k] - t[k - 1]);
-      const double late = (x[k + 1] - x[k]) / (t[k + 1] - t[k]);
-      const double first = early - part * (late - early);
-      const double last = late + (1.0 - part) * (late - early);
-      const double before = (t[k - 1] >= t0) ? sign * x[k - 1] : -HUGE_VAL;
-      const double behind = (t[k + 1] <= t1) ? sign * x[k + 1] : -HUGE_VAL;
-      const double top = fmax(sign * x[k], fmax(before, behind));
-      const double over = bow * fmax(1.0, 0.25 * longer / shorter);
-      reach = (first * last <= 0.0) ? fmax(reach, top + over) : reach;
-    }
-  }
-  return (reach > most) ? reach - most : 0.0;
-}
-
-/* That of a check over a time. */
-static double bow_of(const error_made *m, const spec_check *c) {
-  const series *s = &m->record;
-  const series_var *v = series_find_var(s, c);
-  const double end = s->column[SERIES_TIME][s->n_row - 1];
-  const double t1 = (c->t1 > 0.0 && c->t1 < HUGE_VAL) ? c->t1 : end;
-  if (v == NULL) {
-    return 0.0;
-  }
-  const bool jumps = of_speed(world_observe_unit(c->var)) || !of_bodies(world_observe_unit(c->var));
-  const double up = beyond_rows(m, v->column, jumps, 1.0, c->t0, t1);
-  const double down = beyond_rows(m, v->column, jumps, -1.0, c->t0, t1);
-  return (c->kind == CHECK_WINDOW_MAX) ? up : (c->kind == CHECK_WINDOW_MIN) ? down : fmax(up, down);
-}
-
-double error_nearer(double far, double x) {
-  const double half = 0.5 * far;
-  return (half < x) ? half * half / (x + sqrt(x * x - half * half)) : x;
-}
-
-/* A length is less between two states than at both, where the way from one to the next is straight. Of a place the speed tells how far that may
- * be; of a velocity the least at a state is noted. */
-static void note_length(const error_made *m, int column, const spec_check *c, error_quantity *e) {
-  const series *s = &m->record;
-  const double *t = s->column[SERIES_TIME], *x = s->column[column];
-  const double *speed = s->column[SERIES_SPEED];
-  const double end = (c->t1 > 0.0) ? c->t1 : HUGE_VAL;
-  const bool place = strcmp(e->unit, "m") == 0;
-  double least = HUGE_VAL;
-  double reach = HUGE_VAL;
-  for (int k = 0; k < s->n_row; k++) {
-    const bool asked = t[k] >= c->t0 && t[k] <= end;
-    least = asked ? fmin(least, x[k]) : least;
-    if (asked && place && k > 0) {
-      const double far = fmax(speed[k], speed[k - 1]) * (t[k] - t[k - 1]);
-      const double near = fmin(x[k], x[k - 1]);
-      reach = fmin(reach, near - error_nearer(far, near));
-    }
-  }
-  e->bow = (place && reach < least) ? fmax(e->bow, least - reach) : e->bow;
-  e->nearest = place ? HUGE_VAL : least;
-}
-
 /* What a check of state says of its quantity beside the value. */
 static void note_check(const error_asked *asked, const error_made *m, const spec_check *c,
                        error_quantity *e) {
   const series_var *v = series_find_var(&m->record, c);
-  const bool state = c->kind == CHECK_STATE;
-  if (!state) {
-    e->bow = bow_of(m, c);
-  }
-  if (v != NULL && state && of_speed(e->unit)) {
+  if (v != NULL && c->kind == CHECK_STATE && of_speed(e->unit)) {
     note_bounces(m, v->column, c->t, error_unit(asked, e) * asked->E, e);
   }
-  if (v != NULL && !state && c->kind != CHECK_WINDOW_MAX && of_length(c)) {
-    note_length(m, v->column, c, e);
+  if (v != NULL && c->kind != CHECK_STATE) {
+    e->extreme = extreme_between(&m->record, m->met, v->column, c);
   }
 }
 
@@ -372,24 +274,9 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
   }
 }
 
-/* Finds the rows behind steps in which other contacts began or ceased to carry. */
-static base_status note_met(error_made *m, base_error *err) {
-  const series *s = &m->record;
-  m->met = calloc((size_t)s->n_row, sizeof *m->met);
-  if (m->met == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for what %d steps met", s->n_row);
-  }
-  for (long k = 0; k < m->kept.n && k + 1 < s->n_row; k++) {
-    const unsigned way = m->kept.way[k]; /* behind the start there is a row a step */
-    const bool whole = (way & STEP_EXTRAPOLATED) != 0;
-    m->met[k + 1] = ((way & STEP_MET) == 0) ? MET_NOTHING : whole ? MET_WHOLE : MET_HALVES;
-  }
-  return BASE_OK;
-}
-
 base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
                             base_error *err) {
-  BASE_TRY(note_met(m, err));
+  BASE_TRY(extreme_met(&m->record, &m->kept, &m->met, err));
   m->at_stops = true;
   read_checks(q, asked, m);
   for (int i = 0; i < q->spec->n_observe; i++) {
@@ -468,10 +355,10 @@ static int put_stop(double *stop, int n, double at, double end) {
   return n;
 }
 
-base_status error_stops(const sim_request *q, int parts, double **stop, int *n_stop,
-                        base_error *err) {
+base_status error_stops(const sim_request *q, int parts, const error_made *before, double **stop,
+                        int *n_stop, base_error *err) {
   const double end = q->duration;
-  const size_t most = (size_t)q->spec->n_check * ((size_t)parts + 3) + 1;
+  const size_t most = (size_t)q->spec->n_check * ((size_t)parts + 3) + 1 + ERROR_QUANTITIES;
   double *at = realloc(*stop, most * sizeof *at);
   if (at == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
@@ -488,6 +375,9 @@ base_status error_stops(const sim_request *q, int parts, double **stop, int *n_s
     for (int k = 1; span > 0.0 && k < parts; k++) {
       n = put_stop(at, n, c->t0 + span * k / parts, end);
     }
+  }
+  for (int i = 0; i < before->n_quantity; i++) {
+    n = put_stop(at, n, before->quantity[i].extreme.at, end);
   }
   qsort(at, (size_t)n, sizeof *at, ascending);
   int kept = 0;

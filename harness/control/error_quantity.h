@@ -12,6 +12,7 @@
  *   else   the largest value of the quantities of this unit, in the run */
 #pragma once
 
+#include "harness/control/error_extreme.h"
 #include "harness/control/step_control.h"
 
 enum { ERROR_QUANTITIES = 512, ERROR_UNIT = 16, ERROR_LIMIT = 500000 };
@@ -34,13 +35,10 @@ typedef struct error_quantity {
   const char *unit;
   double value, scale, estimate; /* [unit]; estimate HUGE_VAL: there is only one run */
   double change;                 /* from the run before; HUGE_VAL: there is none [unit] */
-  /* Of the least, or the drift, of the length of a velocity over a time: the least at a state; else HUGE_VAL [unit]. */
-  double nearest;
   /* Of a speed at a time: what the last impact before that changed it by [unit], 0 where fewer than two did by more than E; and how far off
    * a body may be without being at another bounce than it seems to be [m]. */
   double leap, known;
-  double
-      bow; /* of an extreme over a time: how far one between two states may be beyond it [unit] */
+  extreme extreme; /* where it is one over a time */
 } error_quantity;
 
 /* A run and what was read from it. */
@@ -64,8 +62,6 @@ base_status error_parse(const char *text, error_asked *out, base_error *err);
 
 /* What E counts in for a quantity. */
 double error_unit(const error_asked *a, const error_quantity *e);
-/* By how much a straight way of length `far`, whose ends are x from the origin or farther, may be nearer to it. */
-double error_nearer(double far, double x);
 /* Reads the quantities that E holds for from the run that was made. BASE_ENOMEM. */
 base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
                             base_error *err);
@@ -77,8 +73,8 @@ double error_made_difference(const error_made *a, const error_made *b, int i);
 void error_made_close(error_made *m);
 
 /* Times that checks look at, ascending, the last is the end [s]: a value between two rows would be a chord's. A check that looks
- * at all states of a time is given `parts` of it. *stop is grown; free it. */
-base_status error_stops(const sim_request *q, int parts, double **stop, int *n_stop,
-                        base_error *err);
+ * at all states of a time is given `parts` of it, and the time at which its extreme was in the run `before`. *stop is grown; free it. */
+base_status error_stops(const sim_request *q, int parts, const error_made *before, double **stop,
+                        int *n_stop, base_error *err);
 /* Those of them that states of speed are looked at, ascending [s]. Free *at. BASE_ENOMEM. */
 base_status error_speed_times(const sim_request *q, double **at, int *n, base_error *err);

@@ -40,15 +40,19 @@ static double largest_change(const error_result *r, const error_made *now,
  * tells. */
 static double unseen(const error_result *r, const error_quantity *e) {
   const double far = r->level[r->n_level - 1].account.gain;
-  const double chord = (e->nearest < HUGE_VAL) ? error_nearer(far, e->nearest) : 0.0;
-  return fmax(chord, e->bow);
+  const double nearest = e->extreme.nearest;
+  return fmax((nearest < HUGE_VAL) ? extreme_nearer(far, nearest) : 0.0, e->extreme.beyond);
+}
+
+/* A speed that points of bodies are off by [m/s] in the unit of a quantity; 0: that is no speed. */
+static double as_speed(const error_made *m, const error_quantity *e, double speed) {
+  const bool turns = strcmp(e->unit, "rad/s") == 0;
+  return (turns || strcmp(e->unit, "m/s") == 0) ? speed / (turns ? m->places.size : 1.0) : 0.0;
 }
 
 /* What a speed is off by where an impact may be on the other side of the time that it is asked for, in its unit. */
 static double jumped(const error_result *r, const error_made *m, const error_quantity *e) {
-  const double jump = r->level[r->n_level - 1].account.jump;
-  const bool turns = strcmp(e->unit, "rad/s") == 0;
-  return (turns || strcmp(e->unit, "m/s") == 0) ? jump / (turns ? m->places.size : 1.0) : 0.0;
+  return as_speed(m, e, r->level[r->n_level - 1].account.jump);
 }
 
 /* Of a speed behind bounces, in its unit: runs that do not tell at which of them a body is may be near each other by chance, but hardly twice in
@@ -73,12 +77,15 @@ static void estimate(error_result *r, error_made *now, const error_made *before,
         (i < before->n_quantity) ? error_made_difference(now, before, i) : HUGE_VAL;
     const double told = ERROR_SAFETY * change / (finer - 1.0);
     const double slip = slipped(r, before, i, e, change);
-    const double seen = fmax(fmax(unseen(r, e), slip), jumped(r, now, e));
+    const double seen = fmax(unseen(r, e), jumped(r, now, e));
     level->slips = fmax(level->slips, (slip > 0.0) ? level->account.off / e->known : 0.0);
     e->change = change;
-    const double known = fmax(least * r->asked.E * error_unit(&r->asked, e), seen);
-    e->estimate = (told < known) ? known : told;
-    const double over = e->estimate / error_unit(&r->asked, e);
+    const double unit = error_unit(&r->asked, e);
+    const double known = fmax(least * r->asked.E * unit, seen);
+    const double off = (told < known) ? known : told;
+    e->estimate = (off < slip) ? slip : off;
+    level->known = fmax(level->known, off / (unit * r->asked.E));
+    const double over = e->estimate / unit;
     r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
   }
 }
@@ -175,8 +182,8 @@ static base_status one_run(climber *l, base_error *err) {
   l->before = l->now;
   l->now = (error_made){0};
   error_made *m = &l->now;
-  BASE_TRY(
-      error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->stop, &l->ladder.rule.n_stop, err));
+  BASE_TRY(error_stops(l->q, (int)lround(ceil(l->ladder.parts)), &l->before, &l->stop,
+                       &l->ladder.rule.n_stop, err));
   l->ladder.rule.stop = l->stop;
   l->ladder.rule.speed_at = l->speed_at;
   l->ladder.rule.n_speed_at = l->n_speed_at;
@@ -191,7 +198,7 @@ static base_status one_run(climber *l, base_error *err) {
   l->ladder.rule.of_travel = 0.0;
   level->seconds = sim_total_seconds(&m->out);
   level->change = HUGE_VAL;
-  level->slips = 0.0;
+  level->known = level->slips = 0.0;
   sim_times_add(&l->spent, &m->out.time);
   BASE_TRY(error_made_read(l->q, &r->asked, m, err));
   return (m->n_quantity > 0)
@@ -205,14 +212,21 @@ static double doubted(const climber *l) {
   return l->result->level[l->result->n_level - 1].account.doubt / length_now(l);
 }
 
-/* What friction that is not Coulomb's moves bodies by, which no step mends [m]. */
-static double law_of(const error_level *level) {
-  return level->account.law + level->account.left;
+/* What friction that is not Coulomb's moves bodies by, and makes of what is asked of speeds, which no step mends: over E [1]. */
+static double law_of(const climber *l, const error_level *level) {
+  const error_made *m = &l->now;
+  double most = (level->account.law + level->account.left) / length_now(l);
+  for (int i = 0; i < m->n_quantity; i++) {
+    const double speed = as_speed(m, &m->quantity[i], level->account.law_speed);
+    const double E = l->result->asked.E * error_unit(&l->result->asked, &m->quantity[i]);
+    most = fmax(most, speed / E);
+  }
+  return most;
 }
 
 /* That of the last run, over E [1]. */
 static double bent(const climber *l) {
-  return law_of(&l->result->level[l->result->n_level - 1]) / length_now(l);
+  return law_of(l, &l->result->level[l->result->n_level - 1]);
 }
 
 /* What an impact is off by in the last run, and two runs may have in common, or the law is: over E [1]. */
@@ -273,8 +287,8 @@ static double finer_by(const climber *l) {
 /* What the last run is off by, over E, as far as is known. */
 static double known_off(const climber *l) {
   const error_result *r = l->result;
-  return (r->n_level > r->first_level + 1) ? r->estimate / r->asked.E
-                                           : r->level[r->n_level - 1].account.off / length_now(l);
+  const error_level *level = &r->level[r->n_level - 1];
+  return (r->n_level > r->first_level + 1) ? level->known : level->account.off / length_now(l);
 }
 
 /* What the last run is off by at least, by what the one before is off by: over impacts it is better than that by the ratio of tolerances
@@ -303,7 +317,7 @@ static bool arrived(climber *l) {
 /* Does the law of friction alone make it more than E, and finer steps not less of it? */
 static bool is_bent(const climber *l) {
   const error_level *level = &l->result->level[l->result->n_level - 1];
-  const double now = law_of(level), before = law_of(&level[-1]);
+  const double now = law_of(l, level), before = law_of(l, &level[-1]);
   return bent(l) > 1.0 && (before < 2.0 * now || before == now);
 }
 
@@ -373,6 +387,17 @@ base_status error_first_scale(const sim_request *q, double *scale, base_error *e
   return BASE_OK;
 }
 
+/* What the last run may be off by between its states, over E [1]. */
+static double between(const climber *l) {
+  const error_result *r = l->result;
+  double most = 0.0;
+  for (int i = 0; i < l->now.n_quantity; i++) {
+    const error_quantity *e = &l->now.quantity[i];
+    most = fmax(most, unseen(r, e) / (error_unit(&r->asked, e) * r->asked.E));
+  }
+  return most;
+}
+
 static base_status climb(climber *l, error_steps steps, const start_sizes *start, base_error *err) {
   /* How far points may come says nothing of how far they do: their way alone is the scale, with the factor that `tolerance` has of others. */
   const double scale = start->points ? point_share * start->scale : start->scale;
@@ -388,7 +413,7 @@ static base_status climb(climber *l, error_steps steps, const start_sizes *start
     l->ratio_before = l->ladder.ratio;
     l->off_before = known_off(l);
     const double slips = l->result->level[l->result->n_level - 1].slips;
-    error_ladder_finer(&l->ladder, fmax(fmax(l->off_before, slips), l->missed),
+    error_ladder_finer(&l->ladder, fmax(fmax(l->off_before, slips), l->missed), between(l),
                        (double)l->result->asked.limit);
     BASE_TRY(one_run(l, err));
   }

@@ -41,6 +41,7 @@ typedef struct error_level {
   double tolerance; /* [m] */
   double
       change; /* largest difference from the level before, in units of E [1]; HUGE_VAL: the first */
+  double known; /* what it is off by as far as the run before tells, slips aside, over E [1] */
   double
       slips; /* by how much it is too far off to tell at which bounce a body is whose speed is asked for; 0: it does [1] */
   step_account account;

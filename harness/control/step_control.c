@@ -44,6 +44,7 @@ typedef struct controlled {
   double fastest;        /* largest speed of a body so far [m/s] */
   double located;        /* of the step just tried [m] */
   double passed;         /* that an impact which none of its solves saw would change [m/s] */
+  double slipped;        /* what a slip that begins or turns in it is off by at its end [m/s] */
   double bend;           /* of its way, beyond what a constant acceleration explains [m] */
   double hit_until;      /* for so long the last impact may yet be to come [s] */
   double hit_jump;       /* and so much it changes velocities by [m/s] */
@@ -107,7 +108,7 @@ static double error_of(controlled *c, double h) {
   const step_end *fine = &c->pair.fine;
   const double part = h / s->q->duration;
   c->smooth = false;
-  c->passed = 0.0;
+  c->passed = c->slipped = 0.0;
   if (!coarse->good || !fine->good) {
     return HUGE_VAL;
   }
@@ -138,9 +139,10 @@ static double error_of(controlled *c, double h) {
   c->located = fmax(event ? position : 0.0, sunk * lever(c));
   /* a friction that pushes on is one of before the slip turned round, on both ways alike */
   const double lasts = reach(c) + h;
-  const double pushed = event ? 0.0 : fine->pushed * lasts;
-  /* where a slip breaks away friction falls, and both ways may say so from the start of the step on */
-  const double slips = fmax(pushed, fine->broke * lasts);
+  const double pushed = event ? 0.0 : fine->pushed;
+  /* where a slip breaks away friction falls, and both ways may say so late by half of the step */
+  c->slipped = fmax(pushed, 2.0 * fine->broke);
+  const double slips = c->slipped * lasts;
   c->located = fmax(c->located, slips);
   e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);
   return (e == e) ? e : HUGE_VAL;
@@ -183,16 +185,36 @@ static double to_rest(const controlled *c, double h) {
   return (c->rule->extrapolate && !met && at < 0.9 * h) ? before * at : 0.0;
 }
 
-/* A share of friction at rest that is less than all of it, to rounding [1]. */
-static const double holds = 1.0 - 1e-6;
+/* Does a pair take less than all of its friction at rest, to rounding? */
+static bool holds(const sim_load *l) {
+  return l->takes < (1.0 - 1e-6) * l->could;
+}
 
-/* When a contact breaks away that takes a share of its static friction which grows on as between the halves of a step of h; HUGE_VAL: none
- * is about to. Loads are those of the start of each half: all of it at the second one holds through that on both ways, if to rounding. */
-static double breaks(const controlled *c, double h) {
-  const double *load = c->pair.fine.load;
-  const double at = 0.5 * h * fmax((1.0 - load[0]) / (load[1] - load[0]), 1.0);
-  const bool grows = c->rule->extrapolate && load[1] > load[0] && load[0] < holds;
-  return grows ? (1.0 + 1e-6) * at : HUGE_VAL;
+/* When a contact breaks away; told: of two shares that hold. */
+typedef struct slip_at {
+  double at;
+  bool told;
+} slip_at;
+
+/* When one does that comes nearer to all of its friction at rest as between the halves of a step of h; HUGE_VAL: none is about to. Loads are
+ * those of the start of each half: all of it at the second one holds through that on both ways, if to rounding, and may have been so all
+ * the half. Of two pairs the shares of it tell. */
+static slip_at breaks_by(const sim_load *first, const sim_load *second, double h) {
+  const bool same = first->body[0] == second->body[0] && first->body[1] == second->body[1];
+  const double a = same ? 1.0 : first->could, b = same ? 1.0 : second->could;
+  const double left = (first->could - first->takes) / a;
+  const double yet = (second->could - second->takes) / b;
+  const double at = 0.5 * h * fmax(left / (left - yet), 1.0);
+  const bool nears = holds(first) && yet < left;
+  return (slip_at){nears ? (1.0 + 1e-6) * at : HUGE_VAL, holds(second)};
+}
+
+/* By the load of each contact between two bodies, or of all together: what comes first. */
+static slip_at breaks(const controlled *c, double h) {
+  const sim_loads *load = c->pair.fine.load;
+  const slip_at each = breaks_by(&load[0].each, &load[1].each, h);
+  const slip_at together = breaks_by(&load[0].together, &load[1].together, h);
+  return (each.at < together.at) ? each : together;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
@@ -207,16 +229,25 @@ static double shorter(const controlled *c, double e) {
   return fmin(fmax(wish, met ? 0.5 : shrink), 0.5);
 }
 
+/* What the length that is tried was aimed at. */
+typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP } aim;
+
+/* Does the step of h just tried end where friction gives way, as near as is known? What slips in its second half did so before that, at a time
+ * which only a step before it tells. */
+static bool has_aimed(const controlled *c, double h, aim aimed) {
+  return aimed == AIM_SLIP || (aimed == AIM_BEFORE_SLIP && !breaks(c, h).told);
+}
+
 /* The length to try in the place of h, which was off by e over its share; twice in a row none is aimed at where friction stops. */
-static double again(const controlled *c, double h, double e, bool *aimed) {
+static double again(const controlled *c, double h, double e, aim *aimed) {
   const double impact = to_impact(c, h);
   if (impact < 0.9 * h) {
-    *aimed = false;
+    *aimed = AIM_NOTHING;
     return impact;
   }
-  const double rest = *aimed ? 0.0 : to_rest(c, h);
-  *aimed = rest > 0.0;
-  return *aimed ? rest : h * shorter(c, e);
+  const double rest = (*aimed == AIM_NOTHING) ? to_rest(c, h) : 0.0;
+  *aimed = (rest > 0.0) ? AIM_REST : AIM_NOTHING;
+  return (rest > 0.0) ? rest : h * shorter(c, e);
 }
 
 /* The length of the step after one of h that was kept with error e over its share. */
@@ -263,7 +294,9 @@ static base_status keep_law(controlled *c, double h, base_error *err) {
   for (int k = 0; c->pair.fine.friction.bent && k < n; k++) {
     c->law[k] += c->pair.fine.law[k];
   }
-  c->account->law += (c->law != NULL) ? h * world_speed_at(w, c->law) : 0.0;
+  const double speed = (c->law != NULL) ? world_speed_at(w, c->law) : 0.0;
+  c->account->law += h * speed;
+  c->account->law_speed = fmax(c->account->law_speed, speed);
   c->account->left = fmax(c->account->left, c->pair.fine.friction.left * reach(c));
   return BASE_OK;
 }
@@ -305,7 +338,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
-  a->jump = fmax(a->jump, c->passed);
+  a->jump = fmax(a->jump, fmax(c->passed, c->slipped));
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
   BASE_TRY(keep_law(c, h, err));
   a->off += c->off;
@@ -455,13 +488,13 @@ static base_status look_ahead(controlled *c, double h, double *at, base_error *e
 }
 
 /* Error over the share of the step of h just tried; *at: when something happens in it that neither of its ends tells of, h or more: nothing
- * does. `aimed`: it ends where friction was to stop or to give way. */
-static base_status judge(controlled *c, double h, bool aimed, double *e, double *at,
+ * does. */
+static base_status judge(controlled *c, double h, aim aimed, double *e, double *at,
                          base_error *err) {
   *at = HUGE_VAL;
   if (*e <= 1.0) {
     BASE_TRY(look_back(c, h, e, at, err));
-    *at = aimed ? *at : fmin(*at, breaks(c, h));
+    *at = has_aimed(c, h, aimed) ? *at : fmin(*at, breaks(c, h).at);
     *at = fmin(*at, spun_up(c, h));
     BASE_TRY(look_ahead(c, h, at, err));
   }
@@ -484,12 +517,13 @@ static base_status take(controlled *c, double *h, double e, bool met, base_error
   return BASE_OK;
 }
 
-/* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for. A
- * step that is to end where friction gives way is `aimed`. */
-static double retried(const controlled *c, double h, double e, double at, bool *aimed) {
-  const bool gives_way = e == 0.0 && !*aimed && at == breaks(c, h);
+/* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for. */
+static double retried(const controlled *c, double h, double e, double at, aim *aimed) {
+  const slip_at slip = breaks(c, h);
   const double next = (e == 0.0) ? at : again(c, h, e, aimed);
-  *aimed = *aimed || gives_way;
+  if (e == 0.0 && at == slip.at) {
+    *aimed = slip.told ? AIM_SLIP : AIM_BEFORE_SLIP;
+  }
   return fmax(next, c->rule->least);
 }
 
@@ -498,7 +532,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   const step_rule *rule = c->rule;
   const bool strides = c->strides;
   bool met = false;
-  bool aimed = false;
+  aim aimed = AIM_NOTHING;
   c->strides = false;
   for (;;) {
     double at;

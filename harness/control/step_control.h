@@ -82,11 +82,12 @@ typedef struct step_account {
       forced;         /* forced: taken at the shortest length though not within its share */
   double least, most; /* of the steps kept [s] */
   double tolerance;   /* that the last step was taken with [m] */
-  long changed;   /* steps kept in which other contacts carry than before, the first one aside */
-  double off;     /* sum of what the steps kept are off by [m] */
-  double plain;   /* and would be if none of them were extrapolated [m] */
-  double located; /* largest error of a step in which the contacts changed [m] */
-  double law;     /* what friction that is not of a round cone moves bodies by [m] */
+  long changed;     /* steps kept in which other contacts carry than before, the first one aside */
+  double off;       /* sum of what the steps kept are off by [m] */
+  double plain;     /* and would be if none of them were extrapolated [m] */
+  double located;   /* largest error of a step in which the contacts changed [m] */
+  double law;       /* what friction that is not of a round cone moves bodies by [m] */
+  double law_speed; /* and the most that it makes them faster by [m/s] */
   double
       left; /* the most that slip does which an impact left to a contact that holds: the next one takes it [m] */
   double doubt; /* the most that goes with the order of impacts too near each other to tell [m] */

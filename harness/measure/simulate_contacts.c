@@ -1,14 +1,16 @@
 /* simulate_contacts.c - what the contacts of a step tell of it: which carry and slip, how deep they are, when one closes, stops or gives way. */
 #include "harness/measure/sim_watch.h"
 #include "harness/measure/simulate_state.h"
+#include "problems/vec.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* A slip that turns on its way comes to rest where it becomes less than a tenth, squared [1]. What seems to stop no later than so many times a
- * step was stopped in it, when it does not say [1]. */
-static const double at_rest = 0.01, resting = 1.0 + 1e-6;
+ * step was stopped in it, when it does not say [1]. A slip is rounding that is this much less than what the normal impulse would give along the
+ * contact [1]. */
+static const double at_rest = 0.01, resting = 1.0 + 1e-6, no_slip = 1e-9;
 
 static unsigned slips(const formulation_answer *a, int i) {
   return a->mode != NULL && a->mode[i] == 2;
@@ -76,26 +78,37 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   }
 }
 
-/* Of the contacts between two bodies: the friction they take, and could at rest [N s]. */
+/* Of the contacts between two bodies: the friction they take, each and together, and could at rest [N s]; and the speed that it costs where
+ * a slip begins [m/s]. */
 typedef struct pair_load {
   const int *body; /* NULL: no contact yet */
-  double takes, could;
+  double takes, could, falls;
+  double together[3];
 } pair_load;
 
-static void note_pair(sim_slip *slip, const pair_load *p) {
-  if (p->could > 0.0) {
-    slip->load = fmax(slip->load, p->takes / p->could);
+/* Keeps the larger share. */
+static void note_load(sim_load *l, const pair_load *p, double takes) {
+  if (takes * l->could > l->takes * p->could || (l->could == 0.0 && p->could > 0.0)) {
+    *l = (sim_load){takes, p->could, {p->body[0], p->body[1]}};
   }
 }
 
-/* Notes the speed that `much` friction costs contact i, which falls as it slips: from the next step on, and is too much in that in which it
- * begins to. */
-static void note_fall(sim_slip *slip, const contact_set *set, int i, double much) {
+static void note_pair(sim_slip *slip, const pair_load *p) {
+  slip->broke = fmax(slip->broke, p->falls);
+  if (p->body != NULL) {
+    note_load(&slip->load.each, p, p->takes);
+    note_load(&slip->load.together, p, v3_norm(p->together));
+  }
+}
+
+/* The speed that `much` friction costs contact i, which falls as it slips: from the next step on, and is too much in that in which it begins
+ * to [m/s]. */
+static double falls_by(const contact_set *set, int i, double much) {
   double easiest = 0.0;
   for (int k = 1; k <= set->rows[i].tangent; k++) {
     easiest = fmax(easiest, contact_mobility(set, i, k));
   }
-  slip->broke = fmax(slip->broke, much * easiest);
+  return fmax(much * easiest, 0.0);
 }
 
 /* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
@@ -111,11 +124,13 @@ static void note_loads(sim_slip *slip, const contact_set *set, const formulation
     }
     for (int k = 1; k <= set->rows[i].tangent; k++) {
       takes = hypot(takes, impulse[k]);
+      v3_add_scaled(pair.together, impulse[k], set->frame + 9 * (size_t)i + 3 * (size_t)k,
+                    pair.together);
     }
     pair.takes += takes;
     pair.could += set->mu_static[i] * impulse[0];
     if (set->mu_kinetic[i] < set->mu_static[i] && slips(a, i) != 0) {
-      note_fall(slip, set, i, takes - set->mu_kinetic[i] * impulse[0]);
+      pair.falls += falls_by(set, i, takes - set->mu_kinetic[i] * impulse[0]);
     }
   }
   note_pair(slip, &pair);
@@ -223,13 +238,24 @@ static base_status make_room(sim *s, const contact_set *set, base_error *err) {
   return BASE_OK;
 }
 
+/* Does contact i slip at the start of a step in which its normal impulse is this? */
+static bool moves_along(const contact_set *set, int i, double impulse) {
+  double slip = 0.0;
+  double most = 0.0;
+  for (int k = 1; k <= set->rows[i].tangent; k++) {
+    slip = hypot(slip, set->u_before[set->row_start[i] + k]);
+    most = fmax(most, impulse * contact_mobility(set, i, k));
+  }
+  return slip > no_slip * most;
+}
+
 /* What gaps and slips do by the row velocities at the end of the step. */
 static void note_motion(sim *s, const contact_set *set, const formulation_answer *a,
                         const double *u) {
   for (int i = 0; i < set->n_contact; i++) {
     const int k = set->row_start[i];
     note_gap(&s->depth, set, i, u[k]);
-    if (a->impulse != NULL && a->impulse[k] > 0.0) {
+    if (a->impulse != NULL && a->impulse[k] > 0.0 && moves_along(set, i, a->impulse[k])) {
       note_slip(&s->slip, set->u_before + k + 1, u + k + 1, a->impulse + k + 1,
                 set->rows[i].tangent, set->h, slips(a, i) != 0);
     }

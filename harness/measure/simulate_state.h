@@ -28,12 +28,25 @@ typedef struct sim_closing {
   double at, speed, deep;
 } sim_closing;
 
+/* Friction of all contacts between two bodies in a step: what they take, and could at rest [N s]. */
+typedef struct sim_load {
+  double takes, could;
+  int body[2];
+} sim_load;
+
+/* Of the two bodies whose contacts take the largest share of what they could: what each of them takes, added up, some of which a solver may let
+ * them push against each other with; and what they take together, which a pure moment is nothing of. */
+typedef struct sim_loads {
+  sim_load each, together;
+} sim_loads;
+
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
  * step already. The largest speed of a slip at its end that friction pushes on instead of holding it, or twice what one had that slides the
  * other way at its end; and the speed that static friction
- * costs in it where a slip begins and friction falls [m/s]. The largest share of their friction at rest that two bodies take [1]. */
+ * costs in it where a slip begins and friction falls [m/s]. */
 typedef struct sim_slip {
-  double stops, pushed, broke, load;
+  double stops, pushed, broke;
+  sim_loads load;
 } sim_slip;
 
 /* Contacts with a normal impulse: how many, a hash of their ids, and one of which of them slip. */

@@ -1,10 +1,14 @@
 #include "problems/world/contact_law.h"
 
+#include "problems/vec.h"
+
 #include <math.h>
 
 /* Slower than this share of what its friction could do in the step a contact does not slide, and an impulse that is off by no more than this
  * share of it is off by the solve. */
 static const double directed = 1e-6;
+
+enum { HOLDS = 1, SLIDES = 2 }; /* modes */
 
 /* Contact i, which slides at u: adds what its friction l is beyond mu_k l_n against the slip. What that does is no faster than the slip:
  * as soon as it were, it would turn round. */
@@ -48,10 +52,52 @@ static double left_to(const contact_set *c, int i, double slip, const double *u_
   return (slip > beyond * loads) ? slip : 0.0;
 }
 
+/* Contacts from `first` to before `end`, between two bodies, of which none slides: adds what they hold together beyond mu_s l_n, as corners of a box
+ * do. A round cone would let it slip. */
+static bool holds_beyond(const contact_set *c, int first, int end, const double *impulse,
+                         double *v) {
+  double together[3] = {0};
+  double could = 0.0;
+  for (int i = first; i < end; i++) {
+    const double *l = impulse + c->row_start[i];
+    could += c->mu_static[i] * l[0];
+    for (int k = 1; k <= c->rows[i].tangent; k++) {
+      v3_add_scaled(together, l[k], c->frame + 9 * (size_t)i + 3 * (size_t)k, together);
+    }
+  }
+  const double takes = v3_norm(together);
+  if (!(takes > (1.0 + directed) * could)) {
+    return false;
+  }
+  for (int i = first; i < end; i++) {
+    const double *l = impulse + c->row_start[i];
+    for (int k = 1; k <= c->rows[i].tangent; k++) {
+      contact_push(c, i, k, (1.0 - could / takes) * l[k], v);
+    }
+  }
+  return true;
+}
+
+/* That of all pairs of bodies. */
+static bool any_holds_beyond(const contact_set *c, const double *impulse, const unsigned char *mode,
+                             double *v) {
+  bool some = false;
+  for (int i = 0, end; i < c->n_contact; i = end) {
+    const int *body = c->body + 2 * (size_t)i;
+    bool slides = false;
+    for (end = i;
+         end < c->n_contact && c->body[2 * end] == body[0] && c->body[2 * end + 1] == body[1];
+         end++) {
+      slides = slides || mode[end] == SLIDES;
+    }
+    some = (!slides && holds_beyond(c, i, end, impulse, v)) || some;
+  }
+  return some;
+}
+
 contact_law contact_law_at(const contact_set *c, const double *impulse, const unsigned char *mode,
                            const double *u, const double *u_free, double *v) {
-  enum { HOLDS = 1, SLIDES = 2 };
-  contact_law law = {0};
+  contact_law law = {.bent = any_holds_beyond(c, impulse, mode, v)};
   for (int i = 0; i < c->n_contact; i++) {
     const int k = c->row_start[i];
     const int tangent = c->rows[i].tangent;

@@ -5,12 +5,14 @@
 #include "problems/world/contact_set.h"
 
 typedef struct contact_law {
-  bool bent;   /* sliding friction gave something beyond mu_k l_n against the slip, in space */
+  bool
+      bent; /* sliding friction gave something beyond mu_k l_n against the slip, in space, or what holds more than mu_s l_n */
   double left; /* largest slip that is left to a contact that holds and bounces off [m/s] */
 } contact_law;
 
 /* Of contacts with these impulses, modes (1: holds, 2: slides), and row velocities at the end of the step and without contacts, all n_row but
- * the modes (n_contact). Adds to the n_dof velocities v what sliding friction gave beyond. Friction that pushes a slip on is one of before
+ * the modes (n_contact). Adds to the n_dof velocities v what sliding friction gave beyond, and
+ * what the contacts between two bodies of which none slides hold together beyond. Friction that pushes a slip on is one of before
  * the slip turned round in the step, and slip that loads give within it is one of the step: errors of steps count for nothing here. */
 contact_law contact_law_at(const contact_set *c, const double *impulse, const unsigned char *mode,
                            const double *u, const double *u_free, double *v);

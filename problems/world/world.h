@@ -103,7 +103,8 @@ double world_saved_swerve(const world *w, const saved_step *own, const saved_ste
 /* As world_saved_bend and the distance of the velocities over h, from two steps in a row between which nothing begins or ends: what the
  * later one's extrapolation may be off by [m], of third order also where velocities lag: what a joint or a contact holds is held with the
  * directions at the start of a step, so that v_fine - v_coarse = h r is of first order, but what is left of it has only the change of r.
- * What the accelerations v_coarse - v_start = h a change by, j = (a - a_before) / h_before, is that of free motion. */
+ * What the accelerations v_coarse - v_start = h a change by, j = (a - a_before) over the shorter step, is that of free motion; an acceleration
+ * that changes at once is in the step that it is seen in. */
 double world_saved_unsteady(const world *w, const saved_step *before, const saved_step *now);
 
 /* What a step makes of one body that is not where it should be, or not as fast. Velocities by turning, and angles, are those of a point at

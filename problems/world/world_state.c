@@ -337,7 +337,7 @@ static double unsteady(const saved_step *before, const saved_step *now, ptrdiff_
     const double a_now = (now->coarse[k] - now->start[k]) / now->h;
     const double r_before = (before->fine[k] - before->coarse[k]) / before->h;
     const double r_now = (now->fine[k] - now->coarse[k]) / now->h;
-    jerk += pow((a_now - a_before) / before->h, 2);
+    jerk += pow((a_now - a_before) / fmin(before->h, now->h), 2);
     lag += pow(r_now - r_before, 2);
   }
   return now->h * now->h * (now->h * sqrt(jerk) * 7.0 / 16.0 + sqrt(lag));

@@ -2,6 +2,7 @@
 
 from unseen_scenes import (
     bounced,
+    broke_away,
     crossed,
     glanced,
     grazed,
@@ -12,6 +13,7 @@ from unseen_scenes import (
     much_asked,
     passed_by,
     poked,
+    rolled_out,
     slid_off,
     spun_up,
     stopped,
@@ -24,12 +26,12 @@ from unseen_scenes import (
 from support import fewer, run_json, tap
 
 
-def keeps(d, made, errors=("1e-1", "1e-2", "1e-3")):
+def keeps(d, made, errors=("1e-1", "1e-2", "1e-3"), way=()):
     """Promised, and within E of what is known in all that is asked for."""
     scene, known = made
     path = written(d, scene)
     for E in fewer(errors):
-        e = run_json("simulate", path, "--error", E)["error"]
+        e = run_json("simulate", path, *way, "--error", E)["error"]
         assert e["promised"], (scene["id"], E, e["reason"])
         asked = {q["quantity"]: q for q in e["quantities"]}
         for name, value in known.items():
@@ -88,6 +90,29 @@ def the_highest_place_is_between_two_states(d):
 def a_side_that_ends_is_met(d):
     for duration in (0.13, 0.15, 0.17, 0.2):
         keeps(d, slid_off(duration), ("1e-2", "1e-3", "1e-4"))
+
+
+def where_friction_gives_way_is_foreseen(d):
+    """Loads that grow while friction falls: nothing moves in steps that end before it does."""
+    for way in (("coulomb", "nsgs"), ("coulomb", "cone_newton"), ("velocity", "lemke")):
+        for dim, at, duration, kinetic, lifted in (
+            (2, 0.22, 0.237, 0.6, False),
+            (2, 1.6, 1.668, 0.55, False),
+            (2, 4.3, 4.95, 0.33, True),
+            (3, 2.36, 3.47, 0.4, True),
+        ):
+            words = ("--formulation", way[0], "--solver", way[1])
+            made = broke_away(dim, at, duration, kinetic, lifted)
+            keeps(d, made, ("1e-1", "1e-2", "1e-3"), words)
+
+
+def what_rolls_out_in_a_short_step_is_measured(d):
+    keeps(
+        d,
+        rolled_out(),
+        ("1e-2", "1e-3", "1e-4"),
+        ("--formulation", "velocity", "--solver", "lemke"),
+    )
 
 
 def where_round_sides_are_hit_turns_their_ways(d):
@@ -191,6 +216,8 @@ tap(
         a_length_between_two_states_is_no_chords,
         the_highest_place_is_between_two_states,
         a_side_that_ends_is_met,
+        where_friction_gives_way_is_foreseen,
+        what_rolls_out_in_a_short_step_is_measured,
         where_round_sides_are_hit_turns_their_ways,
         all_that_is_asked_for_is_watched,
         what_grows_off_a_steady_turning_is_seen,

@@ -219,6 +219,43 @@ def turning(
     return s, dict(zip((f"b.omega.{x}" for x in "xyz"), in_space, strict=True))
 
 
+def broke_away(
+    dim: int, at: float, duration: float, kinetic: float, lifted: bool
+) -> tuple[Scene, dict[str, float]]:
+    """A box of 1 kg that friction holds until `at` [s], mu 0.6 and then `kinetic`: a force along
+    the ground grows, or one upwards takes its weight off it under a constant force."""
+    mu, half = 0.6, [0.1, 0.1, 0.05][3 - dim :]
+    up, along = [0.0] * (dim - 1) + [1.0], [0.0] * (dim - 2) + [1.0, 0.0]
+    push = 0.5 * mu * G if lifted else 0.0
+    rate = (mu * G - push) / ((mu if lifted else 1.0) * at)
+    loads = [{"type": "force_ramp", "body": "a", "dir": up if lifted else along, "rate": rate}]
+    if lifted:
+        force = [push * x for x in along]
+        loads.append({"type": "constant_force", "body": "a", "force": force})
+    on = f"a.{'yx'[3 - dim]}"
+    s = scene("broke_away", dim, duration, [box("a", half, [0.05 * x for x in up])])
+    s |= {"static": [plane("floor", up, 0)], "loads": loads, "observe": [on, on[:2] + "v" + on[2:]]}
+    s |= {"friction": {"default": mu}, "friction_kinetic": {"default": kinetic}}
+    s["gravity"] = [-G * x for x in up]
+    t, jerk = duration - at, (kinetic if lifted else 1.0) * rate
+    a = (mu - kinetic) * G * (0.5 if lifted else 1.0)
+    way, speed = a * t**2 / 2 + jerk * t**3 / 6, a * t + jerk * t**2 / 2
+    return s, {f"{on} at the end": way, f"{on[:2]}v{on[2:]} at the end": speed}
+
+
+def rolled_out() -> tuple[Scene, dict[str, float]]:
+    """A disc that its rolling resistance stops half-way through the run, in a short step behind
+    long ones."""
+    r, rolling, speed = 0.278, 0.00275, 2.3656
+    ball = disc("a", r, [0, r], vel=[speed, 0], omega=-speed / r)
+    s = scene("rolled_out", 2, 64.81, [ball], observe=["a.x", "a.angle"])
+    s |= {"static": [plane("floor", [0, 1], 0)], "friction": {"default": 0.5}}
+    s |= {"rolling": {"default": rolling}, "gravity": [0, -G]}
+    slows = rolling * G / r / 1.5
+    way = speed**2 / (2.0 * slows)
+    return s, {"a.x at the end": way, "a.angle at the end": -way / r}
+
+
 def stopped(dim: int, load: float) -> tuple[Scene, dict[str, float]]:
     """A load stops a slide that static friction holds then; kinetic friction would let it go."""
     side = [0.0] * (dim - 2)
