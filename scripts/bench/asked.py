@@ -13,7 +13,10 @@ from bench.section import Cell, Section, Table, error, si
 FILE = "error/table.tsv"  # below the folder of the rows
 NEAR = 1.5  # times the cheapest
 FLOOR = 1e-8  # drawn, not computed: an exact answer has no place on a logarithmic axis
-NUMBERS = ("error", "sure", "promised", "err_estimate", "err_got", "t_chosen_s", "t_best_s")
+NUMBERS = (
+    *("error", "sure", "promised", "err_estimate", "err_got"),
+    *("t_chosen_s", "t_best_s", "t_even_s", "t_hand_s", "hand_got"),
+)
 Row = dict[str, str | float]
 
 
@@ -22,7 +25,7 @@ def read(path: pathlib.Path) -> list[Row]:
     with path.open(newline="", encoding="utf-8") as file:
         rows: list[Row] = list(csv.DictReader(file, delimiter="\t"))
     for row in rows:
-        for name in (*NUMBERS, "t_even_s"):
+        for name in NUMBERS:
             if name not in row:
                 raise ValueError(f"{path}: no column {name}; measure again with bench_error")
             row[name] = float(row[name] or math.nan)
@@ -110,15 +113,18 @@ def by_error(rows: list[Row]) -> Table:
                 median_over(said, "t_even_s"),
                 median_over(said, "t_best_s"),
                 f"{sum(over(r) <= NEAR for r in timed)} of {len(mine)}",
+                median_over(said, "t_hand_s"),
+                f"{sum(r['hand_got'] <= asked for r in said)} of {len(said)}",
                 f"{dearest['problem']}: {times(over(dearest))}" if dearest else "",
             ]
         )
     head = ["asked", "promised", "kept", "over even steps", "over the best combination"]
-    head += [f"within {NEAR}", "dearest"]
+    head += [f"within {NEAR}", "over halving by hand", "kept by hand", "dearest"]
     caption = (
         "By the error asked: times over those of the best even steps and of the best combination"
-        f" with --error (medians), how many are within {NEAR} of the cheaper of the two, and the"
-        " dearest scene."
+        f" with --error (medians), how many are within {NEAR} of the cheaper of the two, time over"
+        " that of even steps halved by hand until two runs differ by at most E (median), how many"
+        " of these keep it, and the dearest scene."
     )
     return Table("asked_by_error", caption, head, body, paper=False)
 
@@ -155,6 +161,16 @@ def section(rows: list[Row]) -> Section | None:
     ratios = [r["t_chosen_s"] / r["t_even_s"] for r in said if r["t_even_s"] > 0]
     near = sum(over(r) <= NEAR for r in said)
     dearest = max((over(r) for r in said if math.isfinite(over(r))), default=math.nan)
+    hand = [r for r in said if r["t_hand_s"] > 0]
+    missed = sum(not r["hand_got"] <= r["error"] for r in said)
+    longer = statistics.median(r["t_hand_s"] / r["t_chosen_s"] for r in hand) if hand else 0.0
+    by_hand = (
+        " Somebody who does not know the answer may halve even steps until two runs differ by no"
+        f" more than E: that takes {times(longer)}"
+        f" times as long (median), and {missed} of {len(said)} miss E or come to no end."
+        if hand
+        else ""
+    )
     dear = (
         f" A run takes {statistics.median(ratios):.2g} times (median) the time of the best even"
         f" steps, which only a search with the answer in hand finds. {near} are within {NEAR} times"
@@ -175,7 +191,7 @@ def section(rows: list[Row]) -> Section | None:
         "asked",
         "Accuracy in, motion out",
         f"Of {len(rows)} runs {len(said)} promise the error asked for, and {len(kept)} of these"
-        " keep it." + dear,
+        " keep it." + dear + by_hand,
         [drawn],
         [by_error(rows), table(rows)],
     )
