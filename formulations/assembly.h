@@ -239,17 +239,18 @@ double form_mobility(const form_assembly *a, int i, int at, int dim);
 /* What slides of a step are told by, reckoned once. */
 typedef struct form_slip {
   double still; /* what is no slower slides: 1e-8 of the largest velocity without contacts [m/s] */
-  double share; /* nor than this share of what the bound of its friction changes [1] */
-  bool hit;     /* something is met in the step (form_has_impact), or given back */
+  double
+      share; /* nor than this share of what the bound of its friction changes: a millionth, or what is asked for [1] */
+  bool hit;  /* something is met in the step (form_has_impact), or given back */
 } form_slip;
 
 form_slip form_slip_of(const form_assembly *a, double rest);
 /* Does active contact i slide in the motion that form_assembly_answer wrote? Impulses at their bound [N s], mu lambda_n, do not
- * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, and than `share` of what the bound changes, a millionth. */
+ * tell: of two redundant contacts at rest one may stand there. It moves faster than `still`, and than `share` of what the bound changes. */
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip);
-/* Of the slip of active contact i in that motion, what is not against `friction`, of its tangents [N s]: on a round cone what the solver leaves of
- * it [m/s]. */
-double form_slip_aside(const form_assembly *a, int i, const double *friction);
+/* Is `friction`, of its tangents [N s], against the slip of active contact i in that motion? On a round cone it is: else the slip is what the
+ * solver leaves. */
+bool form_opposes(const form_assembly *a, int i, const double *friction);
 /* The speed of that motion along the tangents of active contact i [m/s]. */
 double form_slip_speed(const form_assembly *a, int i);
 /* Remembers that active contact i slides in that motion (PAST_SLIDES, PAST_WAY). Where kinetic friction is less than static, a slip that loads turn

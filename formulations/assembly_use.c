@@ -228,14 +228,15 @@ double form_slip_speed(const form_assembly *a, int i) {
   return hypot(t[0], t[1]);
 }
 
-double form_slip_aside(const form_assembly *a, int i, const double *friction) {
+bool form_opposes(const form_assembly *a, int i, const double *friction) {
+  static const double aside = 0.1; /* of the slip */
   double u[6], t[2];
   end_velocity(a, i, u);
   tangents_of(a, i, u, t);
   const double across = (a->rows[i].tangent > 1) ? friction[1] : 0;
-  const double pull = hypot(friction[0], across);
-  const double along = (pull > 0) ? (friction[0] * t[0] + across * t[1]) / pull : 0;
-  return (along > 0) ? hypot(t[0], t[1]) : sqrt(fmax(t[0] * t[0] + t[1] * t[1] - along * along, 0));
+  const double much = hypot(friction[0], across) * hypot(t[0], t[1]);
+  const bool against = friction[0] * t[0] + across * t[1] < 0;
+  return against && fabs(friction[0] * t[1] - across * t[0]) <= aside * much;
 }
 
 bool form_slides(const form_assembly *a, int i, double bound, const form_slip *slip) {

@@ -128,31 +128,6 @@ typedef struct ending {
   form_slip slip;
 } ending;
 
-/* Of active contact i: how much friction it takes, and could [N s]. */
-static double pull_of(const row_form *s, int i, const double *l, double *bound) {
-  const int tangent = s->a.rows[i].tangent;
-  *bound = contact_memory_mu(&s->memory, s->a.set, s->a.group[i]) * l[0];
-  return (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
-}
-
-/* How fast contacts slip where friction does not let them: inside its cone, or aside of it. That is what the solver leaves, and matters where
- * friction falls as a slip begins [m/s]. */
-static double left_to_slip(const row_form *s, const double *lambda) {
-  static const double inside = 0.99;
-  const contact_set *c = s->a.set;
-  double most = 0;
-  for (int i = 0; i < s->a.n_contact; i++) {
-    const int g = s->a.group[i];
-    const double *l = lambda + s->a.row[i];
-    double bound;
-    if (l[0] > 0 && s->a.rows[i].tangent > 0 && c->mu_kinetic[g] < c->mu_static[g]) {
-      const bool holds = pull_of(s, i, l, &bound) < inside * bound;
-      most = fmax(most, holds ? form_slip_speed(&s->a, i) : form_slip_aside(&s->a, i, l + 1));
-    }
-  }
-  return most;
-}
-
 /* Modes of the contacts of one part, and what the next step remembers of them. */
 static void settle_contacts(void *of, int part, int hand) {
   const ending *e = of;
@@ -163,11 +138,13 @@ static void settle_contacts(void *of, int part, int hand) {
     const double *l = e->lambda + s->a.row[i];
     double *now = contact_memory_now(&s->memory, g);
     const int tangent = s->a.rows[i].tangent;
-    double bound;
-    const double pull = pull_of(s, i, l, &bound);
+    const double bound = contact_memory_mu(&s->memory, s->a.set, s->a.group[i]) * l[0];
+    const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
-    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, &e->slip);
+    const bool falls = s->opt.round_cone && s->a.set->mu_kinetic[g] < s->a.set->mu_static[g];
+    const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, &e->slip) &&
+                        !(falls && !form_opposes(&s->a, i, l + 1));
     now[PAST_SLIDES] = 0;
     if (slides) {
       form_note_slide(&s->a, i, &e->slip, &s->memory);
@@ -178,14 +155,13 @@ static void settle_contacts(void *of, int part, int hand) {
 }
 
 void row_form_finish(row_form *s, const double *lambda, bool solved) {
-  static const double beside = 10.0; /* so many times what the solver leaves a slip is one */
-  static const double swept = 1e-5;  /* sweeps leave slips along friction, too */
+  /* Sweeps leave a slip that is no more, and where friction falls as a slip begins that would begin it. */
+  static const double swept = 1e-5;
   s->done = true;
   s->answer.solved = solved;
   form_assembly_answer(&s->a, lambda);
   ending e = {s, lambda, form_slip_of(&s->a, s->opt.repair.rest)};
-  if (s->opt.round) {
-    e.slip.still = fmax(e.slip.still, beside * left_to_slip(s, lambda));
+  if (s->opt.round_cone) {
     e.slip.share = swept;
   }
   base_share(base_parts(s->a.n_contact, CONTACT_SHARE), settle_contacts, &e);

@@ -7,10 +7,10 @@
 #include "formulations/row_matrix.h"
 
 typedef struct row_options {
-  int storage; /* row_storage */
-  int level;   /* form_level */
-  int joints;  /* 0 eliminated, 1 kept as free rows */
-  bool round;  /* the cone of friction: friction is against the slip */
+  int storage;     /* row_storage */
+  int level;       /* form_level */
+  int joints;      /* 0 eliminated, 1 kept as free rows */
+  bool round_cone; /* of friction, which is against the slip then; no option */
   int activation, restitution, distribution;
   form_repair repair;
   int outer;              /* boxed: most solves in a step */

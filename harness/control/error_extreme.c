@@ -110,11 +110,11 @@ static extreme beyond_rows(const view *v, double sign) {
     const double over = ((sign * p.bend < 0.0) ? fmax(vertex, top) : top) + spare;
     if (over > reach) {
       reach = over;
-      at = v->t[k] + turn;
+      at = (sign * p.bend < 0.0) ? v->t[k] + turn : 0.0;
     }
   }
   return (extreme){.beyond = (reach > most) ? reach - most : 0.0,
-                   .at = (at > v->t0 && at < v->t1) ? at : 0.0,
+                   .at = (reach > most && at > v->t0 && at < v->t1) ? at : 0.0,
                    .nearest = HUGE_VAL};
 }
 

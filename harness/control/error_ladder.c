@@ -15,7 +15,7 @@ static const double plain_spare = 1.2;
 /* Parts of the first extrapolated run, which is enough where all is at rest; and what the next one's count from. */
 static const double first_parts = 2.0, next_parts = 4.0;
 /* What a run may be off by between its states, so that the next one looks at no more parts [E]. */
-static const double beside = 0.25;
+static const double enough = 0.25;
 
 void error_ladder_begin(error_ladder *l, const sim_request *q, error_steps steps, double length,
                         double bears, bool rests) {
@@ -38,8 +38,9 @@ void error_ladder_finer(error_ladder *l, double over, double between, double par
   rule->tolerance /= l->ratio;
   rule->rests = false;
   if (rule->extrapolate) {
-    l->parts = fmin(
-        fmax(l->parts, next_parts) * sqrt(fmin(fmax(between / beside, 1.0), most_ratio)), parts);
+    const double more = sqrt(fmin(fmax(between / enough, 1.0), most_ratio));
+    /* one more at least, or two runs would have states at the same times */
+    l->parts = fmin(fmax(fmax(l->parts, next_parts) * more, l->parts + 1.0), parts);
   }
   /* or two runs that take the longest steps would be one */
   rule->most /= error_ladder_gain(l, !rule->extrapolate);

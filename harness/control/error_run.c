@@ -84,7 +84,7 @@ static void estimate(error_result *r, error_made *now, const error_made *before,
     const double known = fmax(least * r->asked.E * unit, seen);
     const double off = (told < known) ? known : told;
     e->estimate = (off < slip) ? slip : off;
-    level->known = fmax(level->known, off / (unit * r->asked.E));
+    level->known = fmax(level->known, (off == off) ? off / (unit * r->asked.E) : HUGE_VAL);
     const double over = e->estimate / unit;
     r->estimate = fmax(r->estimate, (over == over) ? over : HUGE_VAL);
   }

@@ -25,6 +25,8 @@ base_status step_pair_open(step_pair *p, const sim *s, base_error *err) {
 void step_pair_close(step_pair *p) {
   checkpoint_close(&p->start);
   free(p->coarse.state);
+  free(p->load[0].pair);
+  free(p->load[1].pair);
   *p = (step_pair){0};
 }
 
@@ -64,9 +66,10 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
       end->start = s->depth.start;
       end->closing = end->event ? s->struck : s->closing;
       end->stops = s->slip.stops;
-      end->load[0] = s->slip.load;
     }
-    end->load[1] = s->slip.load;
+    if (n == 2) {
+      BASE_TRY(sim_loads_copy(&p->load[i], &s->loads, err));
+    }
     end->doubt = fmax(end->doubt, s->doubt);
     note_law(end, s);
     end->pushed = fmax(end->pushed, s->slip.pushed);

@@ -19,7 +19,6 @@ typedef struct step_end {
       closing;  /* in its first step; behind the impact where others carry in that than before */
   double stops; /* when a slip of its first step would be at rest [s] */
   double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
-  sim_loads load[2];    /* in its first and in its last step */
   double doubt;         /* the most in its steps (sim) [m/s] */
   double *law;          /* what the friction of its steps gave beyond a round cone's (sim) */
   contact_law friction; /* of its steps: any, the most */
@@ -33,6 +32,7 @@ typedef struct step_pair {
   double *past;          /* start, coarse and fine state of the last step that was smooth */
   double past_h;         /* its length; 0: the step before the try was none [s] */
   sim_carrying carrying; /* of the step before the try */
+  sim_loads load[2];     /* of the two steps of the fine way */
   long solved;           /* steps taken in all tries */
   sim_request quiet;     /* the run's without the files of its steps */
 } step_pair;

@@ -185,36 +185,53 @@ static double to_rest(const controlled *c, double h) {
   return (c->rule->extrapolate && !met && at < 0.9 * h) ? before * at : 0.0;
 }
 
-/* Does a pair take less than all of its friction at rest, to rounding? */
-static bool holds(const sim_load *l) {
-  return l->takes < (1.0 - 1e-6) * l->could;
-}
-
-/* When a contact breaks away; told: of two shares that hold. */
+/* When a contact breaks away; told: it held in both halves of the step. */
 typedef struct slip_at {
   double at;
   bool told;
 } slip_at;
 
-/* When one does that comes nearer to all of its friction at rest as between the halves of a step of h; HUGE_VAL: none is about to. Loads are
- * those of the start of each half: all of it at the second one holds through that on both ways, if to rounding, and may have been so all
- * the half. Of two pairs the shares of it tell. */
-static slip_at breaks_by(const sim_load *first, const sim_load *second, double h) {
-  const bool same = first->body[0] == second->body[0] && first->body[1] == second->body[1];
-  const double a = same ? 1.0 : first->could, b = same ? 1.0 : second->could;
-  const double left = (first->could - first->takes) / a;
-  const double yet = (second->could - second->takes) / b;
+/* When a pair of bodies breaks away that takes so much friction in the first half of a step of h and so much in the second, of what it could at
+ * rest; HUGE_VAL: it does not. Both are the loads of the start of a half. Where the second is all that it could, to rounding, it has
+ * slipped since some time in the first half. */
+static slip_at breaks_by(double takes, double could, double takes_then, double could_then,
+                         double h) {
+  static const double all = 1.0 - 1e-6;
+  const double left = could - takes;
+  const double yet = could_then - takes_then;
   const double at = 0.5 * h * fmax(left / (left - yet), 1.0);
-  const bool nears = holds(first) && yet < left;
-  return (slip_at){nears ? (1.0 + 1e-6) * at : HUGE_VAL, holds(second)};
+  const bool nears = takes < all * could && yet < left;
+  return (slip_at){nears ? (1.0 + 1e-6) * at : HUGE_VAL, takes_then < all * could_then};
 }
 
-/* By the load of each contact between two bodies, or of all together: what comes first. */
+static slip_at earlier(slip_at a, slip_at b) {
+  return (b.at < a.at) ? b : a;
+}
+
+/* The load of the same bodies in the second half, at k if nothing has changed; NULL: they have no contacts there. */
+static const sim_load *load_then(const sim_loads *l, const sim_load *first, int k) {
+  for (int i = 0; i < l->n; i++) {
+    const sim_load *p = &l->pair[(k + i) % l->n];
+    if (p->body[0] == first->body[0] && p->body[1] == first->body[1]) {
+      return p;
+    }
+  }
+  return NULL;
+}
+
+/* When the first pair of bodies does, by what its contacts take each or together. */
 static slip_at breaks(const controlled *c, double h) {
-  const sim_loads *load = c->pair.fine.load;
-  const slip_at each = breaks_by(&load[0].each, &load[1].each, h);
-  const slip_at together = breaks_by(&load[0].together, &load[1].together, h);
-  return (each.at < together.at) ? each : together;
+  const sim_loads *first = &c->pair.load[0];
+  slip_at found = {HUGE_VAL, false};
+  for (int k = 0; k < first->n; k++) {
+    const sim_load *a = &first->pair[k];
+    const sim_load *b = load_then(&c->pair.load[1], a, k);
+    if (b != NULL) {
+      found = earlier(found, breaks_by(a->takes, a->could, b->takes, b->could, h));
+      found = earlier(found, breaks_by(a->together, a->could, b->together, b->could, h));
+    }
+  }
+  return found;
 }
 
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
@@ -519,12 +536,14 @@ static base_status take(controlled *c, double *h, double e, bool met, base_error
 
 /* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for. */
 static double retried(const controlled *c, double h, double e, double at, aim *aimed) {
+  if (e > 0.0) {
+    return fmax(again(c, h, e, aimed), c->rule->least);
+  }
   const slip_at slip = breaks(c, h);
-  const double next = (e == 0.0) ? at : again(c, h, e, aimed);
-  if (e == 0.0 && at == slip.at) {
+  if (at == slip.at) {
     *aimed = slip.told ? AIM_SLIP : AIM_BEFORE_SLIP;
   }
-  return fmax(next, c->rule->least);
+  return fmax(at, c->rule->least);
 }
 
 /* Tries steps from *h downwards until one is kept; *h is then the proposal for the next, *taken what was kept. */

@@ -353,6 +353,7 @@ void sim_close(sim *s) {
   world_close(s->w);
   free(s->z);
   free(s->u);
+  free(s->loads.pair);
 }
 
 base_status simulate(const sim_request *q, series *record, sim_result *out, base_error *err) {

@@ -78,27 +78,27 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   }
 }
 
-/* Of the contacts between two bodies: the friction they take, each and together, and could at rest [N s]; and the speed that it costs where
- * a slip begins [m/s]. */
-typedef struct pair_load {
-  const int *body; /* NULL: no contact yet */
-  double takes, could, falls;
-  double together[3];
-} pair_load;
-
-/* Keeps the larger share. */
-static void note_load(sim_load *l, const pair_load *p, double takes) {
-  if (takes * l->could > l->takes * p->could || (l->could == 0.0 && p->could > 0.0)) {
-    *l = (sim_load){takes, p->could, {p->body[0], p->body[1]}};
+static base_status loads_fit(sim_loads *l, int n, base_error *err) {
+  if (n > l->cap) {
+    free(l->pair);
+    l->cap = 2 * n;
+    l->pair = malloc((size_t)l->cap * sizeof *l->pair);
+    if (l->pair == NULL) {
+      l->cap = 0;
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the friction of %d pairs of bodies", n);
+    }
   }
+  return BASE_OK;
 }
 
-static void note_pair(sim_slip *slip, const pair_load *p) {
-  slip->broke = fmax(slip->broke, p->falls);
-  if (p->body != NULL) {
-    note_load(&slip->load.each, p, p->takes);
-    note_load(&slip->load.together, p, v3_norm(p->together));
+base_status sim_loads_copy(sim_loads *to, const sim_loads *from, base_error *err) {
+  to->n = 0;
+  BASE_TRY(loads_fit(to, from->n, err));
+  to->n = from->n;
+  if (from->n > 0) {
+    memcpy(to->pair, from->pair, (size_t)from->n * sizeof *to->pair);
   }
+  return BASE_OK;
 }
 
 /* The speed that `much` friction costs contact i, which falls as it slips: from the next step on, and is too much in that in which it begins
@@ -111,29 +111,42 @@ static double falls_by(const contact_set *set, int i, double much) {
   return fmax(much * easiest, 0.0);
 }
 
-/* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
-static void note_loads(sim_slip *slip, const contact_set *set, const formulation_answer *a) {
-  pair_load pair = {0};
-  for (int i = 0; i < set->n_contact; i++) {
+/* Contacts from `first` on between two bodies: the friction they take, and could at rest, and the speed that it falls by where they slip. Returns
+ * the first contact behind them. */
+static int note_pair(sim_slip *slip, sim_load *l, const contact_set *set,
+                     const formulation_answer *a, int first) {
+  const int *body = set->body + 2 * (size_t)first;
+  double together[3] = {0};
+  double falls = 0.0;
+  int i = first;
+  *l = (sim_load){.body = {body[0], body[1]}};
+  for (; i < set->n_contact && set->body[2 * i] == body[0] && set->body[2 * i + 1] == body[1];
+       i++) {
     const double *impulse = a->impulse + set->row_start[i];
-    const int *body = set->body + 2 * (size_t)i;
     double takes = 0.0;
-    if (pair.body == NULL || body[0] != pair.body[0] || body[1] != pair.body[1]) {
-      note_pair(slip, &pair);
-      pair = (pair_load){.body = body};
-    }
     for (int k = 1; k <= set->rows[i].tangent; k++) {
       takes = hypot(takes, impulse[k]);
-      v3_add_scaled(pair.together, impulse[k], set->frame + 9 * (size_t)i + 3 * (size_t)k,
-                    pair.together);
+      v3_add_scaled(together, impulse[k], set->frame + 9 * (size_t)i + 3 * (size_t)k, together);
     }
-    pair.takes += takes;
-    pair.could += set->mu_static[i] * impulse[0];
+    l->takes += takes;
+    l->could += set->mu_static[i] * impulse[0];
     if (set->mu_kinetic[i] < set->mu_static[i] && slips(a, i) != 0) {
-      pair.falls += falls_by(set, i, takes - set->mu_kinetic[i] * impulse[0]);
+      falls += falls_by(set, i, takes - set->mu_kinetic[i] * impulse[0]);
     }
   }
-  note_pair(slip, &pair);
+  l->together = v3_norm(together);
+  slip->broke = fmax(slip->broke, falls);
+  return i;
+}
+
+/* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
+static base_status note_loads(sim *s, const contact_set *set, const formulation_answer *a,
+                              base_error *err) {
+  BASE_TRY(loads_fit(&s->loads, set->n_contact, err));
+  for (int i = 0; i < set->n_contact;) {
+    i = note_pair(&s->slip, &s->loads.pair[s->loads.n++], set, a, i);
+  }
+  return BASE_OK;
 }
 
 /* Contact i of a step at whose end its gap changes by u. */
@@ -270,6 +283,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
   s->doubt = 0.0;
   s->friction = (contact_law){0};
   s->slip = (sim_slip){.stops = HUGE_VAL};
+  s->loads.n = 0;
   if (!s->controlled || set->n_contact == 0) {
     return BASE_OK;
   }
@@ -290,7 +304,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
   if (a->impulse == NULL) {
     return BASE_OK;
   }
-  note_loads(&s->slip, set, a);
+  BASE_TRY(note_loads(s, set, a, err));
   if (s->near > 0.0) {
     note_doubt(s, set, a->impulse, u_free);
   }

@@ -28,17 +28,21 @@ typedef struct sim_closing {
   double at, speed, deep;
 } sim_closing;
 
-/* Friction of all contacts between two bodies in a step: what they take, and could at rest [N s]. */
+/* Friction of the contacts between two bodies in a step, which follow each other: what each of them takes, added up (a solver may let them push
+ * against each other); what they take together, which is nothing of a pure moment; and what they could take at rest [N s]. */
 typedef struct sim_load {
-  double takes, could;
+  double takes, together, could;
   int body[2];
 } sim_load;
 
-/* Of the two bodies whose contacts take the largest share of what they could: what each of them takes, added up, some of which a solver may let
- * them push against each other with; and what they take together, which a pure moment is nothing of. */
+/* Of all pairs of bodies that have contacts with a mode. */
 typedef struct sim_loads {
-  sim_load each, together;
+  sim_load *pair; /* owned */
+  int n, cap;
 } sim_loads;
+
+/* BASE_ENOMEM. */
+base_status sim_loads_copy(sim_loads *to, const sim_loads *from, base_error *err);
 
 /* When the first contact that slides in a step is at rest if it is slowed on as in it, from its start on [s], HUGE_VAL: none is, or in the
  * step already. The largest speed of a slip at its end that friction pushes on instead of holding it, or twice what one had that slides the
@@ -46,7 +50,6 @@ typedef struct sim_loads {
  * costs in it where a slip begins and friction falls [m/s]. */
 typedef struct sim_slip {
   double stops, pushed, broke;
-  sim_loads load;
 } sim_slip;
 
 /* Contacts with a normal impulse: how many, a hash of their ids, and one of which of them slip. */
@@ -94,6 +97,7 @@ typedef struct sim {
   sim_closing closing; /* as the velocities at its ends are */
   sim_closing struck;  /* as they are if what contacts gave came at its start: an impact */
   sim_slip slip;
+  sim_loads loads;
   double
       near; /* a gap that is no farther from closed may as well be so [m]; 0: every gap is certain */
   double

@@ -7,6 +7,8 @@
 /* Slower than this share of what its friction could do in the step a contact does not slide, and an impulse that is off by no more than this
  * share of it is off by the solve. */
 static const double directed = 1e-6;
+/* No formulation calls it a slide to be slower than this share of that. */
+static const double held = 1e-5;
 
 enum { HOLDS = 1, SLIDES = 2 }; /* modes */
 
@@ -113,7 +115,8 @@ contact_law contact_law_at(const contact_set *c, const double *impulse, const un
     }
     if (mode[i] == SLIDES) {
       law.bent = bends(c, i, impulse + k, u + k, v) || law.bent;
-    } else if (mode[i] == HOLDS && bounces(c, i, u[k])) {
+    } else if (mode[i] == HOLDS && bounces(c, i, u[k]) &&
+               slip > held * c->mu_kinetic[i] * impulse[k] * contact_mobility(c, i, 1)) {
       law.left = fmax(law.left, left_to(c, i, slip, u_free + k));
     }
   }

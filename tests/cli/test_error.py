@@ -35,7 +35,8 @@ def the_error_asked_for_is_kept(_):
             assert true <= E * q["scale"], (scene, E, true, q)
             assert o["verified"] and o["status"] == "ok"
             solved.append(e["steps_solved"])
-        assert 2 * solved[-1] > solved[0], (scene, solved)
+        # bounces are told apart by a run more at 1e-1
+        assert solved[-1] >= (0.5 if scene == "bounce" else 1.0) * solved[0], (scene, solved)
 
 
 EVENT = ("--formulation", "event", "--solver", "lemke")

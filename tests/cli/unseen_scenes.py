@@ -237,6 +237,10 @@ def broke_away(
     s |= {"static": [plane("floor", up, 0)], "loads": loads, "observe": [on, on[:2] + "v" + on[2:]]}
     s |= {"friction": {"default": mu}, "friction_kinetic": {"default": kinetic}}
     s["gravity"] = [-G * x for x in up]
+    # what stands beside it, with nearly all of the friction that it could take, hides nothing
+    s["bodies"].append(box("b", half, [5.0, *[0.05 * x for x in up[1:]]]))
+    force = [0.9 * mu * G * x for x in along]
+    s["loads"].append({"type": "constant_force", "body": "b", "force": force})
     t, jerk = duration - at, (kinetic if lifted else 1.0) * rate
     a = (mu - kinetic) * G * (0.5 if lifted else 1.0)
     way, speed = a * t**2 / 2 + jerk * t**3 / 6, a * t + jerk * t**2 / 2
