@@ -1,7 +1,6 @@
 /* simulate_contacts.c - what the contacts of a step tell of it: which carry and slip, how deep they are, when one closes, stops or gives way. */
 #include "harness/measure/sim_watch.h"
 #include "harness/measure/simulate_state.h"
-#include "problems/vec.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -111,40 +110,35 @@ static double falls_by(const contact_set *set, int i, double much) {
   return fmax(much * easiest, 0.0);
 }
 
-/* Contacts from `first` on between two bodies: the friction they take, and could at rest, and the speed that it falls by where they slip. Returns
- * the first contact behind them. */
-static int note_pair(sim_slip *slip, sim_load *l, const contact_set *set,
-                     const formulation_answer *a, int first) {
+/* The load of contacts [first, end) of two bodies, and the speed that it falls by where they slip. */
+static sim_load load_of(sim_slip *slip, const contact_set *set, const formulation_answer *a,
+                        int first, int end) {
   const int *body = set->body + 2 * (size_t)first;
-  double together[3] = {0};
+  const contact_friction f = contact_friction_of(set, first, end, a->impulse);
+  sim_load l = {.together = f.together, .could = f.could, .body = {body[0], body[1]}};
   double falls = 0.0;
-  int i = first;
-  *l = (sim_load){.body = {body[0], body[1]}};
-  for (; i < set->n_contact && set->body[2 * i] == body[0] && set->body[2 * i + 1] == body[1];
-       i++) {
+  for (int i = first; i < end; i++) {
     const double *impulse = a->impulse + set->row_start[i];
     double takes = 0.0;
     for (int k = 1; k <= set->rows[i].tangent; k++) {
       takes = hypot(takes, impulse[k]);
-      v3_add_scaled(together, impulse[k], set->frame + 9 * (size_t)i + 3 * (size_t)k, together);
     }
-    l->takes += takes;
-    l->could += set->mu_static[i] * impulse[0];
+    l.takes += takes;
     if (set->mu_kinetic[i] < set->mu_static[i] && slips(a, i) != 0) {
       falls += falls_by(set, i, takes - set->mu_kinetic[i] * impulse[0]);
     }
   }
-  l->together = v3_norm(together);
   slip->broke = fmax(slip->broke, falls);
-  return i;
+  return l;
 }
 
 /* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
 static base_status note_loads(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
   BASE_TRY(loads_fit(&s->loads, set->n_contact, err));
-  for (int i = 0; i < set->n_contact;) {
-    i = note_pair(&s->slip, &s->loads.pair[s->loads.n++], set, a, i);
+  for (int i = 0, end; i < set->n_contact; i = end) {
+    end = contact_pair_end(set, i);
+    s->loads.pair[s->loads.n++] = load_of(&s->slip, set, a, i, end);
   }
   return BASE_OK;
 }

@@ -1,7 +1,5 @@
 #include "problems/world/contact_law.h"
 
-#include "problems/vec.h"
-
 #include <math.h>
 
 /* Slower than this share of what its friction could do in the step a contact does not slide, and an impulse that is off by no more than this
@@ -54,27 +52,18 @@ static double left_to(const contact_set *c, int i, double slip, const double *u_
   return (slip > beyond * loads) ? slip : 0.0;
 }
 
-/* Contacts from `first` to before `end`, between two bodies, of which none slides: adds what they hold together beyond mu_s l_n, as corners of a box
- * do. A round cone would let it slip. */
+/* Contacts [first, end) of two bodies, of which none slides: adds what they hold together beyond mu_s l_n, as corners of a box do. A round cone
+ * would let it slip. */
 static bool holds_beyond(const contact_set *c, int first, int end, const double *impulse,
                          double *v) {
-  double together[3] = {0};
-  double could = 0.0;
-  for (int i = first; i < end; i++) {
-    const double *l = impulse + c->row_start[i];
-    could += c->mu_static[i] * l[0];
-    for (int k = 1; k <= c->rows[i].tangent; k++) {
-      v3_add_scaled(together, l[k], c->frame + 9 * (size_t)i + 3 * (size_t)k, together);
-    }
-  }
-  const double takes = v3_norm(together);
-  if (!(takes > (1.0 + directed) * could)) {
+  const contact_friction f = contact_friction_of(c, first, end, impulse);
+  if (!(f.together > (1.0 + directed) * f.could)) {
     return false;
   }
   for (int i = first; i < end; i++) {
     const double *l = impulse + c->row_start[i];
     for (int k = 1; k <= c->rows[i].tangent; k++) {
-      contact_push(c, i, k, (1.0 - could / takes) * l[k], v);
+      contact_push(c, i, k, (1.0 - f.could / f.together) * l[k], v);
     }
   }
   return true;
@@ -85,12 +74,10 @@ static bool any_holds_beyond(const contact_set *c, const double *impulse, const 
                              double *v) {
   bool some = false;
   for (int i = 0, end; i < c->n_contact; i = end) {
-    const int *body = c->body + 2 * (size_t)i;
     bool slides = false;
-    for (end = i;
-         end < c->n_contact && c->body[2 * end] == body[0] && c->body[2 * end + 1] == body[1];
-         end++) {
-      slides = slides || mode[end] == SLIDES;
+    end = contact_pair_end(c, i);
+    for (int k = i; k < end; k++) {
+      slides = slides || mode[k] == SLIDES;
     }
     some = (!slides && holds_beyond(c, i, end, impulse, v)) || some;
   }

@@ -1,6 +1,7 @@
 #include "problems/world/contact_set.h"
 
 #include "lcp/base/crew.h"
+#include "problems/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -191,6 +192,29 @@ double contact_coupling(const contact_set *c, int i, int k, int j, int m) {
     }
   }
   return sum;
+}
+
+int contact_pair_end(const contact_set *c, int first) {
+  const int *body = c->body + 2 * (size_t)first;
+  int end = first + 1;
+  while (end < c->n_contact && c->body[2 * end] == body[0] && c->body[2 * end + 1] == body[1]) {
+    end++;
+  }
+  return end;
+}
+
+contact_friction contact_friction_of(const contact_set *c, int first, int end,
+                                     const double *impulse) {
+  double sum[3] = {0};
+  double could = 0.0;
+  for (int i = first; i < end; i++) {
+    const double *l = impulse + c->row_start[i];
+    could += c->mu_static[i] * l[0];
+    for (int k = 1; k <= c->rows[i].tangent; k++) {
+      v3_add_scaled(sum, l[k], c->frame + 9 * (size_t)i + 3 * (size_t)k, sum);
+    }
+  }
+  return (contact_friction){v3_norm(sum), could};
 }
 
 double contact_mobility(const contact_set *c, int i, int k) {

@@ -97,6 +97,14 @@ double contact_approach(const contact_set *c);
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u);
 
+/* The first contact behind those that follow `first` between the same two bodies. */
+int contact_pair_end(const contact_set *c, int first);
+/* What the friction of contacts [first, end) amounts to together, and could at rest, of n_row impulses [N s]. */
+typedef struct contact_friction {
+  double together, could;
+} contact_friction;
+contact_friction contact_friction_of(const contact_set *c, int first, int end,
+                                     const double *impulse);
 /* J W J^T of row k of contact i: the velocity that a unit impulse along it gives it [1/kg]. */
 double contact_mobility(const contact_set *c, int i, int k);
 /* Adds W J^T of an impulse along row k of contact i to the n_dof velocities v. */
