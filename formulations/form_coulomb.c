@@ -17,7 +17,7 @@ static base_status begin(void *state, const contact_set *c, const void *opt,
   row_form *s = state;
   row_options own = *(const options *)opt;
   own.storage = (int)row_storage_of((row_storage)own.storage, c);
-  own.round_cone = true;
+  s->round_cone = true;
   BASE_TRY(row_form_begin(s, c, &own, start, err));
   for (int i = 0; i < s->a.n_group; i++) {
     lcp_block *block = &s->block[s->n_block++];

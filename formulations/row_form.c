@@ -142,7 +142,7 @@ static void settle_contacts(void *of, int part, int hand) {
     const double pull = (tangent > 0) ? hypot(l[1], (tangent > 1) ? l[2] : 0) : 0;
     /* to rounding; what bristles let creep inside the cone does not slide */
     const bool on_cone = pull >= (1 - 1e-6) * bound;
-    const bool falls = s->opt.round_cone && s->a.set->mu_kinetic[g] < s->a.set->mu_static[g];
+    const bool falls = s->round_cone && s->a.set->mu_kinetic[g] < s->a.set->mu_static[g];
     const bool slides = l[0] > 0 && on_cone && form_slides(&s->a, i, bound, &e->slip) &&
                         !(falls && !form_opposes(&s->a, i, l + 1));
     now[PAST_SLIDES] = 0;
@@ -161,7 +161,7 @@ void row_form_finish(row_form *s, const double *lambda, bool solved) {
   s->answer.solved = solved;
   form_assembly_answer(&s->a, lambda);
   ending e = {s, lambda, form_slip_of(&s->a, s->opt.repair.rest)};
-  if (s->opt.round_cone) {
+  if (s->round_cone) {
     e.slip.share = swept;
   }
   base_share(base_parts(s->a.n_contact, CONTACT_SHARE), settle_contacts, &e);

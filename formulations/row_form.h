@@ -7,10 +7,9 @@
 #include "formulations/row_matrix.h"
 
 typedef struct row_options {
-  int storage;     /* row_storage */
-  int level;       /* form_level */
-  int joints;      /* 0 eliminated, 1 kept as free rows */
-  bool round_cone; /* of friction, which is against the slip then; no option */
+  int storage; /* row_storage */
+  int level;   /* form_level */
+  int joints;  /* 0 eliminated, 1 kept as free rows */
   int activation, restitution, distribution;
   form_repair repair;
   int outer;              /* boxed: most solves in a step */
@@ -36,6 +35,7 @@ struct row_form {
   form_bristle_key *bodies;  /* scratch of that; n_contact */
   lcp_block *block;          /* at most 4 a contact, 1 a joint */
   int n_block;
+  bool round_cone; /* friction is against the slip */
   bool done;
   formulation_answer answer;
   int cap_row, cap_group;

@@ -1,5 +1,6 @@
 #include "harness/control/step_control.h"
 
+#include "harness/control/break_away.h"
 #include "harness/control/extrapolation.h"
 #include "harness/util/stop.h"
 
@@ -185,55 +186,6 @@ static double to_rest(const controlled *c, double h) {
   return (c->rule->extrapolate && !met && at < 0.9 * h) ? before * at : 0.0;
 }
 
-/* When a contact breaks away; told: it held in both halves of the step. */
-typedef struct slip_at {
-  double at;
-  bool told;
-} slip_at;
-
-/* When a pair of bodies breaks away that takes so much friction in the first half of a step of h and so much in the second, of what it could at
- * rest; HUGE_VAL: it does not. Both are the loads of the start of a half. Where the second is all that it could, to rounding, it has
- * slipped since some time in the first half. */
-static slip_at breaks_by(double takes, double could, double takes_then, double could_then,
-                         double h) {
-  static const double all = 1.0 - 1e-6;
-  const double left = could - takes;
-  const double yet = could_then - takes_then;
-  const double at = 0.5 * h * fmax(left / (left - yet), 1.0);
-  const bool nears = takes < all * could && yet < left;
-  return (slip_at){nears ? (1.0 + 1e-6) * at : HUGE_VAL, takes_then < all * could_then};
-}
-
-static slip_at earlier(slip_at a, slip_at b) {
-  return (b.at < a.at) ? b : a;
-}
-
-/* The load of the same bodies in the second half, at k if nothing has changed; NULL: they have no contacts there. */
-static const sim_load *load_then(const sim_loads *l, const sim_load *first, int k) {
-  for (int i = 0; i < l->n; i++) {
-    const sim_load *p = &l->pair[(k + i) % l->n];
-    if (p->body[0] == first->body[0] && p->body[1] == first->body[1]) {
-      return p;
-    }
-  }
-  return NULL;
-}
-
-/* When the first pair of bodies does, by what its contacts take each or together. */
-static slip_at breaks(const controlled *c, double h) {
-  const sim_loads *first = &c->pair.load[0];
-  slip_at found = {HUGE_VAL, false};
-  for (int k = 0; k < first->n; k++) {
-    const sim_load *a = &first->pair[k];
-    const sim_load *b = load_then(&c->pair.load[1], a, k);
-    if (b != NULL) {
-      found = earlier(found, breaks_by(a->takes, a->could, b->takes, b->could, h));
-      found = earlier(found, breaks_by(a->together, a->could, b->together, b->could, h));
-    }
-  }
-  return found;
-}
-
 /* By how much a step with error e over its share is shortened. An impact is met by halving: where it lies between the
  * middle and the end of a step, and only the finer way sees it, half of the step ends just behind it. */
 static double shorter(const controlled *c, double e) {
@@ -252,7 +204,7 @@ typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP } aim;
 /* Does the step of h just tried end where friction gives way, as near as is known? What slips in its second half did so before that, at a time
  * which only a step before it tells. */
 static bool has_aimed(const controlled *c, double h, aim aimed) {
-  return aimed == AIM_SLIP || (aimed == AIM_BEFORE_SLIP && !breaks(c, h).told);
+  return aimed == AIM_SLIP || (aimed == AIM_BEFORE_SLIP && !break_away_in(c->pair.load, h).told);
 }
 
 /* The length to try in the place of h, which was off by e over its share; twice in a row none is aimed at where friction stops. */
@@ -511,7 +463,7 @@ static base_status judge(controlled *c, double h, aim aimed, double *e, double *
   *at = HUGE_VAL;
   if (*e <= 1.0) {
     BASE_TRY(look_back(c, h, e, at, err));
-    *at = has_aimed(c, h, aimed) ? *at : fmin(*at, breaks(c, h).at);
+    *at = has_aimed(c, h, aimed) ? *at : fmin(*at, break_away_in(c->pair.load, h).at);
     *at = fmin(*at, spun_up(c, h));
     BASE_TRY(look_ahead(c, h, at, err));
   }
@@ -539,7 +491,7 @@ static double retried(const controlled *c, double h, double e, double at, aim *a
   if (e > 0.0) {
     return fmax(again(c, h, e, aimed), c->rule->least);
   }
-  const slip_at slip = breaks(c, h);
+  const break_away slip = break_away_in(c->pair.load, h);
   if (at == slip.at) {
     *aimed = slip.told ? AIM_SLIP : AIM_BEFORE_SLIP;
   }

@@ -1,0 +1,45 @@
+#include "harness/control/break_away.h"
+
+#include <math.h>
+#include <stddef.h>
+
+/* When a pair of bodies breaks away that takes so much friction in the first half of a step of h and so much in the second, of what it could at
+ * rest; HUGE_VAL: it does not. Both are the loads of the start of a half. Where the second is all that it could, to rounding, it has
+ * slipped since some time in the first half. */
+static break_away breaks_by(double takes, double could, double takes_then, double could_then,
+                            double h) {
+  static const double all = 1.0 - 1e-6;
+  const double left = could - takes;
+  const double yet = could_then - takes_then;
+  const double at = 0.5 * h * fmax(left / (left - yet), 1.0);
+  const bool nears = takes < all * could && yet < left;
+  return (break_away){nears ? (1.0 + 1e-6) * at : HUGE_VAL, takes_then < all * could_then};
+}
+
+static break_away earlier(break_away a, break_away b) {
+  return (b.at < a.at) ? b : a;
+}
+
+/* The load of the same bodies in the second half, at k if nothing has changed; NULL: they have no contacts there. */
+static const sim_load *load_then(const sim_loads *l, const sim_load *first, int k) {
+  for (int i = 0; i < l->n; i++) {
+    const sim_load *p = &l->pair[(k + i) % l->n];
+    if (p->body[0] == first->body[0] && p->body[1] == first->body[1]) {
+      return p;
+    }
+  }
+  return NULL;
+}
+
+break_away break_away_in(const sim_loads half[2], double h) {
+  break_away found = {HUGE_VAL, false};
+  for (int k = 0; k < half[0].n; k++) {
+    const sim_load *a = &half[0].pair[k];
+    const sim_load *b = load_then(&half[1], a, k);
+    if (b != NULL) {
+      found = earlier(found, breaks_by(a->takes, a->could, b->takes, b->could, h));
+      found = earlier(found, breaks_by(a->together, a->could, b->together, b->could, h));
+    }
+  }
+  return found;
+}

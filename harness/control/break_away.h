@@ -1,0 +1,15 @@
+/* harness/control/break_away.h - when friction gives way, from what the contacts of two bodies take and could at rest in both halves of a step. */
+#pragma once
+
+#include "harness/measure/simulate_state.h"
+
+#include <stdbool.h>
+
+typedef struct break_away {
+  double at; /* from the start of the step on [s]; HUGE_VAL: never */
+  bool told; /* it held in both halves; else it is at that time or before */
+} break_away;
+
+/* Of the first pair of bodies to give way if both change on as between the two halves of a step of h, by what its contacts take each or
+ * together. */
+break_away break_away_in(const sim_loads half[2], double h);
