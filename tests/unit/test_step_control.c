@@ -338,7 +338,7 @@ static error_result to_error(simulation *k, double E) {
 static void what_turning_lifts_stays_in_contact(void **state) {
   (void)state;
   static const double E[] = {1e-2, 1e-3};
-  static const long most[] = {60, 200};
+  static const long most[] = {60, 200}; /* the second in three runs */
   for (int i = 0; i < BASE_COUNT(E); i++) {
     simulation *k = opened("falling_rod", "coulomb", "nsgs", false);
     const error_result r = to_error(k, E[i]);
