@@ -264,12 +264,6 @@ static bool as_if_exact(climber *l) {
   return r->estimate <= r->asked.E;
 }
 
-/* Did no contact do so, and is nothing asked for between the states of the last run? What its steps are off by tells what it is off by then, but
- * for how that grows. */
-static bool smooth(const climber *l) {
-  return !l->now.between && unchanged(l);
-}
-
 /* How much better the last run is than the one before. Extrapolated steps: first order in the step is counted on, second where no contact
  * begins or ceases to carry and three runs show it, or where the steps of a smooth run do: together they are off by that much less, and by
  * no more than E. An impact is off by as much as it is late: three runs over one that seem of second order are near each other by chance. */
@@ -279,7 +273,8 @@ static double finer_by(const climber *l) {
   const error_level *level = &r->level[r->n_level - 1];
   const bool changes = r->n_level > r->first_level + 2 && unchanged(l) && level->change <= shows &&
                        level[-1].change >= shown * l->ratio_before * level->change;
-  const bool steps = smooth(l) && level->change <= nearly && level->account.off <= length_now(l) &&
+  const bool steps = unchanged(l) && level->change <= nearly &&
+                     level->account.off <= length_now(l) &&
                      level[-1].account.off >= shown * l->ladder.ratio * level->account.off;
   return error_ladder_gain(&l->ladder, changes || steps);
 }

@@ -153,33 +153,53 @@ static base_status run_chosen(simulation *s, const sim_request *q, series *recor
              : BASE_OK;
 }
 
-/* Is its cone of friction made of facets or boxes, so that it is off in space by an angle that no step shows? */
-static bool flat_cone(const choice_candidate *c) {
-  const unsigned round = FORM_CONE_EXACT | FORM_REGULARISED | FORM_NO_LCP;
+/* What the model of a candidate is; 0: it is none. */
+static unsigned model_of(const choice_candidate *c) {
   formulation_choice f = {0};
   base_error ignored;
-  const bool flat = formulation_choose(c->formulation, &f, &ignored) == BASE_OK &&
-                    (f.form->model & FORM_FRICTION) != 0 && (f.form->model & round) == 0;
+  const bool known = formulation_choose(c->formulation, &f, &ignored) == BASE_OK;
+  const unsigned model = known ? f.form->model : 0;
   formulation_choice_free(&f);
-  return flat;
+  return model;
 }
 
-/* In space with friction the others come first, each in its order. */
-static void flat_cones_last(const features *f, choice *c) {
-  choice_candidate flat[CHOICE_MOST];
-  int n_flat = 0;
+/* Is its cone of friction made of facets or boxes, so that it is off in space by an angle that no step shows? */
+static bool has_flat_cone(unsigned model) {
+  const unsigned round = FORM_CONE_EXACT | FORM_REGULARISED | FORM_NO_LCP;
+  return (model & FORM_FRICTION) != 0 && (model & round) == 0;
+}
+
+/* Does what it holds by friction creep, however slowly, while what pulls at it changes? */
+static bool creeps(unsigned model) {
+  return (model & FORM_REGULARISED) != 0;
+}
+
+/* Those of a kind come behind all others, each in its order. */
+static void put_last(choice *c, bool (*kind)(unsigned model)) {
+  choice_candidate last[CHOICE_MOST];
+  int n_last = 0;
   int n = 0;
-  if (!(features_of_name(f, "spatial") > 0.0 && features_of_name(f, "friction") > 0.0)) {
-    return;
-  }
   for (int i = 0; i < c->n; i++) {
-    if (flat_cone(&c->candidate[i])) {
-      flat[n_flat++] = c->candidate[i];
+    if (kind(model_of(&c->candidate[i]))) {
+      last[n_last++] = c->candidate[i];
     } else {
       c->candidate[n++] = c->candidate[i];
     }
   }
-  memcpy(c->candidate + n, flat, (size_t)n_flat * sizeof *flat);
+  memcpy(c->candidate + n, last, (size_t)n_last * sizeof *last);
+}
+
+/* What no row of another scene tells of friction: whom it does not suit. */
+static void put_unfit_last(const simulation *s, choice *c) {
+  if (!(features_of_name(&s->features, "friction") > 0.0)) {
+    return;
+  }
+  if (spec_loads_vary(s->request.spec) && (s->request.effects & EFFECT_LOADS) != 0) {
+    put_last(c, creeps);
+  }
+  if (features_of_name(&s->features, "spatial") > 0.0) {
+    put_last(c, has_flat_cone);
+  }
 }
 
 /* Ranks the combinations for the scene. E with a unit counts against the size of the smallest body. */
@@ -192,7 +212,7 @@ static base_status choose_combination(simulation *s, const char *rows, base_erro
     E /= length;
   }
   BASE_TRY(choice_make(&s->features, E, rows, &s->choice, err));
-  flat_cones_last(&s->features, &s->choice);
+  put_unfit_last(s, &s->choice);
   s->chooses = true;
   return take(s, s->choice.candidate[0].formulation, s->choice.candidate[0].solver, err);
 }

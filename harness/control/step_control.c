@@ -100,6 +100,23 @@ static bool both_alike(const step_end *coarse, const step_end *fine, sim_carryin
   return coarse->more == fine->more && (!fine->more || fine->carrying.ids != before.ids);
 }
 
+/* Do bristles give way in one of the ways over the step and not in another? What bristles leave of a velocity is what stretches them, and both
+ * ways differ by that, apart: twice the fine one less the coarse one goes against the push then, in every step and however short that is,
+ * and a box is held beyond its friction. No more than what velocities change by tells. */
+static bool bristles_give_way(const controlled *c, double apart) {
+  static const double slight = 0.25;
+  const step_end *coarse = &c->pair.coarse;
+  const step_end *fine = &c->pair.fine;
+  const bool mixed = fine->mixed || coarse->carrying.slips != fine->carrying.slips;
+  if (!mixed || (c->run.q->form->form->model & FORM_REGULARISED) == 0) {
+    return false;
+  }
+  double position;
+  double change;
+  world_saved_distance(c->run.w, c->pair.start.state, fine->state, &position, &change);
+  return apart > slight * change;
+}
+
 /* Error over the share that a step of h may take [1]. */
 static double error_of(controlled *c, double h) {
   double position;
@@ -116,6 +133,7 @@ static double error_of(controlled *c, double h) {
   world_saved_distance(s->w, coarse->state, fine->state, &position, &velocity);
   const bool event = changes(c);
   c->off = c->plain = position + velocity * reach(c);
+  const double here = position + velocity * h;
   double e = c->off / fmax(part, event ? event_share : least_share);
   if (c->rule->extrapolate) {
     const double bend = world_saved_bend(s->w, h, c->pair.start.state, coarse->state, fine->state);
@@ -131,6 +149,11 @@ static double error_of(controlled *c, double h) {
     if (c->smooth) {
       c->off = position = both;
       e = both / fmax(part, least_share);
+    }
+    if (c->smooth && !event && bristles_give_way(c, velocity)) {
+      c->smooth = false;
+      c->off = position = fmax(both, here);
+      e = c->off / fmax(part, least_share);
     }
   }
   /* where what closes closes behind the middle, both of its ways together end as deep as the coarse one evenly accelerated */

@@ -304,6 +304,18 @@ base_status spec_check_only(spec_check *c, const char *formulation, base_error *
   return BASE_OK;
 }
 
+bool spec_loads_vary(const scene_spec *s) {
+  for (int i = 0; i < s->n_load; i++) {
+    const spec_load *l = &s->load[i];
+    const double *v = l->anchor_vel;
+    if (l->kind == SPEC_FORCE_RAMP || l->kind == SPEC_FORCE_SINE || v[0] != 0.0 || v[1] != 0.0 ||
+        v[2] != 0.0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 int spec_find_body(const scene_spec *s, const char *name) {
   for (int i = 0; i < s->n_body; i++) {
     if (strcmp(s->body[i].name, name) == 0) {

@@ -267,6 +267,8 @@ base_status spec_add_check(scene_spec *s, spec_check_kind kind, const char *var,
                            base_error *err);
 base_status spec_add_pair(spec_coefficient *c, const char *a, const char *b, double value,
                           base_error *err);
+/* Does a load change with time, whatever the bodies do: a ramp, one that swings, the anchor of a spring that moves? */
+bool spec_loads_vary(const scene_spec *s);
 int spec_find_body(const scene_spec *s, const char *name); /* -1 if absent */
 
 /* A state check |var(t) - value| <= abs + h_coef h, the commonest kind. */

@@ -228,12 +228,7 @@ bool world_may_rest(const world *w) {
   for (int i = 0; rests && i < w->n_body; i++) {
     rests = !w->body[i].driven && !(v3_norm(w->body[i].v + 3) > 0.0);
   }
-  for (int i = 0; rests && world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
-    const spec_load *l = &w->spec.load[i];
-    rests =
-        l->kind != SPEC_FORCE_RAMP && l->kind != SPEC_FORCE_SINE && !(v3_norm(l->anchor_vel) > 0.0);
-  }
-  return rests;
+  return rests && !(world_has(w, EFFECT_LOADS) && spec_loads_vary(&w->spec));
 }
 
 double world_meeting_speed(const world *w) {

@@ -92,6 +92,15 @@ def flat_cones_come_last_in_space(d):
         assert told["candidates"][0]["formulation"] == first[0], (scene, told["candidates"])
 
 
+def bristles_come_last_under_loads_that_vary(d):
+    """What holds is never at rest by them while a load grows, so that they take steps."""
+    for scene, first in (("capacity", SLOW), ("spin", QUICK)):
+        x = features(scene)
+        rows = [row("s", 0.01, QUICK, 1, 0.001, x), row("s", 0.01, SLOW, 1, 0.01, x)]
+        told = run_json("choose", scene, "--error", "1%", "--rows", write(d / "r.tsv", rows))
+        assert told["candidates"][0]["formulation"] == first[0], (scene, told["candidates"])
+
+
 def what_cannot_run_gives_way(d):
     """event knows no generalised coordinates: the next candidate runs, and both are told."""
     x = features("slide")
@@ -210,6 +219,7 @@ tap(
         who_did_not_keep_the_error_is_not_taken,
         one_row_does_not_turn_several,
         flat_cones_come_last_in_space,
+        bristles_come_last_under_loads_that_vary,
         what_cannot_run_gives_way,
         a_proof_says_more_than_a_failure,
         the_command_told_repeats_the_run,

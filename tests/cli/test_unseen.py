@@ -13,6 +13,7 @@ from unseen_scenes import (
     much_asked,
     passed_by,
     poked,
+    pushed_over,
     rolled_out,
     slid_off,
     spun_up,
@@ -106,6 +107,17 @@ def where_friction_gives_way_is_foreseen(d):
             words = ("--formulation", way[0], "--solver", way[1])
             made = broke_away(dim, at, duration, kinetic, lifted)
             keeps(d, made, ("1e-1", "1e-2", "1e-3"), words)
+
+
+def bristles_do_not_hold_beyond_their_friction(d):
+    """They give way one after the other: what stretches them is no way back. Where the program may
+    choose it takes none, which know no rest under a load that grows."""
+    bristles = ("--formulation", "regularized", "--solver", "lemke")
+    for mu, at, duration, push in ((0.46, 0.86, 1.03, 0.33), (0.88, 4.4, 4.56, 0.0)):
+        made = pushed_over(mu, at, duration, push)
+        few = ("--work", "50000")
+        keeps(d, made, ("1e-2", "3e-3", "1e-3", "1e-4"), (*bristles, *few))
+        keeps(d, made, ("1e-2", "1e-4"), ("--work", "1000"))
 
 
 def what_rolls_out_in_a_short_step_is_measured(d):
@@ -219,6 +231,7 @@ tap(
         the_highest_place_is_between_two_states,
         a_side_that_ends_is_met,
         where_friction_gives_way_is_foreseen,
+        bristles_do_not_hold_beyond_their_friction,
         what_rolls_out_in_a_short_step_is_measured,
         where_round_sides_are_hit_turns_their_ways,
         all_that_is_asked_for_is_watched,

@@ -247,6 +247,22 @@ def broke_away(
     return s, {f"{on} at the end": way, f"{on[:2]}v{on[2:]} at the end": speed}
 
 
+def pushed_over(
+    mu: float, at: float, duration: float, push: float
+) -> tuple[Scene, dict[str, float]]:
+    """A box in space that friction holds until `at` [s], under a share of what it holds, `push`,
+    and a force along the ground that grows."""
+    half = [0.1, 0.1, 0.03]
+    s = scene("pushed_over", 3, duration, [box("a", half, [0, 0, half[2]])], gravity=[0, 0, -G])
+    rate = (1.0 - push) * mu * G / at
+    s |= {"static": [plane("floor", [0, 0, 1], 0)], "observe": ["a.x", "a.vx"]}
+    s |= {"friction": {"default": mu}}
+    s["loads"] = [{"type": "force_ramp", "body": "a", "dir": [1, 0, 0], "rate": rate}]
+    s["loads"].append({"type": "constant_force", "body": "a", "force": [push * mu * G, 0, 0]})
+    t = duration - at
+    return s, {"a.x at the end": rate * t**3 / 6, "a.vx at the end": rate * t**2 / 2}
+
+
 def rolled_out() -> tuple[Scene, dict[str, float]]:
     """A disc that its rolling resistance stops half-way through the run, in a short step behind
     long ones."""
