@@ -43,3 +43,31 @@ break_away break_away_in(const sim_loads half[2], double h) {
   }
   return found;
 }
+
+/* What contact `id` presses with in the second half, at k if nothing has changed; 0: with nothing. */
+static double press_then(const sim_loads *l, uint64_t id, int k) {
+  for (int i = 0; i < l->n_press; i++) {
+    const sim_press *p = &l->press[(k + i) % l->n_press];
+    if (p->id == id) {
+      return p->impulse;
+    }
+  }
+  return 0.0;
+}
+
+break_away opening_in(const sim_loads half[2], double h) {
+  static const double slight = 1e-6; /* of the largest: rounding goes to nothing, and comes back */
+  break_away found = {HUGE_VAL, false};
+  double most = 0.0;
+  for (int k = 0; k < half[0].n_press; k++) {
+    most = fmax(most, half[0].press[k].impulse);
+  }
+  for (int k = 0; k < half[0].n_press; k++) {
+    const double now = half[0].press[k].impulse;
+    const double then = press_then(&half[1], half[0].press[k].id, k);
+    if (now > slight * most) {
+      found = earlier(found, breaks_by(0.0, now, 0.0, then, h));
+    }
+  }
+  return found;
+}

@@ -1,4 +1,5 @@
-/* harness/control/break_away.h - when friction gives way, from what the contacts of two bodies take and could at rest in both halves of a step. */
+/* harness/control/break_away.h - when friction gives way, or a contact opens that nothing pulls at yet, from what contacts do in both halves of a
+ * step. */
 #pragma once
 
 #include "harness/measure/simulate_state.h"
@@ -13,3 +14,5 @@ typedef struct break_away {
 /* Of the first pair of bodies to give way if both change on as between the two halves of a step of h, by what its contacts take each or
  * together. */
 break_away break_away_in(const sim_loads half[2], double h);
+/* Of the first contact to open if normal forces change on so; the same contacts carry in both halves. */
+break_away opening_in(const sim_loads half[2], double h);

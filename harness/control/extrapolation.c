@@ -66,6 +66,7 @@ static base_status go(step_pair *p, sim *s, series *record, const sim_request *l
       end->start = s->depth.start;
       end->closing = end->event ? s->struck : s->closing;
       end->stops = s->slip.stops;
+      end->broke_at_once = s->slip.broke;
     }
     if (n == 2) {
       BASE_TRY(sim_loads_copy(&p->load[i], &s->loads, err));

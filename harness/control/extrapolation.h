@@ -19,6 +19,7 @@ typedef struct step_end {
       closing;  /* in its first step; behind the impact where others carry in that than before */
   double stops; /* when a slip of its first step would be at rest [s] */
   double pushed, broke; /* the most of both in its steps (sim_slip) [m/s] */
+  double broke_at_once; /* in its first step [m/s] */
   double doubt;         /* the most in its steps (sim) [m/s] */
   double *law;          /* what the friction of its steps gave beyond a round cone's (sim) */
   contact_law friction; /* of its steps: any, the most */

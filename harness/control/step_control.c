@@ -46,14 +46,22 @@ typedef struct controlled {
   double located;        /* of the step just tried [m] */
   double passed;         /* that an impact which none of its solves saw would change [m/s] */
   double slipped;        /* what a slip that begins or turns in it is off by at its end [m/s] */
-  double bend;           /* of its way, beyond what a constant acceleration explains [m] */
-  double hit_until;      /* for so long the last impact may yet be to come [s] */
-  double hit_jump;       /* and so much it changes velocities by [m/s] */
+  /* a step ended where friction was foreseen to give way, and none has slipped since */
+  bool foreseen;
+  double held;      /* otherwise: so long the last step may have held what had given way [s] */
+  double late;      /* so much speed that is, of what slips at once in the step just tried [m/s] */
+  double bend;      /* of its way, beyond what a constant acceleration explains [m] */
+  double hit_until; /* for so long the last impact may yet be to come [s] */
+  double hit_jump;  /* and so much it changes velocities by [m/s] */
   double *
       law; /* n_dof velocities that friction gave so far beyond a round cone's; owned, NULL: none */
   double last;   /* error over its share, of the last step kept [1] */
   double stride; /* of the last step that met something, which is yet to come; 0: nothing is [s] */
   bool strides;  /* the next step is tried with it */
+  bool loads_vary;
+  bool may_open;    /* is it asked whether a contact opens in the next step? */
+  bool at_opening;  /* the last step kept ended where one should */
+  patience opening; /* with asking that */
   patience longer,
       onward; /* with longer steps, and behind an impact with one as long as before it */
 } controlled;
@@ -126,7 +134,7 @@ static double error_of(controlled *c, double h) {
   const step_end *fine = &c->pair.fine;
   const double part = h / s->q->duration;
   c->smooth = false;
-  c->passed = c->slipped = 0.0;
+  c->passed = c->slipped = c->late = 0.0;
   if (!coarse->good || !fine->good) {
     return HUGE_VAL;
   }
@@ -168,6 +176,9 @@ static double error_of(controlled *c, double h) {
   c->slipped = fmax(pushed, 2.0 * fine->broke);
   const double slips = c->slipped * lasts;
   c->located = fmax(c->located, slips);
+  /* nor does a step that holds tell of a peak inside it; no shorter step behind it mends that */
+  c->late = fine->broke_at_once * c->held / (0.5 * h);
+  c->located = fmax(c->located, c->late * lasts);
   e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);
   return (e == e) ? e : HUGE_VAL;
 }
@@ -222,12 +233,19 @@ static double shorter(const controlled *c, double e) {
 }
 
 /* What the length that is tried was aimed at. */
-typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP } aim;
+typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP, AIM_OPENING } aim;
 
-/* Does the step of h just tried end where friction gives way, as near as is known? What slips in its second half did so before that, at a time
- * which only a step before it tells. */
+/* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where these do not it opens as bodies move, which
+ * both ways show. In a step with an impact, what contacts press with tells nothing. */
+static double opens(const controlled *c, double h) {
+  return (c->may_open && !changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
+}
+
+/* Does the step of h just tried end where friction gives way or a contact opens, as near as is known? What slips in its second half did so
+ * before that, at a time which only a step before it tells. */
 static bool has_aimed(const controlled *c, double h, aim aimed) {
-  return aimed == AIM_SLIP || (aimed == AIM_BEFORE_SLIP && !break_away_in(c->pair.load, h).told);
+  return aimed == AIM_SLIP || aimed == AIM_OPENING ||
+         (aimed == AIM_BEFORE_SLIP && !break_away_in(c->pair.load, h).told);
 }
 
 /* The length to try in the place of h, which was off by e over its share; twice in a row none is aimed at where friction stops. */
@@ -330,7 +348,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
-  a->jump = fmax(a->jump, fmax(c->passed, c->slipped));
+  a->jump = fmax(a->jump, fmax(c->passed, fmax(c->slipped, c->late)));
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
   BASE_TRY(keep_law(c, h, err));
   a->off += c->off;
@@ -486,17 +504,32 @@ static base_status judge(controlled *c, double h, aim aimed, double *e, double *
   *at = HUGE_VAL;
   if (*e <= 1.0) {
     BASE_TRY(look_back(c, h, e, at, err));
-    *at = has_aimed(c, h, aimed) ? *at : fmin(*at, break_away_in(c->pair.load, h).at);
+    const double gives_way = fmin(break_away_in(c->pair.load, h).at, opens(c, h));
+    *at = has_aimed(c, h, aimed) ? *at : fmin(*at, gives_way);
     *at = fmin(*at, spun_up(c, h));
     BASE_TRY(look_ahead(c, h, at, err));
   }
   return BASE_OK;
 }
 
+/* A step that ended where a contact should open, and behind which none did, is a reason to look for that more seldom. */
+static void note_opening(controlled *c, aim aimed) {
+  if (changes(c)) {
+    c->opening = untried;
+  } else if (c->at_opening) {
+    lose(&c->opening);
+  }
+  c->at_opening = aimed == AIM_OPENING;
+  c->may_open = c->loads_vary && again_now(&c->opening);
+}
+
 /* Keeps the step of *h just tried, which was off by e over its share; *h is then the proposal for the next. met: a longer one was tried that met
  * something. */
-static base_status take(controlled *c, double *h, double e, bool met, base_error *err) {
+static base_status take(controlled *c, double *h, double e, bool met, aim aimed, base_error *err) {
   const double taken = *h;
+  note_opening(c, aimed);
+  c->foreseen = aimed == AIM_SLIP || (c->foreseen && !(c->pair.fine.broke > 0.0));
+  c->held = c->foreseen ? 0.0 : 0.5 * taken;
   BASE_TRY(keep(c, taken, e, err));
   c->run.turned = c->run.turned && !changes(c);
   *h = next_length(c, taken, e);
@@ -517,6 +550,8 @@ static double retried(const controlled *c, double h, double e, double at, aim *a
   const break_away slip = break_away_in(c->pair.load, h);
   if (at == slip.at) {
     *aimed = slip.told ? AIM_SLIP : AIM_BEFORE_SLIP;
+  } else if (at == opens(c, h)) {
+    *aimed = AIM_OPENING;
   }
   return fmax(at, c->rule->least);
 }
@@ -543,7 +578,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     if ((e <= 1.0 && !passes) || *h <= rule->least) {
       c->onward = (strides && !met) ? untried : c->onward;
       *taken = *h;
-      return take(c, h, e, met, err);
+      return take(c, h, e, met, aimed, err);
     }
     c->account->rejected++;
     if (strides && !met && !too_long) {
@@ -657,6 +692,8 @@ static base_status run(controlled *c, base_error *err) {
     BASE_TRY(step_pair_open(&c->pair, s, err));
     BASE_TRY(step_pair_open(&c->ahead, s, err));
     s->controlled = true;
+    c->loads_vary = c->may_open =
+        (s->q->effects & EFFECT_LOADS) != 0 && spec_loads_vary(s->q->spec);
     c->carrying = s->carrying;
     c->fastest = world_max_speed(s->w);
     double h = c->rule->first;
@@ -677,6 +714,7 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
   controlled c = {.rule = rule,
                   .longer = untried,
                   .onward = untried,
+                  .opening = untried,
                   .record = record,
                   .kept = kept,
                   .places = places,

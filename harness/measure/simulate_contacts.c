@@ -77,25 +77,31 @@ static void note_slip(sim_slip *slip, const double *u, const double *u_end, cons
   }
 }
 
+/* Room for what n contacts have. */
 static base_status loads_fit(sim_loads *l, int n, base_error *err) {
   if (n > l->cap) {
     free(l->pair);
     l->cap = 2 * n;
-    l->pair = malloc((size_t)l->cap * sizeof *l->pair);
+    l->pair = malloc((size_t)l->cap * (sizeof *l->pair + sizeof *l->press));
     if (l->pair == NULL) {
       l->cap = 0;
-      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the friction of %d pairs of bodies", n);
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the loads of %d contacts", n);
     }
+    l->press = (sim_press *)(void *)(l->pair + l->cap);
   }
   return BASE_OK;
 }
 
 base_status sim_loads_copy(sim_loads *to, const sim_loads *from, base_error *err) {
-  to->n = 0;
-  BASE_TRY(loads_fit(to, from->n, err));
+  to->n = to->n_press = 0;
+  BASE_TRY(loads_fit(to, (from->n > from->n_press) ? from->n : from->n_press, err));
   to->n = from->n;
+  to->n_press = from->n_press;
   if (from->n > 0) {
     memcpy(to->pair, from->pair, (size_t)from->n * sizeof *to->pair);
+  }
+  if (from->n_press > 0) {
+    memcpy(to->press, from->press, (size_t)from->n_press * sizeof *to->press);
   }
   return BASE_OK;
 }
@@ -132,13 +138,20 @@ static sim_load load_of(sim_slip *slip, const contact_set *set, const formulatio
   return l;
 }
 
-/* Notes how much of their friction at rest the contacts between two bodies take: how they share it among themselves is free. */
+/* Notes what contacts press with, and how much of their friction at rest those between two bodies take: how they share it among themselves is
+ * free. */
 static base_status note_loads(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
   BASE_TRY(loads_fit(&s->loads, set->n_contact, err));
   for (int i = 0, end; i < set->n_contact; i = end) {
     end = contact_pair_end(set, i);
     s->loads.pair[s->loads.n++] = load_of(&s->slip, set, a, i, end);
+  }
+  for (int i = 0; i < set->n_contact; i++) {
+    const double impulse = a->impulse[set->row_start[i]];
+    if (impulse > 0.0) {
+      s->loads.press[s->loads.n_press++] = (sim_press){set->id[i], impulse};
+    }
   }
   return BASE_OK;
 }
@@ -277,7 +290,7 @@ base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_
   s->doubt = 0.0;
   s->friction = (contact_law){0};
   s->slip = (sim_slip){.stops = HUGE_VAL};
-  s->loads.n = 0;
+  s->loads.n = s->loads.n_press = 0;
   if (!s->controlled || set->n_contact == 0) {
     return BASE_OK;
   }

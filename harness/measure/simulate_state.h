@@ -35,10 +35,17 @@ typedef struct sim_load {
   int body[2];
 } sim_load;
 
-/* Of all pairs of bodies that have contacts with a mode. */
+/* A contact that carries: its normal impulse in a step [N s]. */
+typedef struct sim_press {
+  uint64_t id;
+  double impulse;
+} sim_press;
+
+/* Of all pairs of bodies that have contacts, and all contacts that carry. */
 typedef struct sim_loads {
-  sim_load *pair; /* owned */
-  int n, cap;
+  sim_load *pair;   /* owned */
+  sim_press *press; /* behind the pairs */
+  int n, n_press, cap;
 } sim_loads;
 
 /* BASE_ENOMEM. */

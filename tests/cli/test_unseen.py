@@ -9,9 +9,11 @@ from unseen_scenes import (
     hopping,
     just_hit,
     left_out_by_mistake,
+    lifted_off,
     middle_axis,
     much_asked,
     passed_by,
+    peaked,
     poked,
     pushed_over,
     rolled_out,
@@ -118,6 +120,21 @@ def bristles_do_not_hold_beyond_their_friction(d):
         few = ("--work", "50000")
         keeps(d, made, ("1e-2", "3e-3", "1e-3", "1e-4"), (*bristles, *few))
         keeps(d, made, ("1e-2", "1e-4"), ("--work", "1000"))
+
+
+def a_contact_that_nothing_pulls_at_yet_is_seen_to_open(d):
+    for way in (("coulomb", "cone_newton"), ("velocity", "lemke"), ("regularized", "lemke")):
+        words = ("--formulation", way[0], "--solver", way[1], "--work", "5000")
+        for duration in (1.05, 1.3, 1.45):
+            keeps(d, lifted_off(duration), ("1e-1", "1e-2", "1e-3"), words)
+
+
+def a_narrow_peak_of_a_load_is_seen(d):
+    """Friction holds on both sides of it, and kinetic friction does not."""
+    for over in (1.0009, 1.01):
+        for way in (("coulomb", "cone_newton"), ("velocity", "lemke")):
+            words = ("--formulation", way[0], "--solver", way[1])
+            keeps(d, peaked(over), ("1e-1", "1e-2", "1e-3"), words)
 
 
 def what_rolls_out_in_a_short_step_is_measured(d):
@@ -232,6 +249,8 @@ tap(
         a_side_that_ends_is_met,
         where_friction_gives_way_is_foreseen,
         bristles_do_not_hold_beyond_their_friction,
+        a_contact_that_nothing_pulls_at_yet_is_seen_to_open,
+        a_narrow_peak_of_a_load_is_seen,
         what_rolls_out_in_a_short_step_is_measured,
         where_round_sides_are_hit_turns_their_ways,
         all_that_is_asked_for_is_watched,

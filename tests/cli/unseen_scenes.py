@@ -263,6 +263,33 @@ def pushed_over(
     return s, {"a.x at the end": rate * t**3 / 6, "a.vx at the end": rate * t**2 / 2}
 
 
+def lifted_off(duration: float) -> tuple[Scene, dict[str, float]]:
+    """A disc without friction that a growing force takes off the floor after 1 s: no step that ends
+    before that shows it."""
+    s = scene("lifted_off", 2, duration, [disc("a", 0.1, [0, 0.1])], gravity=[0, -G])
+    s |= {"static": [plane("floor", [0, 1], 0)], "observe": ["a.y", "a.vy"]}
+    s["loads"] = [{"type": "force_ramp", "body": "a", "dir": [0, 1], "rate": G}]
+    t = duration - 1.0
+    return s, {"a.y at the end": 0.1 + G * t**3 / 6, "a.vy at the end": G * t**2 / 2}
+
+
+def peaked(over: float) -> tuple[Scene, dict[str, float]]:
+    """A box under a force that swings: about each peak it is `over` times what friction at rest
+    holds. The run ends half-way from the first peak to where the force turns round."""
+    mu, kinetic, omega = 0.5, 0.3, 2.0 * math.pi
+    top, held, duration = over * mu * G, kinetic * G, 0.375
+    s = scene("peaked", 2, duration, [box("a", [0.1, 0.05], [0, 0.05])], gravity=[0, -G])
+    s |= {"static": [plane("floor", [0, 1], 0)], "observe": ["a.x", "a.vx"]}
+    s |= {"friction": {"default": mu}, "friction_kinetic": {"default": kinetic}}
+    swings = {"type": "force_sine", "body": "a", "dir": [1, 0], "amplitude": top, "omega": omega}
+    s["loads"] = [swings | {"phase": 0.0}]
+    at = math.asin(1.0 / over) / omega
+    t, cosine = duration - at, math.cos(omega * at)
+    speed = top / omega * (cosine - math.cos(omega * duration)) - held * t
+    way = top / omega * (cosine * t - (math.sin(omega * duration) - 1.0 / over) / omega)
+    return s, {"a.x at the end": way - held * t**2 / 2, "a.vx at the end": speed}
+
+
 def rolled_out() -> tuple[Scene, dict[str, float]]:
     """A disc that its rolling resistance stops half-way through the run, in a short step behind
     long ones."""
