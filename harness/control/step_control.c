@@ -110,7 +110,7 @@ static bool both_alike(const step_end *coarse, const step_end *fine, sim_carryin
 
 /* Do bristles give way in one of the ways over the step and not in another? What bristles leave of a velocity is what stretches them, and both
  * ways differ by that, apart: twice the fine one less the coarse one goes against the push then, in every step and however short that is,
- * and a box is held beyond its friction. No more than what velocities change by tells. */
+ * and a box is held beyond its friction. A small part of what velocities change by makes no difference. */
 static bool bristles_give_way(const controlled *c, double apart) {
   static const double slight = 0.25;
   const step_end *coarse = &c->pair.coarse;
@@ -176,7 +176,7 @@ static double error_of(controlled *c, double h) {
   c->slipped = fmax(pushed, 2.0 * fine->broke);
   const double slips = c->slipped * lasts;
   c->located = fmax(c->located, slips);
-  /* nor does a step that holds tell of a peak inside it; no shorter step behind it mends that */
+  /* what slips at once may have done so since the step before held last, at its middle; no shorter step mends that */
   c->late = fine->broke_at_once * c->held / (0.5 * h);
   c->located = fmax(c->located, c->late * lasts);
   e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);

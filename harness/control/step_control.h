@@ -47,6 +47,14 @@
  * It is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or behind one, what they
  * change by in it is told (`jump`).
  *
+ * Where loads change with time a contact may open that nothing pulls at yet. Its normal force is followed from one half to the other, and a step is
+ * tried again up to where nothing is left of it; where none opens behind such a step that is asked after 2, 4, 8, 16 steps. Friction may hold on
+ * both sides of the peak of a load: error_stops has the peaks, and the speed that kinetic friction may have cost since the middle of the step
+ * before, where a slip begins at once, is told with impacts (`located`, `jump`), for no shorter step behind it mends that.
+ *
+ * Bristles have a velocity by what stretches them. A step in which they hold by one of its ways and slip by the other, so that the velocities of
+ * both differ by a quarter of what they change by, is not extrapolated: that turned the slip round, in every step however short.
+ *
  * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body, and `law`
  * is how far it goes; `left` is what slip does that an impact left to a contact that holds.
  *
