@@ -304,16 +304,20 @@ base_status spec_check_only(spec_check *c, const char *formulation, base_error *
   return BASE_OK;
 }
 
+/* The anchor of a load that has none does not move. */
+static bool varies(const spec_load *l) {
+  const double *v = l->anchor_vel;
+  const bool swings = l->kind == SPEC_FORCE_SINE && l->omega != 0.0;
+  return ((l->kind == SPEC_FORCE_RAMP || swings) && l->rate != 0.0) || v[0] != 0.0 || v[1] != 0.0 ||
+         v[2] != 0.0;
+}
+
 bool spec_loads_vary(const scene_spec *s) {
-  for (int i = 0; i < s->n_load; i++) {
-    const spec_load *l = &s->load[i];
-    const double *v = l->anchor_vel;
-    if (l->kind == SPEC_FORCE_RAMP || l->kind == SPEC_FORCE_SINE || v[0] != 0.0 || v[1] != 0.0 ||
-        v[2] != 0.0) {
-      return true;
-    }
+  bool some = false;
+  for (int i = 0; i < s->n_load && !some; i++) {
+    some = varies(&s->load[i]);
   }
-  return false;
+  return some;
 }
 
 int spec_find_body(const scene_spec *s, const char *name) {
