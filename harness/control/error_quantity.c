@@ -357,19 +357,29 @@ static int put_stop(double *stop, int n, double at, double end) {
 
 static const double pi = 3.14159265358979323846;
 
-/* Half periods of a load that swings in the run; 0: none, or so many that no run has as many steps. */
-static int half_periods(const spec_load *l, double end) {
-  static const double most = 1e6;
-  const double n = (l->kind == SPEC_FORCE_SINE) ? ceil(fabs(l->omega) * end / pi) : 0.0;
-  return (n < most) ? (int)n : 0;
+/* Half periods of a load that swings in the run; 0: none. */
+static double half_periods(const spec_load *l, double end) {
+  const bool swings = l->kind == SPEC_FORCE_SINE && l->rate != 0.0;
+  return swings ? ceil(fabs(l->omega) * end / pi) : 0.0;
 }
 
-/* Appends the times at which loads that swing are largest: friction that holds in between may give way there for a moment. */
+/* Room for the peaks of all loads; 0: there are none to look at, or so many that no run has as many steps. */
+static size_t count_peaks(const sim_request *q) {
+  static const double most = 1e6;
+  const unsigned needed = EFFECT_LOADS | EFFECT_CONTACT;
+  double n = 0.0;
+  for (int i = 0; (q->effects & needed) == needed && i < q->spec->n_load; i++) {
+    const double halves = half_periods(&q->spec->load[i], q->duration);
+    n += (halves > 0.0) ? halves + 1.0 : 0.0;
+  }
+  return (n < most) ? (size_t)n : 0;
+}
+
+/* Appends the times at which loads that swing are largest: what holds before and behind may give way there for a moment. */
 static int put_peaks(const sim_request *q, double *stop, int n) {
-  const bool swings = (q->effects & EFFECT_LOADS) != 0;
-  for (int i = 0; swings && i < q->spec->n_load; i++) {
+  for (int i = 0; i < q->spec->n_load; i++) {
     const spec_load *l = &q->spec->load[i];
-    const int halves = half_periods(l, q->duration);
+    const int halves = (int)half_periods(l, q->duration);
     const double turn = (l->omega < 0.0) ? l->phase / pi - 0.5 : 0.5 - l->phase / pi;
     for (int k = 0; k <= halves && halves > 0; k++) {
       n = put_stop(stop, n, (k + turn - floor(turn)) * pi / fabs(l->omega), q->duration);
@@ -378,19 +388,11 @@ static int put_peaks(const sim_request *q, double *stop, int n) {
   return n;
 }
 
-static size_t count_peaks(const sim_request *q) {
-  size_t n = 0;
-  for (int i = 0; i < q->spec->n_load; i++) {
-    n += (size_t)half_periods(&q->spec->load[i], q->duration) + 1;
-  }
-  return n;
-}
-
 base_status error_stops(const sim_request *q, int parts, const error_made *before, double **stop,
                         int *n_stop, base_error *err) {
   const double end = q->duration;
-  const size_t most =
-      (size_t)q->spec->n_check * ((size_t)parts + 3) + 1 + ERROR_QUANTITIES + count_peaks(q);
+  const size_t peaks = count_peaks(q);
+  const size_t most = (size_t)q->spec->n_check * ((size_t)parts + 3) + 1 + ERROR_QUANTITIES + peaks;
   double *at = realloc(*stop, most * sizeof *at);
   if (at == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for the times of the checks");
@@ -411,7 +413,7 @@ base_status error_stops(const sim_request *q, int parts, const error_made *befor
   for (int i = 0; i < before->n_quantity; i++) {
     n = put_stop(at, n, before->quantity[i].extreme.at, end);
   }
-  n = put_peaks(q, at, n);
+  n = (peaks > 0) ? put_peaks(q, at, n) : n;
   qsort(at, (size_t)n, sizeof *at, ascending);
   int kept = 0;
   for (int i = 0; i < n; i++) {

@@ -73,7 +73,8 @@ double error_made_difference(const error_made *a, const error_made *b, int i);
 void error_made_close(error_made *m);
 
 /* Times that checks look at, ascending, the last is the end [s]: a value between two rows would be a chord's. A check that looks
- * at all states of a time is given `parts` of it, and the time at which its extreme was in the run `before`. Peaks of loads that swing are among them, too. *stop is grown; free it. */
+ * at all states of a time is given `parts` of it, and the time at which its extreme was in the run `before`. Peaks of
+ * loads that swing, each alone, are among them. *stop is grown; free it. */
 base_status error_stops(const sim_request *q, int parts, const error_made *before, double **stop,
                         int *n_stop, base_error *err);
 /* Those of them that states of speed are looked at, ascending [s]. Free *at. BASE_ENOMEM. */
