@@ -14,5 +14,5 @@ typedef struct break_away {
 /* Of the first pair of bodies to give way if both change on as between the two halves of a step of h, by what its contacts take each or
  * together. */
 break_away break_away_in(const sim_loads half[2], double h);
-/* Of the first contact to open if normal forces change on so; the same contacts carry in both halves. */
+/* Of the first contact to open if normal forces change on so. Only where the same contacts carry in both halves. */
 break_away opening_in(const sim_loads half[2], double h);

@@ -265,7 +265,7 @@ static bool as_if_exact(climber *l) {
 }
 
 /* How much better the last run is than the one before. Extrapolated steps: first order in the step is counted on, second where no contact
- * begins or ceases to carry and three runs show it, or where the steps of a smooth run do: together they are off by that much less, and by
+ * begins or ceases to carry and three runs show it, or the steps of the run do: together they are off by that much less, and by
  * no more than E. An impact is off by as much as it is late: three runs over one that seem of second order are near each other by chance. */
 static double finer_by(const climber *l) {
   static const double nearly = 3.0, shows = 10.0; /* E: what is farther off is of no order yet */

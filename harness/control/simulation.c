@@ -189,7 +189,7 @@ static void put_last(choice *c, bool (*kind)(unsigned model)) {
   memcpy(c->candidate + n, last, (size_t)n_last * sizeof *last);
 }
 
-/* What no row of another scene tells of friction: whom it does not suit. */
+/* Rows of other scenes do not tell that the friction of a combination does not suit this one: such candidates come last. */
 static void put_unfit_last(const simulation *s, choice *c) {
   if (!(features_of_name(&s->features, "friction") > 0.0)) {
     return;

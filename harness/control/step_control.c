@@ -46,13 +46,12 @@ typedef struct controlled {
   double located;        /* of the step just tried [m] */
   double passed;         /* that an impact which none of its solves saw would change [m/s] */
   double slipped;        /* what a slip that begins or turns in it is off by at its end [m/s] */
-  /* a step ended where friction was foreseen to give way, and none has slipped since */
-  bool foreseen;
-  double held;      /* otherwise: so long the last step may have held what had given way [s] */
-  double late;      /* so much speed that is, of what slips at once in the step just tried [m/s] */
-  double bend;      /* of its way, beyond what a constant acceleration explains [m] */
-  double hit_until; /* for so long the last impact may yet be to come [s] */
-  double hit_jump;  /* and so much it changes velocities by [m/s] */
+  double sure_until;     /* friction that was foreseen to give way by now does so until then [s] */
+  double unseen_for;     /* so long the last step may have held what had given way [s] */
+  double late_speed;     /* that this is, of what slips at once in the step just tried [m/s] */
+  double bend;           /* of its way, beyond what a constant acceleration explains [m] */
+  double hit_until;      /* for so long the last impact may yet be to come [s] */
+  double hit_jump;       /* and so much it changes velocities by [m/s] */
   double *
       law; /* n_dof velocities that friction gave so far beyond a round cone's; owned, NULL: none */
   double last;   /* error over its share, of the last step kept [1] */
@@ -61,6 +60,7 @@ typedef struct controlled {
   bool loads_vary;
   bool may_open;    /* is it asked whether a contact opens in the next step? */
   bool at_opening;  /* the last step kept ended where one should */
+  int vain;         /* how many in a row did, and none opened */
   patience opening; /* with asking that */
   patience longer,
       onward; /* with longer steps, and behind an impact with one as long as before it */
@@ -108,20 +108,22 @@ static bool both_alike(const step_end *coarse, const step_end *fine, sim_carryin
   return coarse->more == fine->more && (!fine->more || fine->carrying.ids != before.ids);
 }
 
-/* Do bristles give way in one of the ways over the step and not in another? What bristles leave of a velocity is what stretches them, and both
- * ways differ by that, apart: twice the fine one less the coarse one goes against the push then, in every step and however short that is,
- * and a box is held beyond its friction. A small part of what velocities change by makes no difference. */
+/* Do contacts hold in one of the steps just tried that slip in another? */
+static bool modes_differ(const controlled *c) {
+  return c->pair.fine.mixed || c->pair.coarse.carrying.slips != c->pair.fine.carrying.slips;
+}
+
+/* Do bristles hold by one of the ways over the step and give way by the other, whose velocities are so far apart? What bristles leave of a
+ * velocity is what stretches them. Twice the fine way less the coarse one goes against the push then, in every step however short, and a
+ * box is held beyond its friction. What is a small part of the change of velocities makes no difference. */
 static bool bristles_give_way(const controlled *c, double apart) {
   static const double slight = 0.25;
-  const step_end *coarse = &c->pair.coarse;
-  const step_end *fine = &c->pair.fine;
-  const bool mixed = fine->mixed || coarse->carrying.slips != fine->carrying.slips;
-  if (!mixed || (c->run.q->form->form->model & FORM_REGULARISED) == 0) {
+  if (!modes_differ(c) || (c->run.q->form->form->model & FORM_REGULARISED) == 0) {
     return false;
   }
   double position;
   double change;
-  world_saved_distance(c->run.w, c->pair.start.state, fine->state, &position, &change);
+  world_saved_distance(c->run.w, c->pair.start.state, c->pair.fine.state, &position, &change);
   return apart > slight * change;
 }
 
@@ -134,7 +136,7 @@ static double error_of(controlled *c, double h) {
   const step_end *fine = &c->pair.fine;
   const double part = h / s->q->duration;
   c->smooth = false;
-  c->passed = c->slipped = c->late = 0.0;
+  c->passed = c->slipped = c->late_speed = 0.0;
   if (!coarse->good || !fine->good) {
     return HUGE_VAL;
   }
@@ -177,8 +179,8 @@ static double error_of(controlled *c, double h) {
   const double slips = c->slipped * lasts;
   c->located = fmax(c->located, slips);
   /* what slips at once may have done so since the step before held last, at its middle; no shorter step mends that */
-  c->late = fine->broke_at_once * c->held / (0.5 * h);
-  c->located = fmax(c->located, c->late * lasts);
+  c->late_speed = event ? 0.0 : fine->broke_at_once * c->unseen_for / (0.5 * h);
+  c->located = fmax(c->located, c->late_speed * lasts);
   e = fmax(e, fmax(sunk, slips) / fmax(part, event_share)) / tolerance_of(c);
   return (e == e) ? e : HUGE_VAL;
 }
@@ -235,8 +237,8 @@ static double shorter(const controlled *c, double e) {
 /* What the length that is tried was aimed at. */
 typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP, AIM_OPENING } aim;
 
-/* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where these do not it opens as bodies move, which
- * both ways show. In a step with an impact, what contacts press with tells nothing. */
+/* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where loads do not change it opens as bodies move,
+ * and how these do keeps the steps short. In a step with an impact, what contacts press with tells nothing. */
 static double opens(const controlled *c, double h) {
   return (c->may_open && !changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
 }
@@ -348,7 +350,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->forced += e > 1.0;
   a->changed += changed && c->kept->n > 0;
   a->located = fmax(a->located, c->located);
-  a->jump = fmax(a->jump, fmax(c->passed, fmax(c->slipped, c->late)));
+  a->jump = fmax(a->jump, fmax(c->passed, fmax(c->slipped, c->late_speed)));
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * reach(c));
   BASE_TRY(keep_law(c, h, err));
   a->off += c->off;
@@ -385,9 +387,8 @@ static bool may_grow(controlled *c, bool met) {
 /* Do contacts hold in one of the steps just tried and slip in another, while something turns? The first step from an extrapolated state has
  * other normal forces than the next one then, by what holds a body on its curved way, and may hold or let slip what the next one does not. */
 static bool mixed(const controlled *c, double h) {
-  const step_pair *p = &c->pair;
-  const bool slips = p->fine.mixed || p->coarse.carrying.slips != p->fine.carrying.slips;
-  return slips && c->rule->extrapolate && !c->run.turned && !changes(c) && world_turns(c->run.w, h);
+  return modes_differ(c) && c->rule->extrapolate && !c->run.turned && !changes(c) &&
+         world_turns(c->run.w, h);
 }
 
 /* Both ways over h, or the coarse one alone where that tells that the step is too long. */
@@ -512,15 +513,28 @@ static base_status judge(controlled *c, double h, aim aimed, double *e, double *
   return BASE_OK;
 }
 
-/* A step that ended where a contact should open, and behind which none did, is a reason to look for that more seldom. */
+/* Behind a step that ended where a contact should open none may: loads that change unevenly are followed in a few of them, and what does not
+ * open behind those is a reason to look for it more seldom. */
 static void note_opening(controlled *c, aim aimed) {
-  if (changes(c)) {
+  static const int few = 6;
+  const bool opened = changes(c);
+  c->vain = (c->at_opening && !opened) ? c->vain + 1 : 0;
+  if (c->at_opening && opened) {
     c->opening = untried;
-  } else if (c->at_opening) {
+  } else if (c->vain > few) {
     lose(&c->opening);
   }
   c->at_opening = aimed == AIM_OPENING;
   c->may_open = c->loads_vary && again_now(&c->opening);
+}
+
+/* From when on friction may have given way unseen, once the step of h just tried is kept: what is foreseen begins to slip by up to `slow` of the
+ * time too late, as slips of rounding are none. */
+static void note_held(controlled *c, double h, aim aimed) {
+  static const double slow = 1e-4;
+  const double now = world_time(c->run.w);
+  c->sure_until = (aimed == AIM_SLIP) ? (1.0 + slow) * now : c->sure_until;
+  c->unseen_for = (now <= c->sure_until) ? 0.0 : 0.5 * h;
 }
 
 /* Keeps the step of *h just tried, which was off by e over its share; *h is then the proposal for the next. met: a longer one was tried that met
@@ -528,8 +542,7 @@ static void note_opening(controlled *c, aim aimed) {
 static base_status take(controlled *c, double *h, double e, bool met, aim aimed, base_error *err) {
   const double taken = *h;
   note_opening(c, aimed);
-  c->foreseen = aimed == AIM_SLIP || (c->foreseen && !(c->pair.fine.broke > 0.0));
-  c->held = c->foreseen ? 0.0 : 0.5 * taken;
+  note_held(c, taken, aimed);
   BASE_TRY(keep(c, taken, e, err));
   c->run.turned = c->run.turned && !changes(c);
   *h = next_length(c, taken, e);
