@@ -71,3 +71,19 @@ break_away opening_in(const sim_loads half[2], double h) {
   }
   return found;
 }
+
+void openings_begin(openings *o, bool vary) {
+  *o = (openings){.vary = vary, .asked = vary, .again = patience_untried()};
+}
+
+void openings_note(openings *o, bool aimed, bool opened) {
+  static const int few = 6;
+  o->vain = (o->aimed && !opened) ? o->vain + 1 : 0;
+  if (o->aimed && opened) {
+    o->again = patience_untried();
+  } else if (o->vain > few) {
+    patience_lose(&o->again);
+  }
+  o->aimed = aimed;
+  o->asked = o->vary && patience_again(&o->again);
+}

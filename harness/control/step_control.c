@@ -2,6 +2,7 @@
 
 #include "harness/control/break_away.h"
 #include "harness/control/extrapolation.h"
+#include "harness/control/patience.h"
 #include "harness/util/stop.h"
 
 #include <stdlib.h>
@@ -12,23 +13,6 @@
 static const double event_share = 1.0 / 32.0, least_share = 1.0 / 16384.0;
 /* PI control of a step whose error for a share that grows with it is of first order (Gustafsson 1991). */
 static const double safety = 0.9, integral = 0.7, proportional = 0.4, shrink = 0.2, grow = 4.0;
-
-/* What did not come off is tried again after 2, 4, 8, 16 occasions. */
-typedef struct patience {
-  long most, left; /* occasions to let pass, next time and yet */
-} patience;
-
-static const patience untried = {.most = 1};
-
-static void lose(patience *p) {
-  p->most = (p->most < 16) ? 2 * p->most : p->most;
-  p->left = p->most;
-}
-
-/* Is it time? */
-static bool again_now(patience *p) {
-  return p->left-- <= 0;
-}
 
 typedef struct controlled {
   sim run;
@@ -57,11 +41,7 @@ typedef struct controlled {
   double last;   /* error over its share, of the last step kept [1] */
   double stride; /* of the last step that met something, which is yet to come; 0: nothing is [s] */
   bool strides;  /* the next step is tried with it */
-  bool loads_vary;
-  bool may_open;    /* is it asked whether a contact opens in the next step? */
-  bool at_opening;  /* the last step kept ended where one should */
-  int vain;         /* how many in a row did, and none opened */
-  patience opening; /* with asking that */
+  openings opening;
   patience longer,
       onward; /* with longer steps, and behind an impact with one as long as before it */
 } controlled;
@@ -240,7 +220,7 @@ typedef enum aim { AIM_NOTHING, AIM_REST, AIM_BEFORE_SLIP, AIM_SLIP, AIM_OPENING
 /* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where loads do not change it opens as bodies move,
  * and how these do keeps the steps short. In a step with an impact, what contacts press with tells nothing. */
 static double opens(const controlled *c, double h) {
-  return (c->may_open && !changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
+  return (c->opening.asked && !changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
 }
 
 /* Does the step of h just tried end where friction gives way or a contact opens, as near as is known? What slips in its second half did so
@@ -377,11 +357,11 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
 static bool may_grow(controlled *c, bool met) {
   const bool changed = changes(c);
   if (changed) {
-    c->longer = untried;
+    c->longer = patience_untried();
   } else if (met) {
-    lose(&c->longer);
+    patience_lose(&c->longer);
   }
-  return changed || again_now(&c->longer);
+  return changed || patience_again(&c->longer);
 }
 
 /* Do contacts hold in one of the steps just tried and slip in another, while something turns? The first step from an extrapolated state has
@@ -513,21 +493,6 @@ static base_status judge(controlled *c, double h, aim aimed, double *e, double *
   return BASE_OK;
 }
 
-/* Behind a step that ended where a contact should open none may: loads that change unevenly are followed in a few of them, and what does not
- * open behind those is a reason to look for it more seldom. */
-static void note_opening(controlled *c, aim aimed) {
-  static const int few = 6;
-  const bool opened = changes(c);
-  c->vain = (c->at_opening && !opened) ? c->vain + 1 : 0;
-  if (c->at_opening && opened) {
-    c->opening = untried;
-  } else if (c->vain > few) {
-    lose(&c->opening);
-  }
-  c->at_opening = aimed == AIM_OPENING;
-  c->may_open = c->loads_vary && again_now(&c->opening);
-}
-
 /* From when on friction may have given way unseen, once the step of h just tried is kept: what is foreseen begins to slip by up to `slow` of the
  * time too late, as slips of rounding are none. */
 static void note_held(controlled *c, double h, aim aimed) {
@@ -541,13 +506,13 @@ static void note_held(controlled *c, double h, aim aimed) {
  * something. */
 static base_status take(controlled *c, double *h, double e, bool met, aim aimed, base_error *err) {
   const double taken = *h;
-  note_opening(c, aimed);
+  openings_note(&c->opening, aimed == AIM_OPENING, changes(c));
   note_held(c, taken, aimed);
   BASE_TRY(keep(c, taken, e, err));
   c->run.turned = c->run.turned && !changes(c);
   *h = next_length(c, taken, e);
   *h = may_grow(c, met) ? *h : fmin(*h, taken);
-  c->strides = c->rule->extrapolate && changes(c) && c->stride > *h && again_now(&c->onward);
+  c->strides = c->rule->extrapolate && changes(c) && c->stride > *h && patience_again(&c->onward);
   if (c->strides) {
     *h = c->stride; /* behind an impact the motion is as smooth as before it */
     c->stride = 0.0;
@@ -589,13 +554,13 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
     BASE_TRY(judge(c, *h, aimed, &e, &at, err));
     const bool passes = e <= 1.0 && at < *h;
     if ((e <= 1.0 && !passes) || *h <= rule->least) {
-      c->onward = (strides && !met) ? untried : c->onward;
+      c->onward = (strides && !met) ? patience_untried() : c->onward;
       *taken = *h;
       return take(c, h, e, met, aimed, err);
     }
     c->account->rejected++;
     if (strides && !met && !too_long) {
-      lose(&c->onward);
+      patience_lose(&c->onward);
     }
     met = met || too_long || changes(c);
     if (met && c->stride == 0.0) {
@@ -705,8 +670,8 @@ static base_status run(controlled *c, base_error *err) {
     BASE_TRY(step_pair_open(&c->pair, s, err));
     BASE_TRY(step_pair_open(&c->ahead, s, err));
     s->controlled = true;
-    c->loads_vary = c->may_open =
-        (s->q->effects & EFFECT_LOADS) != 0 && spec_loads_vary(s->q->spec);
+    s->presses = (s->q->effects & EFFECT_LOADS) != 0 && spec_loads_vary(s->q->spec);
+    openings_begin(&c->opening, s->presses);
     c->carrying = s->carrying;
     c->fastest = world_max_speed(s->w);
     double h = c->rule->first;
@@ -725,9 +690,8 @@ base_status simulate_controlled(const sim_request *q, const step_rule *rule, ser
                                 sim_result *out, step_list *kept, run_places *places,
                                 step_account *account, base_error *err) {
   controlled c = {.rule = rule,
-                  .longer = untried,
-                  .onward = untried,
-                  .opening = untried,
+                  .longer = patience_untried(),
+                  .onward = patience_untried(),
                   .record = record,
                   .kept = kept,
                   .places = places,

@@ -147,7 +147,7 @@ static base_status note_loads(sim *s, const contact_set *set, const formulation_
     end = contact_pair_end(set, i);
     s->loads.pair[s->loads.n++] = load_of(&s->slip, set, a, i, end);
   }
-  for (int i = 0; i < set->n_contact; i++) {
+  for (int i = 0; i < set->n_contact && s->presses; i++) {
     const double impulse = a->impulse[set->row_start[i]];
     if (impulse > 0.0) {
       s->loads.press[s->loads.n_press++] = (sim_press){set->id[i], impulse};

@@ -98,6 +98,7 @@ typedef struct sim {
   solved
       held; /* a problem without a solution, until the step is over: another may follow; word RUN_OK: none */
   bool controlled; /* depth is asked for */
+  bool presses;    /* and what each contact presses with */
   bool turned;     /* contacts are world_contacts_turned */
   bool part;       /* the step is part of another, which leaves the row of the trajectory behind */
   sim_depth depth; /* of the last step */
