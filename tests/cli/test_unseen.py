@@ -21,6 +21,7 @@ from unseen_scenes import (
     spun_up,
     stopped,
     swinging,
+    swung_off,
     thrown_up,
     tossed,
     written,
@@ -127,6 +128,8 @@ def a_contact_that_nothing_pulls_at_yet_is_seen_to_open(d):
         words = ("--formulation", way[0], "--solver", way[1], "--work", "5000")
         for duration in (1.05, 1.3, 1.45):
             keeps(d, lifted_off(duration), ("1e-1", "1e-2", "1e-3"), words)
+        for duration in (0.52, 0.6, 0.8):
+            keeps(d, swung_off(duration), ("1e-1", "1e-2", "1e-3"), words)
 
 
 def a_narrow_peak_of_a_load_is_seen(d):
@@ -134,7 +137,8 @@ def a_narrow_peak_of_a_load_is_seen(d):
     for over in (1.0009, 1.01):
         for way in (("coulomb", "cone_newton"), ("velocity", "lemke")):
             words = ("--formulation", way[0], "--solver", way[1])
-            keeps(d, peaked(over), ("1e-1", "1e-2", "1e-3"), words)
+            for backwards in (False, True):
+                keeps(d, peaked(over, backwards), ("1e-1", "1e-2", "1e-3"), words)
 
 
 def what_rolls_out_in_a_short_step_is_measured(d):

@@ -273,7 +273,20 @@ def lifted_off(duration: float) -> tuple[Scene, dict[str, float]]:
     return s, {"a.y at the end": 0.1 + G * t**3 / 6, "a.vy at the end": G * t**2 / 2}
 
 
-def peaked(over: float) -> tuple[Scene, dict[str, float]]:
+def swung_off(duration: float) -> tuple[Scene, dict[str, float]]:
+    """The same by a force that swings, with its first peak at 1 s: it grows ever more slowly."""
+    s, _ = lifted_off(duration)
+    omega, top = math.pi / 2.0, 1.5 * G
+    s["loads"][0] |= {"type": "force_sine", "amplitude": top, "omega": omega, "phase": 0.0}
+    del s["loads"][0]["rate"]
+    at = math.asin(G / top) / omega
+    t, cosine = duration - at, math.cos(omega * at)
+    speed = top / omega * (cosine - math.cos(omega * duration)) - G * t
+    way = top / omega * (cosine * t - (math.sin(omega * duration) - G / top) / omega)
+    return s, {"a.y at the end": 0.1 + way - G * t**2 / 2, "a.vy at the end": speed}
+
+
+def peaked(over: float, backwards: bool = False) -> tuple[Scene, dict[str, float]]:
     """A box under a force that swings: about each peak it is `over` times what friction at rest
     holds. The run ends half-way from the first peak to where the force turns round."""
     mu, kinetic, omega = 0.5, 0.3, 2.0 * math.pi
@@ -282,7 +295,9 @@ def peaked(over: float) -> tuple[Scene, dict[str, float]]:
     s |= {"static": [plane("floor", [0, 1], 0)], "observe": ["a.x", "a.vx"]}
     s |= {"friction": {"default": mu}, "friction_kinetic": {"default": kinetic}}
     swings = {"type": "force_sine", "body": "a", "dir": [1, 0], "amplitude": top, "omega": omega}
-    s["loads"] = [swings | {"phase": 0.0}]
+    s["loads"] = [
+        swings | {"omega": -omega, "phase": math.pi} if backwards else swings | {"phase": 0}
+    ]
     at = math.asin(1.0 / over) / omega
     t, cosine = duration - at, math.cos(omega * at)
     speed = top / omega * (cosine - math.cos(omega * duration)) - held * t
