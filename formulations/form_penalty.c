@@ -332,7 +332,6 @@ static base_status report(state *s, double h, formulation_answer *out, base_erro
 
 static base_status step(void *st, world *w, double h, const formulation_solver *solver,
                         formulation_answer *out, base_error *err) {
-  (void)solver;
   state *s = st;
   BASE_TRY(bind(s, w, err));
   s->err = err;
@@ -357,6 +356,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
     if (t < end) {
       s->substep = sub;
     }
+    BASE_TRY(formulation_in_time(solver, "penalty", t, err));
     BASE_TRY(accept(s, t, t - from, err));
   }
   BASE_TRY(report(s, h, out, err));

@@ -189,6 +189,12 @@ void formulation_answer_of(const formulation_run *r, formulation_answer *out) {
   r->form->answer(r->state, out);
 }
 
+base_status formulation_in_time(const formulation_solver *solver, const char *name, double t,
+                                base_error *err) {
+  const bool due = solver != NULL && solver->due != NULL && solver->due(solver->ctx);
+  return due ? BASE_FAIL(err, BASE_EEXTERNAL, "%s: time is up at t=%g s", name, t) : BASE_OK;
+}
+
 base_status formulation_step(formulation_run *r, world *w, double h,
                              const formulation_solver *solver, formulation_answer *out,
                              base_error *err) {

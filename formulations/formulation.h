@@ -89,6 +89,8 @@ typedef struct formulation_rows {
 typedef struct formulation_solver {
   base_status (*solve)(void *ctx, const lcp_problem *p, double *z, lcp_outcome *claimed,
                        base_error *err);
+  bool (*due)(
+      void *ctx); /* has the caller no more time, so that the step is to fail; NULL: never */
   void *ctx;
 } formulation_solver;
 
@@ -104,6 +106,10 @@ typedef struct formulation_friction {
   double most; /* its largest force over mu times the normal one, per contact [1] */
   bool aslant; /* its facets lie aslant of the axes, and push out of a plane of motion */
 } formulation_friction;
+
+/* BASE_EEXTERNAL where the caller's time is up, with the formulation's name and the time t that it came to [s]; solver NULL: never. */
+base_status formulation_in_time(const formulation_solver *solver, const char *name, double t,
+                                base_error *err);
 
 typedef struct formulation formulation;
 

@@ -188,7 +188,6 @@ static base_status one_run(climber *l, base_error *err) {
   l->ladder.rule.speed_at = l->speed_at;
   l->ladder.rule.n_speed_at = l->n_speed_at;
   l->ladder.rule.limit = r->asked.limit - r->solved;
-  l->ladder.rule.until = r->asked.until;
   BASE_TRY(simulate_controlled(l->q, &l->ladder.rule, &m->record, &m->out, &m->kept, &m->places,
                                &level->account, err));
   r->n_level++;

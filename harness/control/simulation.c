@@ -257,6 +257,7 @@ static base_status run_to_error(simulation *s, series *record, sim_result *out, 
   }
   sim_request silent = without_files(&s->request);
   silent.plan = s->request.plan = NULL;
+  silent.until = s->error.until;
   BASE_TRY(s->chooses ? run_chosen(s, &silent, record, out, err)
                       : error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
   sim_times_add(&out->time, &spent);

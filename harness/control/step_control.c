@@ -3,7 +3,6 @@
 #include "harness/control/break_away.h"
 #include "harness/control/extrapolation.h"
 #include "harness/control/patience.h"
-#include "harness/util/stop.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -544,7 +543,7 @@ static base_status step(controlled *c, double *h, bool *limited, double *taken, 
   for (;;) {
     double at;
     bool too_long;
-    if (c->account->solved + 4 > rule->limit || stop_due(rule->until)) {
+    if (c->account->solved + 4 > rule->limit || sim_due(&c->run)) {
       *limited = true;
       return BASE_OK;
     }
@@ -636,12 +635,16 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
 static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
   bool taken;
-  *limited = c->account->solved >= c->rule->limit || stop_due(c->rule->until);
+  *limited = c->account->solved >= c->rule->limit || sim_due(&c->run);
   if (*limited || world_time(s->w) >= s->q->duration) {
     return BASE_OK;
   }
   BASE_TRY(sim_step(s, c->record, h, &taken, err));
   c->account->solved++;
+  *limited = !taken && !sim_hopeless(s);
+  if (*limited) {
+    return BASE_OK;
+  }
   BASE_TRY(count(c, h, 0, err));
   c->account->gain = HUGE_VAL; /* nobody looked */
   return BASE_OK;

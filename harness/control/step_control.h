@@ -82,7 +82,6 @@ typedef struct step_rule {
   int n_speed_at;
   long
       limit; /* of steps solved, trials included; a run that is far from its end at a fiftieth of it ends there */
-  double until; /* base_seconds() that the run ends at, wherever it is [s]; 0: none */
 } step_rule;
 
 typedef struct step_account {

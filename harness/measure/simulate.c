@@ -184,7 +184,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
 /* Steps of penalty and event-driven formulations, which advance the world themselves. */
 static base_status step_own(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
-  const formulation_solver solver = {sim_solve_for_formulation, s};
+  const formulation_solver solver = {.solve = sim_solve_for_formulation, .ctx = s, .due = sim_due};
   if (s->order.seed != 0) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED,
                      "%s finds its contacts itself: in no order but the given",
@@ -226,6 +226,9 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
   s->h = h;
   const base_status done = s->iterates ? step_lcp(s, record, &why) : step_own(s, record, &why);
   *taken = done == BASE_OK;
+  if (done == BASE_EEXTERNAL && sim_due(s)) {
+    return BASE_OK;
+  }
   if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */
     sim_refuse(s, (done == BASE_EUNSUPPORTED) ? RUN_UNSUPPORTED : RUN_NUMERICAL, why.text);
     return BASE_OK;

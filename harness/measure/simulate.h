@@ -65,7 +65,7 @@ typedef struct sim_request {
   bool
       least_memory; /* solver, judge and choice have their workspaces one after another, however few unknowns */
   answers *replay; /* NULL: the solver solves; otherwise its answers are taken from here */
-  double until;    /* base_seconds() at which what looks for effects gives up [s]; 0: never */
+  double until;    /* base_seconds() that the run ends at, wherever it is [s]; 0: none */
 } sim_request;
 
 typedef struct sim_times {

@@ -2,6 +2,7 @@
 #include "harness/measure/sim_watch.h"
 #include "harness/measure/simulate_state.h"
 #include "harness/measure/solve_once.h"
+#include "harness/util/stop.h"
 #include "lcp/base/clock.h"
 
 #include <stdlib.h>
@@ -339,6 +340,11 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
   BASE_TRY(record(s, p, &claim, &k, err));
   *claimed = claim.outcome;
   return BASE_OK;
+}
+
+bool sim_due(void *ctx) {
+  const sim *s = ctx;
+  return stop_due(s->q->until);
 }
 
 /* The same behind formulation_solver, for formulations that step by themselves. */

@@ -165,6 +165,8 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
 /* The same behind formulation_solver, for formulations that step by themselves. */
 base_status sim_solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
                                       lcp_outcome *claimed, base_error *err);
+/* Is it the time that the run ends at? A step under way then is none, and nothing is said against it. */
+bool sim_due(void *ctx);
 
 /* Did a problem end with the word that it has no solution, or none to be found? */
 bool sim_without_solution(run_status s);

@@ -359,6 +359,12 @@ def the_end_is_honest_where_time_is_limited(_):
     assert not e["promised"] and "the limit of time comes first" in e["reason"], e
     assert e["time_limit_s"] == 1 and e["steps_solved"] < e["steps_limit"] / 10, e
     assert o["steps"] > 0 and o["error"]["quantities"][0]["value"] is not None
+    # a step of a formulation that integrates by itself takes half a minute here
+    penalty = ("--formulation", "penalty", "--solver", "lemke")
+    began = time.monotonic()
+    o = simulate("sphere_pile", "1e-3", "--time-limit", "1s", formulation=penalty, code=3)
+    assert time.monotonic() - began < 5, time.monotonic() - began
+    assert "the limit of time comes first" in o["error"]["reason"], o["error"]
     e, free = (simulate("bounce", "1e-2", *more)["error"] for more in (("--time-limit", "1h"), ()))
     assert e["promised"] and e["steps_solved"] == free["steps_solved"], (e, free)
     assert free["time_limit_s"] is None, free

@@ -68,7 +68,7 @@ static void close_scene(fixture *x) {
 static formulation_answer advance(fixture *x, double h, int steps) {
   base_error err = {0};
   formulation_answer a = {0};
-  const formulation_solver solver = {solve, &x->solves};
+  const formulation_solver solver = {.solve = solve, .ctx = &x->solves};
   for (int i = 0; i < steps; i++) {
     check_ok(formulation_step(x->run, x->w, h, &solver, &a, &err), &err);
     assert_true(a.solved);
@@ -240,7 +240,7 @@ static void unsettled_friction_is_unsolved(void **state) {
   formulation_answer a;
   open_box(&x, (const double[]){0.2, 0.2, 0.1}, 2.0, mu, (const double[]){mu * g, mu * g, -g}, 0.0);
   start(&x, "4");
-  const formulation_solver solver = {solve_across, &x.solves};
+  const formulation_solver solver = {.solve = solve_across, .ctx = &x.solves};
   check_ok(formulation_step(x.run, x.w, 1e-12, &solver, &a, &err), &err);
   assert_false(a.solved);
   assert_true(a.residual > 0.1);

@@ -44,7 +44,7 @@ static double out_of_cone(const formulation_answer *a) {
 
 static void run(world *w, double duration, int steps) {
   const formulation *f = formulation_find("event");
-  const formulation_solver solver = {solve, NULL};
+  const formulation_solver solver = {.solve = solve};
   formulation_run *r;
   formulation_answer a;
   unsigned char opt[256];
