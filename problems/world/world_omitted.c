@@ -26,10 +26,11 @@ static void add_to_sides(const world *w, const contact_item *c, size_t field, do
   }
 }
 
-/* No force exceeds mu p, nor what stops the sliding: u over the mobility of the two sides. */
+/* No force exceeds mu p, nor what stops the sliding: u over the mobility of the two sides. What does not slide needs none, though the
+ * axes along which it could are locked. */
 static double most_of(double coefficient, double press, double speed, double mobility) {
   const double most = coefficient * press;
-  return (mobility > 0.0) ? fmin(most, speed / mobility) : most;
+  return (mobility > 0.0) ? fmin(most, speed / mobility) : (speed > 0.0) ? most : 0.0;
 }
 
 /* Of a force against the sliding, the moment about the normal. */
@@ -49,13 +50,77 @@ static bool are_balls(const world *w, const contact_item *c) {
 }
 
 /* Rolling resistance may shift the load of a foot by its coefficient, though nothing turns: what that changes of the moment of a friction
- * that is simulated, per length [N s]. */
+ * that slides somewhere, per length [N s]. */
 static double shifted(const world *w, const contact_item *c, double press) {
-  const bool rubs = (w->effects & EFFECT_FRICTION) != 0 && !are_balls(w, c);
-  return rubs ? pair_value(&w->mu, c->a, c->b) * press : 0.0;
+  return are_balls(w, c) ? 0.0 : pair_value(&w->mu, c->a, c->b) * press;
 }
 
-static void add_laws(const world *w, unsigned omitted, int i, const double *v_next, double press) {
+static const contact_item *item_of(const world *w, int i) {
+  return &w->store.item[w->store.key[i].item];
+}
+
+/* Of contact i: the speed that it slides with [m/s]; its friction, f, and what that could be at most [N s]. */
+static double sliding(const world *w, int i, const double *v_next, const double *impulse, double *f,
+                      double *most) {
+  const contact_item *c = item_of(w, i);
+  const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+  const double press = fmax(impulse[w->store.row_start[i]], 0.0);
+  double ua[3], ub[3], rest[3];
+  world_side_motion(w, c->a, v_next, c->x, ua, rest);
+  world_side_motion(w, c->b, v_next, c->x, ub, rest);
+  v3_sub(ua, ub, ua);
+  v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
+  world_contact_impulse(w, i, impulse, f, rest);
+  v3_add_scaled(f, -v3_dot(f, n), n, f);
+  *most = press * fmin(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
+  return (*most > 0.0) ? v3_norm(ua) : 0.0;
+}
+
+/* Do the contacts from `first` on that are of the same two sides and have one normal, up to *end, slide, or nearly? What they hold together
+ * counts, a force and a moment about where they press: how they share it is not told. */
+static bool group_slides(const world *w, int first, const double *v_next, const double *impulse,
+                         double least, int *end) {
+  static const double near = 0.5; /* of what friction can do */
+  const contact_item *c = item_of(w, first);
+  const double *n = w->store.frame + 9 * (ptrdiff_t)first;
+  double all = 0.0, centre[3] = {0}, f[3], force[3] = {0}, most, speed = 0.0;
+  int i = first;
+  for (; i < w->set.n_contact && item_of(w, i)->a == c->a && item_of(w, i)->b == c->b &&
+         v3_dot(w->store.frame + 9 * (ptrdiff_t)i, n) > 1.0 - 1e-9;
+       i++) {
+    speed = fmax(speed, sliding(w, i, v_next, impulse, f, &most));
+    all += most;
+    v3_add_scaled(centre, most, item_of(w, i)->x, centre);
+    v3_add_scaled(force, 1.0, f, force);
+  }
+  *end = i;
+  if (!(all > 0.0)) {
+    return false;
+  }
+  double turn = 0.0, most_turn = 0.0;
+  for (i = first; i < *end; i++) {
+    double arm[3], moment[3];
+    (void)sliding(w, i, v_next, impulse, f, &most);
+    v3_scale(-1.0 / all, centre, arm);
+    v3_add_scaled(arm, 1.0, item_of(w, i)->x, arm);
+    v3_cross(arm, f, moment);
+    turn += v3_dot(moment, n);
+    most_turn += most * v3_norm(arm);
+  }
+  return speed > least || v3_norm(force) > near * all || fabs(turn) > near * most_turn;
+}
+
+/* Does friction that is simulated slide somewhere, or nearly? Otherwise it holds wherever the loads lie. */
+static bool slides(const world *w, const double *v_next, const double *impulse, double least) {
+  bool some = false;
+  for (int i = 0; i < w->set.n_contact && !some && (w->effects & EFFECT_FRICTION) != 0;) {
+    some = group_slides(w, i, v_next, impulse, least, &i);
+  }
+  return some;
+}
+
+static void add_laws(const world *w, unsigned omitted, bool slide, int i, const double *v_next,
+                     double press) {
   const set_store *s = &w->store;
   const contact_item *c = &s->item[s->key[i].item];
   const double *n = s->frame + 9 * (ptrdiff_t)i;
@@ -86,7 +151,8 @@ static void add_laws(const world *w, unsigned omitted, int i, const double *v_ne
   }
   if ((omitted & EFFECT_ROLLING) != 0) {
     const double rolling = pair_value(&w->rolling, c->a, c->b);
-    resist += most_of(rolling, press, v3_norm(wa), turning) + rolling * shifted(w, c, press);
+    resist += most_of(rolling, press, v3_norm(wa), turning);
+    resist += slide ? rolling * shifted(w, c, press) : 0.0;
   }
   if (resist > 0.0) {
     add_to_sides(w, c, offsetof(residual, resist), resist);
@@ -239,10 +305,11 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
+  const bool slide = resists(w, effects, impulse) && slides(w, v_next, impulse, least);
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
     if (press > 0.0) {
-      add_laws(w, omitted, i, v_next, press);
+      add_laws(w, omitted, slide, i, v_next, press);
     }
   }
   const bool acts = deviates || any_law(w);
@@ -251,7 +318,7 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
   }
   world_add_wrenches(w, impulse);
   const bool pulls = locks && any_moment(w, effects, impulse);
-  const bool shares = pulls && !resists(w, effects, impulse);
+  const bool shares = pulls && !slide;
   bool still = shares && !acts && world_stands(w, effects, impulse);
   const bool asks = acts || (pulls && !still);
   if (asks) {
