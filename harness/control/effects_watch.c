@@ -272,6 +272,7 @@ static base_status foresee(watch *w, outlook from, unsigned *acts, bool *touches
   if (known) {
     foresee_as_it_acted(w);
   }
+  deviation_copy(&w->before, &w->off);
   const bool any = add_step(w, h);
   const double most = w->result->level / (grows(w) ? spare : 1.0);
   bool enough = false;
@@ -280,7 +281,7 @@ static base_status foresee(watch *w, outlook from, unsigned *acts, bool *touches
     enough = ((from == NEXT_STEP) ? f.free : f.last) > most;
   }
   *acts = enough ? deviation_by(&w->off, small) : 0u;
-  deviation_clear(&w->off);
+  deviation_copy(&w->off, &w->before);
   return BASE_OK;
 }
 
@@ -298,7 +299,9 @@ static base_status leave_out(watch *w, outlook from, base_error *err) {
     return BASE_OK;
   }
   w->left++;
-  BASE_TRY(take_clean(w, err)); /* with what is to be left out as it is */
+  if (!w->off.any) {
+    BASE_TRY(take_clean(w, err)); /* with what is to be left out as it is */
+  }
   return change_effects(w, w->s->effects & ~without, err);
 }
 
@@ -342,19 +345,17 @@ static bool is_known(watch *w, bool stay) {
   return asked && stay;
 }
 
-/* What came in goes where nothing left out has acted and all lies still, or what it will have done by the end is foreseen to be less
- * than E: it came in at an impact that is over. */
+/* What came in goes where all lies still, or where nothing left out has acted and what it will have done by the end is foreseen to be
+ * less than E: it came in at an impact that is over. */
 static base_status leave_again(watch *w, base_error *err) {
   const sim *s = w->s;
   const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
-  if ((w->result->watched & s->effects & candidates) == 0 || w->off.any ||
-      w->result->plan.n + 2 > EFFECTS_SPANS) {
+  const bool some = (w->result->watched & s->effects & candidates) != 0;
+  const bool may = some && w->result->plan.n + 2 <= EFFECTS_SPANS;
+  const bool still = may && lies(w);
+  if (still || !may || w->off.any) {
     w->s->would_deviate = false;
-    return BASE_OK;
-  }
-  const bool still = lies(w);
-  if (still) {
-    return leave_out(w, GOES_ON, err);
+    return still ? leave_out(w, GOES_ON, err) : BASE_OK;
   }
   return is_known(w, stay) ? leave_out(w, AS_IT_ACTED, err) : BASE_OK;
 }

@@ -25,10 +25,10 @@
  * had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. What is guessed
  * is only when to try, never that it holds; and nothing is watched once everything is in.
  *
- * What came in is left out again, while nothing else that is left out has acted,
+ * What came in is left out again,
  *
  *   - at rest: all that could meet anything lies still, on the same contacts in two steps, and something of it has moved before; or
- *   - behind an impact that it came in for: contacts stay, and what it did in the last step, going on to the end of the run while
+ *   - behind an impact that it came in for, while nothing else that is left out has acted: contacts stay, and what it did in the last step, going on to the end of the run while
  *     deviations grow as in that step, is less than E; less than a third of it where they do grow. This is asked for after 1, 2, 4, ...
  *     steps, and behind a change of contacts 16 steps after the last such, and done 8 times a run at most.
  *

@@ -139,6 +139,41 @@ def what_came_in_leaves_at_rest(d):
                 assert abs(a["value"] - b) <= 1e-6 * max(abs(a["value"]), 1.0), (name, a, b)
 
 
+def resisting(d, name, speed=0.0, push=0.0):
+    """A box with resistance to rolling and torsion: at rest, pushed, or sliding until it lies."""
+    box = {"name": "a", "shape": {"type": "box", "half": [0.2, 0.15, 0.1]}, "mass": 1}
+    box |= {"pos": [0, 0, 0.1], "vel": [speed, 0, 0]}
+    floor = {"name": "floor", "normal": [0, 0, 1], "offset": 0}
+    scene = {"id": name, "dim": 3, "T": 1, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene |= {"static": [floor], "bodies": [box], "friction": {"default": 0.4}}
+    scene |= {"rolling": {"default": 0.002}, "torsion": {"default": 0.002}}
+    if push > 0:
+        scene["loads"] = [{"body": "a", "type": "constant_force", "force": [push, 0, 0]}]
+    path = d / f"{name}.json"
+    path.write_text(json.dumps(scene | {"observe": ["a.x", "a.y", "a.z"]}))
+    return path
+
+
+def what_does_not_turn_is_not_resisted(d):
+    """What rests has no rolling and no torsion, and nothing at all where nothing pushes it. What
+    slides has them until it lies, though something left out is off by rounding."""
+    for form, solver in (("velocity", "lemke"), ("coulomb", "cone_newton")):
+        run = ("--formulation", form, "--solver", solver, "--effects")
+        for name, push in (("rests", 0.0), ("pushed", 1.5)):
+            told = run_json("simulate", resisting(d, name, push=push), *run, "auto:1e-6")
+            told = told["effects_auto"]
+            out = "" if push > 0 else "friction "
+            assert told["dropped"] == f"{out}rolling torsion rotation gyroscopic spatial", told
+            assert told["steps_repeated"] == 0, told
+        path = resisting(d, "slides", speed=1.0)
+        whole, auto = (run_json("simulate", path, *run, e) for e in ("declared", "auto:1e-6"))
+        last = auto["effects_auto"]["repeat"].split("/")[-1]
+        assert all(f"-{e}" in last for e in ("rolling", "torsion", "friction")), last
+        for name, a in whole["observables"].items():
+            off = abs(a["value"] - auto["observables"][name]["value"])
+            assert off <= 1e-6 * 0.3, (name, off)
+
+
 def late(d, k, shape="sphere"):
     """The k-th of the random scenes, in which a box slides on ice and hits a ball, or another box
     lands on it."""
@@ -330,6 +365,7 @@ tap(
         a_velocity_at_the_start_keeps_its_effect,
         the_run_can_be_repeated_without_auto,
         what_came_in_leaves_at_rest,
+        what_does_not_turn_is_not_resisted,
         what_an_impact_called_in_leaves_behind_it,
         what_an_impact_takes_alone_leaves_while_bodies_tip,
         what_spins_on_its_floor_needs_friction,
