@@ -176,3 +176,14 @@ def strewn_scene(rng: random.Random) -> dict:
         "restitution": {"default": rng.choice([0.0, 0.0, rng.uniform(0, 0.9)])},
         "observe": ["a.x", "a.vx"],
     }
+
+
+def resisting_scene(rng: random.Random) -> dict:
+    """One of the others, whose contacts resist rolling or turning about their normals, and half of
+    the time hold by friction."""
+    scene = rng.choice([late_scene, crowd_scene, strewn_scene])(rng)
+    for effect in rng.choice([("rolling",), ("torsion",), ("rolling", "torsion")]):
+        scene[effect] = {"default": 10 ** rng.uniform(-5, -1)}
+    if rng.random() < 0.5:
+        scene["friction"] = {"default": rng.uniform(0.1, 0.8)}
+    return scene
