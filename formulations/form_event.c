@@ -187,7 +187,9 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
       return BASE_FAIL(err, BASE_EEXTERNAL, "event: more than %d evaluations before t=%g s",
                        s->opt->max_evaluations, t);
     }
-    BASE_TRY(formulation_in_time(solver, "event", t, err));
+    if (t < end) {
+      BASE_TRY(formulation_in_time(solver, "event", t, err));
+    }
   }
   s->started = s->solved && !event;
   world_set_state(w, t, s->y, s->y + s->n_config);

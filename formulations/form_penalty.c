@@ -353,11 +353,11 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
                        "penalty: integrator gave up at t=%g s after %ld evaluations (%s)", t,
                        s->evaluations, s->gsl.gsl_strerror(status));
     }
+    BASE_TRY(accept(s, t, t - from, err));
     if (t < end) {
       s->substep = sub;
+      BASE_TRY(formulation_in_time(solver, "penalty", t, err));
     }
-    BASE_TRY(formulation_in_time(solver, "penalty", t, err));
-    BASE_TRY(accept(s, t, t - from, err));
   }
   BASE_TRY(report(s, h, out, err));
   impulse_log_next_step(&s->log);

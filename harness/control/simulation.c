@@ -233,12 +233,17 @@ static sim_request without_files(const sim_request *q) {
   return silent;
 }
 
+/* When what looks for steps and effects is to end. What they are found for is run to its end then. */
+static double ends_at(const simulation *s) {
+  return (s->error.until > 0.0) ? s->error.until : HUGE_VAL;
+}
+
 /* Finds the effects; the request has them afterwards. */
 static base_status run_watched(simulation *s, series *record, sim_result *out, base_error *err) {
   sim_request *q = &s->request;
   sim_request silent = without_files(q);
   silent.effects = s->spec.effects;
-  silent.until = s->error.until;
+  silent.until = ends_at(s);
   BASE_TRY(watch_run(&silent, s->watch, record, out, &s->watched, err));
   s->plan = s->watched.plan;
   q->effects = effects_plan_union(&s->plan);
@@ -257,7 +262,7 @@ static base_status run_to_error(simulation *s, series *record, sim_result *out, 
   }
   sim_request silent = without_files(&s->request);
   silent.plan = s->request.plan = NULL;
-  silent.until = s->error.until;
+  silent.until = ends_at(s);
   BASE_TRY(s->chooses ? run_chosen(s, &silent, record, out, err)
                       : error_run(&silent, &s->error, record, out, &s->steps, &s->found, err));
   sim_times_add(&out->time, &spent);

@@ -181,10 +181,17 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   return series_record(record, s->w, &set, a.impulse, a.spring_energy, err);
 }
 
+static bool cut_by_time(void *ctx) {
+  sim *s = ctx;
+  s->cut = sim_due(s);
+  return s->cut;
+}
+
 /* Steps of penalty and event-driven formulations, which advance the world themselves. */
 static base_status step_own(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
-  const formulation_solver solver = {.solve = sim_solve_for_formulation, .ctx = s, .due = sim_due};
+  const formulation_solver solver = {
+      .solve = sim_solve_for_formulation, .ctx = s, .due = cut_by_time};
   if (s->order.seed != 0) {
     return BASE_FAIL(err, BASE_EUNSUPPORTED,
                      "%s finds its contacts itself: in no order but the given",
@@ -192,8 +199,10 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   }
   const double from = base_seconds();
   s->called = 0;
-  BASE_TRY(formulation_step(s->form, s->w, s->h, &solver, &a, err));
+  s->cut = false;
+  const base_status done = formulation_step(s->form, s->w, s->h, &solver, &a, err);
   s->out->time.assemble += base_seconds() - from - s->called;
+  BASE_TRY(done);
   sim_settle_held(s);
   note_answer(s, a.set, &a);
   if (a.set != NULL) {
@@ -226,7 +235,7 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
   s->h = h;
   const base_status done = s->iterates ? step_lcp(s, record, &why) : step_own(s, record, &why);
   *taken = done == BASE_OK;
-  if (done == BASE_EEXTERNAL && sim_due(s)) {
+  if (done == BASE_EEXTERNAL && s->cut) {
     return BASE_OK;
   }
   if (done == BASE_EUNSUPPORTED || done == BASE_EEXTERNAL) { /* EEXTERNAL: an integrator */

@@ -65,7 +65,8 @@ typedef struct sim_request {
   bool
       least_memory; /* solver, judge and choice have their workspaces one after another, however few unknowns */
   answers *replay; /* NULL: the solver solves; otherwise its answers are taken from here */
-  double until;    /* base_seconds() that the run ends at, wherever it is [s]; 0: none */
+  double
+      until; /* base_seconds() that the run ends at, or at a signal, wherever it is [s]; HUGE_VAL: at a signal alone; 0: at none */
 } sim_request;
 
 typedef struct sim_times {

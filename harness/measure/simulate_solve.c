@@ -342,9 +342,8 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
   return BASE_OK;
 }
 
-bool sim_due(void *ctx) {
-  const sim *s = ctx;
-  return stop_due(s->q->until);
+bool sim_due(const sim *s) {
+  return s->q->until > 0.0 && stop_due(s->q->until);
 }
 
 /* The same behind formulation_solver, for formulations that step by themselves. */

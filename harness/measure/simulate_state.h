@@ -115,12 +115,14 @@ typedef struct sim {
       *law; /* n_dof velocities that sliding friction gave beyond Coulomb's in it: behind these */
   int u_cap;
   contact_law friction; /* of the last step */
+  bool cut;             /* the time was up in the last step that the formulation took by itself */
 } sim;
 
 /* A run from its start to what it leaves behind: open, steps, finish, close. sim_close takes whatever sim_open left. */
 base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *out,
                      base_error *err);
-/* One step of h [s] into the record; *taken = false: it could not be taken, and the status says why. */
+/* One step of h [s] into the record; *taken = false: it could not be taken, and the status says why;
+ * or the run's time was up in it, which is nothing against it, and the world is somewhere in the step. */
 base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err);
 /* Between two steps: the bodies go on from where they are with these effects. BASE_EUNSUPPORTED where the formulation has no
  * memory to hand over (formulation.memory). */
@@ -165,8 +167,8 @@ base_status sim_solve(sim *s, const lcp_problem *p, lcp_outcome *claimed, base_e
 /* The same behind formulation_solver, for formulations that step by themselves. */
 base_status sim_solve_for_formulation(void *ctx, const lcp_problem *p, double *z,
                                       lcp_outcome *claimed, base_error *err);
-/* Is it the time that the run ends at? A step under way then is none, and nothing is said against it. */
-bool sim_due(void *ctx);
+/* Is it the time that the run ends at, or did a signal come (sim_request.until)? */
+bool sim_due(const sim *s);
 
 /* Did a problem end with the word that it has no solution, or none to be found? */
 bool sim_without_solution(run_status s);

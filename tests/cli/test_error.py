@@ -416,6 +416,20 @@ def a_signal_leaves_what_there_is(_):
             assert len(o["candidates"]) > 2 and "status" not in o["candidates"][-1], o
 
 
+def what_is_found_is_written_whole_behind_a_signal(d):
+    """The run that ended is made again for its files, to its end, though a signal came before."""
+    path = d / "t.csv"
+    words = ("simulate", "hopper", "--formulation", "event", "--solver", "lemke")
+    words += ("--error", "1e-13", "--trajectory", str(path))
+    p = subprocess.Popen([LCPBENCH, *words], stdout=subprocess.PIPE, text=True)
+    time.sleep(2)
+    p.send_signal(signal.SIGTERM)
+    o = json.loads(p.communicate(timeout=120)[0])
+    last = float(path.read_text().splitlines()[-1].split(",")[0])
+    assert last == o["t_end_s"] and (o["steps"] > 0 or not o["error"]["promised"]), o["error"]
+    assert o["steps"] == 0 or abs(last - 0.1) < 1e-9, (last, o["steps"])
+
+
 def chaos_is_not_promised(d):
     """A double pendulum: for a second any error can be had, after twenty the runs are strangers."""
     rod = {"shape": {"type": "rod", "half_length": 0.5}, "mass": 1, "inertia": 0.0833}
@@ -582,6 +596,7 @@ tap(
         the_end_is_honest_where_a_step_has_no_solution,
         what_event_leaves_between_steps_is_seen,
         a_signal_leaves_what_there_is,
+        what_is_found_is_written_whole_behind_a_signal,
         chaos_is_not_promised,
         friction_that_pushes_a_slip_on_is_seen,
         estimates_count_on_no_more_than_first_order_over_impacts,
