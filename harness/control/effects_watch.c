@@ -47,6 +47,7 @@ typedef struct watch {
   unsigned by;            /* the effects that `off` is by */
   checkpoint clean;       /* nothing left out has acted up to here */
   checkpoint last;        /* before the step, where something has */
+  bool took_last;         /* before effects were left out there */
   sim_carrying carrying;  /* before the step */
   bool waits;             /* for contacts that stay, to leave something out */
   bool moved; /* something that could meet anything has, since effects were last left out at rest */
@@ -140,6 +141,7 @@ static base_status add_effects(watch *w, unsigned more, base_error *err) {
 static base_status step_back(watch *w, unsigned more, base_error *err) {
   BASE_TRY(checkpoint_return(&w->last, w->s, w->record, err));
   w->result->repeated++;
+  w->lay = 0;
   deviation_copy(&w->off, &w->before);
   w->by = deviation_by(&w->off, small);
   w->doubts = 0;
@@ -280,6 +282,9 @@ static base_status foresee(watch *w, outlook from, unsigned *acts, bool *touches
     const deviation_forecast f = to_the_end(w, i);
     enough = ((from == NEXT_STEP) ? f.free : f.last) > most;
   }
+  for (int e = 0; e < EFFECT_COUNT; e++) {
+    w->off.sum[e] -= w->before.sum[e]; /* of this step alone */
+  }
   *acts = enough ? deviation_by(&w->off, small) : 0u;
   deviation_copy(&w->off, &w->before);
   return BASE_OK;
@@ -299,9 +304,9 @@ static base_status leave_out(watch *w, outlook from, base_error *err) {
     return BASE_OK;
   }
   w->left++;
-  if (!w->off.any) {
-    BASE_TRY(take_clean(w, err)); /* with what is to be left out as it is */
-  }
+  /* with what is to be left out as it is */
+  w->took_last = w->off.any;
+  BASE_TRY(w->off.any ? checkpoint_take(&w->last, w->s, w->record, err) : take_clean(w, err));
   return change_effects(w, w->s->effects & ~without, err);
 }
 
@@ -352,7 +357,9 @@ static base_status leave_again(watch *w, base_error *err) {
   const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
   const bool some = (w->result->watched & s->effects & candidates) != 0;
   const bool may = some && w->result->plan.n + 2 <= EFFECTS_SPANS;
-  const bool still = may && lies(w);
+  const bool followed =
+      !w->off.any || s->watched != 0; /* what is off goes on only where it is watched */
+  const bool still = may && followed && lies(w);
   if (still || !may || w->off.any) {
     w->s->would_deviate = false;
     return still ? leave_out(w, GOES_ON, err) : BASE_OK;
@@ -387,7 +394,10 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   double from = base_seconds();
   deviation_points(&w->off, w->point);
   deviation_copy(&w->before, &w->off);
-  BASE_TRY(w->off.any ? checkpoint_take(&w->last, s, w->record, err) : take_clean(w, err));
+  if (!w->took_last) {
+    BASE_TRY(w->off.any ? checkpoint_take(&w->last, s, w->record, err) : take_clean(w, err));
+  }
+  w->took_last = false;
   out->time.watch += base_seconds() - from;
   BASE_TRY(sim_step(s, w->record, h, taken, err));
   from = base_seconds();

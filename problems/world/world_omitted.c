@@ -49,72 +49,107 @@ static bool are_balls(const world *w, const contact_item *c) {
   return world_is_ball(w, c->a) && (c->b >= w->n_body || world_is_ball(w, c->b));
 }
 
+/* The most that friction gives over the normal force [1]. */
+static double law_of(const world *w, const contact_item *c) {
+  return fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b)) *
+         w->friction_reach;
+}
+
 /* Rolling resistance may shift the load of a foot by its coefficient, though nothing turns: what that changes of the moment of a friction
  * that slides somewhere, per length [N s]. */
 static double shifted(const world *w, const contact_item *c, double press) {
-  return are_balls(w, c) ? 0.0 : pair_value(&w->mu, c->a, c->b) * press;
+  return are_balls(w, c) ? 0.0 : law_of(w, c) * press;
 }
 
 static const contact_item *item_of(const world *w, int i) {
   return &w->store.item[w->store.key[i].item];
 }
 
-/* Of contact i: the speed that it slides with [m/s]; its friction, f, and what that could be at most [N s]. */
-static double sliding(const world *w, int i, const double *v_next, const double *impulse, double *f,
-                      double *most) {
+/* Friction of contact i in the step. */
+typedef struct grip {
+  double speed; /* that it slides with [m/s] */
+  double f[3],
+      most; /* the friction, and what it could be while sliding or at rest, the smaller [N s] */
+  double rolling; /* by so much its load may be shifted [m] */
+} grip;
+
+static grip grip_of(const world *w, int i, const double *v_next, const double *impulse) {
   const contact_item *c = item_of(w, i);
   const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+  const double mu = fmin(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
   const double press = fmax(impulse[w->store.row_start[i]], 0.0);
-  double ua[3], ub[3], rest[3];
-  world_side_motion(w, c->a, v_next, c->x, ua, rest);
-  world_side_motion(w, c->b, v_next, c->x, ub, rest);
+  double ua[3], ub[3], spin[3], moment[3];
+  grip g = {.most = mu * press, .rolling = pair_value(&w->rolling, c->a, c->b)};
+  world_side_motion(w, c->a, v_next, c->x, ua, spin);
+  world_side_motion(w, c->b, v_next, c->x, ub, spin);
   v3_sub(ua, ub, ua);
   v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
-  world_contact_impulse(w, i, impulse, f, rest);
-  v3_add_scaled(f, -v3_dot(f, n), n, f);
-  *most = press * fmin(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
-  return (*most > 0.0) ? v3_norm(ua) : 0.0;
+  world_contact_impulse(w, i, impulse, g.f, moment);
+  v3_add_scaled(g.f, -v3_dot(g.f, n), n, g.f);
+  g.speed = (law_of(w, c) * press > 0.0) ? v3_norm(ua) : 0.0;
+  return g;
 }
 
-/* Do the contacts from `first` on that are of the same two sides and have one normal, up to *end, slide, or nearly? What they hold together
- * counts, a force and a moment about where they press: how they share it is not told. */
-static bool group_slides(const world *w, int first, const double *v_next, const double *impulse,
-                         double least, int *end) {
-  static const double near = 0.5; /* of what friction can do */
+/* The contacts from `first` on that are of the same two sides and have one normal end before this one. */
+static int group_end(const world *w, int first) {
   const contact_item *c = item_of(w, first);
   const double *n = w->store.frame + 9 * (ptrdiff_t)first;
-  double all = 0.0, centre[3] = {0}, f[3], force[3] = {0}, most, speed = 0.0;
-  int i = first;
-  for (; i < w->set.n_contact && item_of(w, i)->a == c->a && item_of(w, i)->b == c->b &&
-         v3_dot(w->store.frame + 9 * (ptrdiff_t)i, n) > 1.0 - 1e-9;
-       i++) {
-    speed = fmax(speed, sliding(w, i, v_next, impulse, f, &most));
-    all += most;
-    v3_add_scaled(centre, most, item_of(w, i)->x, centre);
-    v3_add_scaled(force, 1.0, f, force);
+  int i = first + 1;
+  while (i < w->set.n_contact && item_of(w, i)->a == c->a && item_of(w, i)->b == c->b &&
+         v3_dot(w->store.frame + 9 * (ptrdiff_t)i, n) > 1.0 - 1e-9) {
+    i++;
   }
-  *end = i;
-  if (!(all > 0.0)) {
-    return false;
-  }
-  double turn = 0.0, most_turn = 0.0;
-  for (i = first; i < *end; i++) {
-    double arm[3], moment[3];
-    (void)sliding(w, i, v_next, impulse, f, &most);
-    v3_scale(-1.0 / all, centre, arm);
-    v3_add_scaled(arm, 1.0, item_of(w, i)->x, arm);
-    v3_cross(arm, f, moment);
-    turn += v3_dot(moment, n);
-    most_turn += most * v3_norm(arm);
-  }
-  return speed > least || v3_norm(force) > near * all || fabs(turn) > near * most_turn;
+  return i;
 }
 
-/* Does friction that is simulated slide somewhere, or nearly? Otherwise it holds wherever the loads lie. */
-static bool slides(const world *w, const double *v_next, const double *impulse, double least) {
+/* Do they slide, or nearly? What they hold together counts, a force and a moment about where they press: how they share it is not told. Where
+ * rotation is left out the loads are in no balance, and feet count alike, their moment not at all. */
+static bool group_slides(const world *w, int first, int end, const double *v_next,
+                         const double *impulse, double least) {
+  /* of what friction can do, and of the mean distance of the feet from their centre: a load that is shifted by that leaves each of them
+   * more than that much of its friction */
+  static const double near = 0.5, shift = 0.25;
+  const bool turns = (w->effects & EFFECT_ROTATION) != 0;
+  const double *n = w->store.frame + 9 * (ptrdiff_t)first;
+  double all = 0.0, weight = 0.0, centre[3] = {0}, force[3] = {0}, pulls = 0.0, rolling = 0.0;
+  for (int i = first; i < end; i++) {
+    const grip g = grip_of(w, i, v_next, impulse);
+    if (g.speed > least) {
+      return true;
+    }
+    const double counts = turns ? g.most : 1.0;
+    rolling = fmax(rolling, g.rolling);
+    all += g.most;
+    pulls += v3_norm(g.f);
+    weight += counts;
+    v3_add_scaled(centre, counts, item_of(w, i)->x, centre);
+    v3_add_scaled(force, 1.0, g.f, force);
+  }
+  if (!(all > 0.0) || !(pulls > 0.0)) {
+    return pulls > 0.0;
+  }
+  double turn = 0.0, reach = 0.0;
+  v3_scale(1.0 / weight, centre, centre);
+  for (int i = first; i < end; i++) {
+    const grip g = grip_of(w, i, v_next, impulse);
+    double arm[3], moment[3];
+    v3_sub(item_of(w, i)->x, centre, arm);
+    v3_cross(arm, g.f, moment);
+    turn += turns ? v3_dot(moment, n) : 0.0;
+    reach += (turns ? g.most : 1.0) / weight * v3_norm(arm);
+  }
+  const bool shifts = !are_balls(w, item_of(w, first)) && rolling > shift * reach;
+  return shifts || v3_norm(force) * reach + fabs(turn) > near * all * reach;
+}
+
+/* Does friction slide somewhere, or nearly? Otherwise it holds wherever rolling lets the loads lie. */
+static bool slides(const world *w, unsigned effects, const double *v_next, const double *impulse,
+                   double least) {
   bool some = false;
-  for (int i = 0; i < w->set.n_contact && !some && (w->effects & EFFECT_FRICTION) != 0;) {
-    some = group_slides(w, i, v_next, impulse, least, &i);
+  for (int i = 0; i < w->set.n_contact && !some && (effects & EFFECT_FRICTION) != 0;) {
+    const int end = group_end(w, i);
+    some = group_slides(w, i, end, v_next, impulse, least);
+    i = end;
   }
   return some;
 }
@@ -131,8 +166,7 @@ static void add_laws(const world *w, unsigned omitted, bool slide, int i, const 
   v3_sub(wa, wb, wa);
   v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
   if ((omitted & EFFECT_FRICTION) != 0) {
-    const double law = fmax(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
-    const double mu = law * w->friction_reach;
+    const double mu = law_of(w, c);
     const double mobility = inverse_mass(w, c->a) + inverse_mass(w, c->b);
     const double speed = v3_norm(ua), rub = most_of(mu, press, speed, mobility);
     add_to_sides(w, c, offsetof(residual, rub), rub);
@@ -231,7 +265,7 @@ static bool any_moment(const world *w, unsigned effects, const double *impulse) 
 }
 
 /* Do contacts of bodies that are no balls resist rolling or torsion? Then their forces may lie aside of where they would be without, and
- * no balance tells where. */
+ * where friction slides no balance tells where. */
 static bool resists(const world *w, unsigned effects, const double *impulse) {
   const set_store *s = &w->store;
   bool some = false;
@@ -305,7 +339,7 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
   const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
-  const bool slide = resists(w, effects, impulse) && slides(w, v_next, impulse, least);
+  const bool slide = resists(w, effects, impulse) && slides(w, effects, v_next, impulse, least);
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
     if (press > 0.0) {
