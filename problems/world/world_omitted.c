@@ -56,7 +56,7 @@ static double law_of(const world *w, const contact_item *c) {
 }
 
 /* Rolling resistance may shift the load of a foot by its coefficient, though nothing turns: what that changes of the moment of a friction
- * that slides somewhere, per length [N s]. */
+ * that is simulated, where it slides somewhere, per length [N s]. */
 static double shifted(const world *w, const contact_item *c, double press) {
   return are_balls(w, c) ? 0.0 : law_of(w, c) * press;
 }
@@ -343,7 +343,7 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
     if (press > 0.0) {
-      add_laws(w, omitted, slide, i, v_next, press);
+      add_laws(w, omitted, slide && (w->effects & EFFECT_FRICTION) != 0, i, v_next, press);
     }
   }
   const bool acts = deviates || any_law(w);
