@@ -28,9 +28,10 @@
  * What came in is left out again,
  *
  *   - at rest: all that could meet anything lies still, on the same contacts in two steps, and something of it has moved before; or
- *   - behind an impact that it came in for, while nothing else that is left out has acted: contacts stay, and what it did in the last step, going on to the end of the run while
- *     deviations grow as in that step, is less than E; less than a third of it where they do grow. This is asked for after 1, 2, 4, ...
- *     steps, and behind a change of contacts 16 steps after the last such, and done 8 times a run at most.
+ *   - behind an impact that it came in for, while nothing else that is left out has acted: contacts stay, and what it did in the last
+ *     step, going on to the end of the run while deviations grow as in that step, is less than E; less than a third of it where they do
+ *     grow. This is asked for after 1, 2, 4, ... steps, and behind a change of contacts 16 steps after the last such, and done 8 times a
+ *     run at most.
  *
  * Of some things none of these bounds tells, and they stay in: friction that is another once a contact has slid; the third dimension where the
  * facets of a cone do not lie in the plane, or turning in it turns a body out of it (products of inertia); rotation and the third dimension

@@ -65,6 +65,18 @@ static const contact_item *item_of(const world *w, int i) {
   return &w->store.item[w->store.key[i].item];
 }
 
+/* Of the first side of contact i over the second: how it slides, u [m/s], and turns, spin [rad/s]. */
+static void relative_motion(const world *w, int i, const double *v_next, double *u, double *spin) {
+  const contact_item *c = item_of(w, i);
+  const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+  double ub[3], wb[3];
+  world_side_motion(w, c->a, v_next, c->x, u, spin);
+  world_side_motion(w, c->b, v_next, c->x, ub, wb);
+  v3_sub(u, ub, u);
+  v3_sub(spin, wb, spin);
+  v3_add_scaled(u, -v3_dot(u, n), n, u);
+}
+
 /* Friction of contact i in the step. */
 typedef struct grip {
   double speed; /* that it slides with [m/s] */
@@ -78,15 +90,12 @@ static grip grip_of(const world *w, int i, const double *v_next, const double *i
   const double *n = w->store.frame + 9 * (ptrdiff_t)i;
   const double mu = fmin(pair_value(&w->mu, c->a, c->b), pair_value(&w->mu_kinetic, c->a, c->b));
   const double press = fmax(impulse[w->store.row_start[i]], 0.0);
-  double ua[3], ub[3], spin[3], moment[3];
+  double u[3], spin[3], moment[3];
   grip g = {.most = mu * press, .rolling = pair_value(&w->rolling, c->a, c->b)};
-  world_side_motion(w, c->a, v_next, c->x, ua, spin);
-  world_side_motion(w, c->b, v_next, c->x, ub, spin);
-  v3_sub(ua, ub, ua);
-  v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
+  relative_motion(w, i, v_next, u, spin);
   world_contact_impulse(w, i, impulse, g.f, moment);
   v3_add_scaled(g.f, -v3_dot(g.f, n), n, g.f);
-  g.speed = (law_of(w, c) * press > 0.0) ? v3_norm(ua) : 0.0;
+  g.speed = (law_of(w, c) * press > 0.0) ? v3_norm(u) : 0.0;
   return g;
 }
 
@@ -157,14 +166,10 @@ static bool slides(const world *w, unsigned effects, const double *v_next, const
 static void add_laws(const world *w, unsigned omitted, bool slide, int i, const double *v_next,
                      double press) {
   const set_store *s = &w->store;
-  const contact_item *c = &s->item[s->key[i].item];
+  const contact_item *c = item_of(w, i);
   const double *n = s->frame + 9 * (ptrdiff_t)i;
-  double ua[3], ub[3], wa[3], wb[3];
-  world_side_motion(w, c->a, v_next, c->x, ua, wa);
-  world_side_motion(w, c->b, v_next, c->x, ub, wb);
-  v3_sub(ua, ub, ua);
-  v3_sub(wa, wb, wa);
-  v3_add_scaled(ua, -v3_dot(ua, n), n, ua);
+  double ua[3], wa[3];
+  relative_motion(w, i, v_next, ua, wa);
   if ((omitted & EFFECT_FRICTION) != 0) {
     const double mu = law_of(w, c);
     const double mobility = inverse_mass(w, c->a) + inverse_mass(w, c->b);
@@ -268,8 +273,9 @@ static bool any_moment(const world *w, unsigned effects, const double *impulse) 
  * where friction slides no balance tells where. */
 static bool resists(const world *w, unsigned effects, const double *impulse) {
   const set_store *s = &w->store;
+  const bool declared = (effects & (EFFECT_ROLLING | EFFECT_TORSION)) != 0;
   bool some = false;
-  for (int i = 0; i < w->set.n_contact && !some; i++) {
+  for (int i = 0; i < w->set.n_contact && declared && !some; i++) {
     const contact_item *c = &s->item[s->key[i].item];
     const bool balls = are_balls(w, c);
     const double rolling =
