@@ -213,16 +213,21 @@ void contact_memory_close(contact_memory *m) {
 
 _Static_assert(sizeof(uint64_t) == sizeof(double), "ids and numbers share an array");
 
-base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err) {
-  const int need = m->n * (1 + m->stride);
+/* Room for `need` numbers of n contacts. */
+static base_status past_fits(contact_past *past, int n, int need, base_error *err) {
   if (need > past->cap) {
     contact_memory_drop(past);
     past->number = malloc((size_t)need * sizeof *past->number);
     if (past->number == NULL) {
-      return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory to keep %d contacts", m->n);
+      return BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory to keep %d contacts", n);
     }
     past->cap = need;
   }
+  return BASE_OK;
+}
+
+base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err) {
+  BASE_TRY(past_fits(past, m->n, m->n * (1 + m->stride), err));
   past->layout = m->layout;
   past->n = m->n;
   past->h = m->h_now;
@@ -245,6 +250,85 @@ base_status contact_memory_recall(contact_memory *m, const contact_past *past, b
     memcpy(m->id, past->number, (size_t)past->n * sizeof *m->id);
     memcpy(m->now, past->number + past->n, (size_t)past->n * (size_t)m->stride * sizeof *m->now);
   }
+  return BASE_OK;
+}
+
+base_status contact_memory_copy(const contact_past *from, contact_past *to, base_error *err) {
+  const int need = from->n * (1 + size_of(from->layout));
+  BASE_TRY(past_fits(to, from->n, need, err));
+  to->layout = from->layout;
+  to->n = from->n;
+  to->h = from->h;
+  if (need > 0) {
+    memcpy(to->number, from->number, (size_t)need * sizeof *to->number);
+  }
+  return BASE_OK;
+}
+
+static uint64_t id_of(const contact_past *past, int i) {
+  uint64_t id;
+  memcpy(&id, past->number + i, sizeof id);
+  return id;
+}
+
+static const double *entry_of(const contact_past *past, int i) {
+  return past->number + past->n + (ptrdiff_t)i * size_of(past->layout);
+}
+
+/* Appends entry i of `from`; `out` has room for out_most. */
+static void append(const contact_past *from, int i, contact_past *out, int out_most) {
+  memcpy(out->number + out->n, from->number + i, sizeof *from->number);
+  move_entry(from->layout, entry_of(from, i), out->layout,
+             out->number + out_most + (ptrdiff_t)out->n * size_of(out->layout));
+  out->n++;
+}
+
+/* An empty past with room for `most` entries; its entries move up to its ids once it is `closed`. */
+static base_status open_past(contact_past *out, contact_layout l, double h, int most,
+                             base_error *err) {
+  *out = (contact_past){.layout = l, .h = h, .cap = most * (1 + size_of(l))};
+  out->number = malloc(((size_t)out->cap + 1) * sizeof *out->number);
+  return (out->number != NULL)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_ENOMEM, "formulation: no memory to keep %d contacts", most);
+}
+
+static void close_past(contact_past *out, int most) {
+  memmove(out->number + out->n, out->number + most,
+          (size_t)out->n * (size_t)size_of(out->layout) * sizeof *out->number);
+}
+
+base_status contact_memory_move(contact_past *from, contact_past *to,
+                                bool (*those)(const void *of, uint64_t id), const void *of,
+                                base_error *err) {
+  const int most = from->n + to->n;
+  const contact_layout l = both(from->layout, to->layout);
+  contact_past stay;
+  contact_past now;
+  BASE_TRY(open_past(&stay, l, from->h, from->n, err));
+  const base_status done = open_past(&now, l, (to->n > 0) ? to->h : from->h, most, err);
+  if (done != BASE_OK) {
+    contact_memory_drop(&stay);
+    return done;
+  }
+  int k = 0;
+  for (int i = 0; i < from->n; i++) {
+    const uint64_t id = id_of(from, i);
+    for (; k < to->n && id_of(to, k) < id; k++) {
+      append(to, k, &now, most);
+    }
+    const bool moves = those(of, id);
+    append(from, i, moves ? &now : &stay, moves ? most : from->n);
+  }
+  for (; k < to->n; k++) {
+    append(to, k, &now, most);
+  }
+  close_past(&stay, from->n);
+  close_past(&now, most);
+  contact_memory_drop(from);
+  contact_memory_drop(to);
+  *from = stay;
+  *to = now;
   return BASE_OK;
 }
 

@@ -62,8 +62,14 @@ typedef struct contact_past {
 /* The next contact_memory_begin after a recall finds what it would have found after the keep. */
 base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err);
 base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err);
+base_status contact_memory_copy(const contact_past *from, contact_past *to, base_error *err);
 void contact_memory_drop(contact_past *past);
 
+/* Moves the entries of `from` whose contact is one of `those` to `to`. Entries of both have room for what either had. BASE_ENOMEM leaves both as they
+ * were. */
+base_status contact_memory_move(contact_past *from, contact_past *to,
+                                bool (*those)(const void *of, uint64_t id), const void *of,
+                                base_error *err);
 /* Leaves what every formulation understands. */
 void contact_memory_strip(contact_past *past);
 /* Steps were taken that nothing is remembered of: what was owed is past. */

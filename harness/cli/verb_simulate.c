@@ -269,6 +269,13 @@ static void put_islands(json_t *o, const sim_request *q, const sim_result *r) {
   }
 }
 
+static void put_sleep(json_t *o, const sim_request *q, const sim_result *r) {
+  if (q->sleep) {
+    json_out_int(o, "n_asleep_max", r->n_asleep_max);
+    json_out_int(o, "n_asleep", r->n_asleep);
+  }
+}
+
 static void put_counts(json_t *o, const sim_result *r) {
   json_out_int(o, "lcp_dim_max", r->lcp_dim_max);
   json_out_int(o, "n_contact_max", r->n_contact_max);
@@ -391,6 +398,7 @@ static json_t *to_json(const simulation *s, const char *scene, const series *rec
   (void)json_object_set_new(o, "predictions", predictions(s, record, r, all_ok));
   (void)json_object_set_new(o, "trajectory_error", yardstick(s, record, r));
   put_counts(o, r);
+  put_sleep(o, &s->request, r);
   put_islands(o, &s->request, r);
   put_memory(o, &s->request);
   put_errors(o, r);
@@ -547,8 +555,8 @@ static const arg_option options[] = {
     ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
         "residual to stop at, the solver's option tol", .unit = "1"),
     ARG(simulate_options, t.effects, "--effects", ARG_TEXT, "SPEC",
-        "effects to simulate: declared, all, -NAME,+NAME, SPEC/STEPS:SPEC (after so many steps), "
-        "or auto:E"),
+        "effects to simulate: declared, all, -NAME,+NAME, +sleep (what lies still has no rows), "
+        "SPEC/STEPS:SPEC (after so many steps), or auto:E"),
     ARG(simulate_options, t.start, "--start", ARG_TEXT, "cold|previous",
         "start of each solve: zero, or the answer of the step before"),
     ARG(simulate_options, t.contact_order, "--contact-order", ARG_TEXT, "given|random:N",

@@ -6,8 +6,12 @@
 
 base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err) {
   *c = (checkpoint){.state = malloc(world_saved_size(s->w) * sizeof *c->state)};
-  return (c->state != NULL) ? BASE_OK
-                            : BASE_FAIL(err, BASE_ENOMEM, "no memory to keep the state of a run");
+  if (s->sleeps) {
+    c->asleep = malloc((world_sleep_size(s->w) + 1) * sizeof *c->asleep);
+  }
+  return (c->state != NULL && (c->asleep != NULL || !s->sleeps))
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_ENOMEM, "no memory to keep the state of a run");
 }
 
 static size_t result_size(const sim_result *r) {
@@ -18,6 +22,10 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
   BASE_TRY(formulation_keep(s->form, &c->past, err));
   BASE_TRY(contact_memory_keep(&s->own.memory, &c->own, err));
   world_save(s->w, c->state);
+  if (c->asleep != NULL) {
+    world_sleep_save(s->w, c->asleep);
+    BASE_TRY(contact_memory_copy(&s->dream, &c->dream, err));
+  }
   memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
   c->carrying = s->carrying;
@@ -28,7 +36,11 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
 base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_error *err) {
   BASE_TRY(formulation_recall(s->form, &c->past, err));
   BASE_TRY(contact_memory_recall(&s->own.memory, &c->own, err));
-  world_load(s->w, c->state);
+  if (c->asleep != NULL) {
+    BASE_TRY(world_sleep_load(s->w, c->asleep, err));
+    BASE_TRY(contact_memory_copy(&c->dream, &s->dream, err));
+  }
+  world_load(s->w, c->state); /* behind who sleeps, whose axes do not move */
   const sim_result spent = *s->out;
   memcpy(s->out, &c->out, result_size(&c->out));
   s->out->time = spent.time;
@@ -49,5 +61,7 @@ void checkpoint_close(checkpoint *c) {
   free(c->state);
   contact_memory_drop(&c->past);
   contact_memory_drop(&c->own);
+  contact_memory_drop(&c->dream);
+  free(c->asleep);
   *c = (checkpoint){0};
 }

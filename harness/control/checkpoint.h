@@ -8,6 +8,8 @@ typedef struct checkpoint {
   double *state; /* world_save; owned */
   contact_past past;
   contact_past own; /* what the solver answered by itself */
+  int *asleep;        /* world_sleep_save; owned, NULL: nobody may sleep */
+  contact_past dream;
   sim_result out;
   solved held;
   sim_carrying carrying; /* of the step before */

@@ -189,6 +189,17 @@ static bool goes_too_far(watch *w, bool changed, double *bound) {
   return sure;
 }
 
+/* Does a body sleep that is off? What was left out may have gone on to act on it. */
+static bool sleeps_off(const watch *w) {
+  bool some = false;
+  for (int i = 0; i < w->off.n && !some; i++) {
+    const deviation_body *b = &w->off.body[i];
+    const bool off = b->v > 0.0 || b->w > 0.0 || b->x > 0.0 || b->a > 0.0;
+    some = off && world_body_sleeps(w->s->w, i);
+  }
+  return some;
+}
+
 /* What follows from the step just taken. A step that fails proves nothing of the whole scene: everything comes in. */
 static base_status judge(watch *w, double h, bool *taken, base_error *err) {
   sim *s = w->s;
@@ -203,6 +214,9 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     return BASE_OK;
   }
   const unsigned by = w->by = deviation_by(&w->off, small);
+  if (s->slept && sleeps_off(w)) {
+    return go_back(w, by, err);
+  }
   double bound;
   const bool too_far = goes_too_far(w, changed, &bound);
   if (w->before.any && (by & ~earlier) != 0 && bound > w->result->level) {
@@ -532,6 +546,7 @@ base_status watch_run(const sim_request *q, double level, series *record, sim_re
   }
   if (done == BASE_OK) {
     sim_finish(&s, record);
+    result->plan.sleep = out->n_asleep_max > 0;
   }
   deviation_close(&w.off);
   deviation_close(&w.before);

@@ -310,6 +310,7 @@ static base_status open_effects(simulation *s, const char *text, base_error *err
   BASE_TRY(effects_plan_parse(s->spec.effects, automatic ? "declared" : text, &s->plan, err));
   q->effects = effects_plan_union(&s->plan);
   q->plan = (s->plan.n > 1) ? &s->plan : NULL;
+  q->sleep = s->plan.sleep || (automatic && s->error.E == 0.0);
   q->judged = automatic;
   if (automatic && s->combinations.n > 0) {
     return BASE_FAIL(err, BASE_EINVAL,
@@ -319,6 +320,21 @@ static base_status open_effects(simulation *s, const char *text, base_error *err
     return BASE_FAIL(err, BASE_EINVAL,
                      "--effects %.120s: watches plain steps, and some of --steps are extrapolated",
                      text);
+  }
+  if (s->plan.sleep && s->error.E > 0.0) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--effects %.120s: bodies sleep in given steps, which --error is yet to find",
+                     text);
+  }
+  if (s->plan.sleep && s->steps.n_turned + s->steps.n_extrapolated > 0) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--effects %.120s: bodies sleep in plain steps, and some of --steps are "
+                     "extrapolated",
+                     text);
+  }
+  if (s->plan.sleep && s->combinations.n > 0) {
+    return BASE_FAIL(err, BASE_EINVAL,
+                     "--effects %.120s: bodies sleep with one formulation, and these change", text);
   }
   return (q->plan == NULL || s->error.E == 0.0)
              ? BASE_OK

@@ -16,6 +16,23 @@ static base_status read_from(const char **text, long last, long *from, base_erro
   return BASE_OK;
 }
 
+static const char sleeping[] = "+sleep";
+
+/* Does the text end in it? Less it then. */
+static bool take_sleep(char *text) {
+  const size_t len = strlen(text), own = strlen(sleeping);
+  char *last = text + len - own;
+  if (len < own || strcmp(last, sleeping) != 0 || (len > own && last[-1] != ',')) {
+    return false;
+  }
+  if (len > own) {
+    last[-1] = '\0';
+  } else {
+    (void)strcpy(text, "declared");
+  }
+  return true;
+}
+
 base_status effects_plan_parse(unsigned declared, const char *text, effects_plan *out,
                                base_error *err) {
   char word[EFFECTS_TEXT];
@@ -29,6 +46,9 @@ base_status effects_plan_parse(unsigned declared, const char *text, effects_plan
     }
     memcpy(word, text, len);
     word[len] = '\0';
+    if (out->n == 0) {
+      out->sleep = take_sleep(word);
+    }
     const char *effects = word;
     if (out->n > 0) {
       BASE_TRY(read_from(&effects, s[-1].from, &s->from, err));
@@ -47,10 +67,11 @@ void effects_plan_print(const effects_plan *p, unsigned declared, char text[EFFE
   text[0] = '\0';
   for (int k = 0; k < p->n && used < EFFECTS_TEXT; k++) {
     const unsigned differs = p->span[k].effects ^ declared;
+    const bool sleep = p->sleep && k == 0;
     if (k > 0) {
       used += (size_t)snprintf(text + used, EFFECTS_TEXT - used, "/%ld:", p->span[k].from);
     }
-    if (differs == 0 && used < EFFECTS_TEXT) {
+    if (differs == 0 && !sleep && used < EFFECTS_TEXT) {
       used += (size_t)snprintf(text + used, EFFECTS_TEXT - used, "declared");
     }
     const char *comma = "";
@@ -61,6 +82,9 @@ void effects_plan_print(const effects_plan *p, unsigned declared, char text[EFFE
                                  effect_name(i));
         comma = ",";
       }
+    }
+    if (sleep && used < EFFECTS_TEXT) {
+      used += (size_t)snprintf(text + used, EFFECTS_TEXT - used, "%s%s", comma, sleeping);
     }
   }
 }

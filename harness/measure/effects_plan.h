@@ -3,6 +3,8 @@
  *   TEXT             as effects_override takes it: declared, all, or -NAME,+NAME,...
  *   TEXT/12:TEXT     the second from the 13th step on, when 12 steps are done
  *
+ * A first text that ends in +sleep has bodies that lie still sleep until something comes near (world_fall_asleep), in all of the run.
+ *
  * `--effects auto:E` ends in such a text, and a run with that text has its bits. An effect that comes in finds the bodies
  * where they are; what an effect moved that goes out stands still. The first step after a change starts cold where the
  * rows of the contacts are others. */
@@ -20,6 +22,7 @@ typedef struct effects_span {
 typedef struct effects_plan {
   int n; /* at least 1 in use; the first from 0, ascending */
   effects_span span[EFFECTS_SPANS];
+  bool sleep; /* bodies that lie still do */
 } effects_plan;
 
 /* BASE_EINVAL names the word or the step that is wrong. */

@@ -148,6 +148,10 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
       : s->turned ? world_contacts_turned
                   : world_contacts;
   BASE_TRY(find(s->w, s->h, -1.0, &set, err));
+  while (s->sleeps && world_is_reached(s->w)) {
+    BASE_TRY(sim_wake(s, err));
+    BASE_TRY(find(s->w, s->h, -1.0, &set, err));
+  }
   lap(&t->contacts, &from);
   BASE_TRY(contact_order_apply(&s->order, &set, &posed, err));
   from = (posed != &set) ? base_seconds() : from; /* another order is no part of the step */
@@ -178,7 +182,11 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   }
   t->advance += base_seconds() - from;
   BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
-  return series_record(record, s->w, &set, a.impulse, a.spring_energy, err);
+  BASE_TRY(series_record(record, s->w, &set, a.impulse, a.spring_energy, err));
+  from = base_seconds();
+  BASE_TRY(sim_fall_asleep(s, &set, &a, err));
+  lap(&t->advance, &from);
+  return BASE_OK;
 }
 
 static bool cut_by_time(void *ctx) {
@@ -340,6 +348,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
   out->n_dof = world_n_dof(s->w);
   out->n_body = world_n_body(s->w);
   sim_ask_admission(s);
+  s->sleeps = sim_may_sleep(s);
   return BASE_OK;
 }
 
@@ -356,6 +365,8 @@ void sim_finish(sim *s, series *record) {
 void sim_close(sim *s) {
   lcp_instance_close(s->instance);
   contact_memory_drop(&s->past);
+  contact_memory_drop(&s->dream);
+  contact_memory_drop(&s->now);
   lcp_islands_close(s->islands);
   lcp_share_close(s->share);
   lcp_share_parts_close(s->share_parts);

@@ -60,6 +60,7 @@ typedef struct sim_request {
   dump *dump;                   /* NULL: none; the problems of chosen steps are written as files */
   const sim_listener *listener; /* NULL: nobody */
   answers *store;               /* NULL: none; every answer is written here */
+  bool sleep;   /* bodies that lie still and are not reached sleep (world_fall_asleep) */
   bool islands; /* a problem that falls into parts is solved part by part (lcp_islands.h) */
   int threads;  /* that share the work; 0 counts as 1 */
   bool
@@ -103,6 +104,8 @@ typedef struct sim_result {
   int deficit_max; /* most touching normal rows beyond their rank in one solve; LCP_SHARE_UNCOUNTED: not counted in all */
   long n_shared,
       n_share_missed;           /* solves of which such an answer was chosen; could not be chosen */
+  int n_asleep_max; /* bodies */
+  long n_asleep;    /* summed over the steps */
   int n_island, largest_island; /* most in one solve; unknowns of the largest. 0: not asked for */
   long n_evaluations;           /* of the right-hand side, by formulations that integrate */
   lcp_work work;

@@ -16,7 +16,7 @@ static unsigned slips(const formulation_answer *a, int i) {
 }
 
 /* Two steps whose contacts with a normal impulse are the same have the same hash. Beside the largest in the step, rounding is none. */
-static sim_carrying carrying(const contact_set *set, const formulation_answer *a) {
+sim_carrying sim_carrying_of(const sim *s, const contact_set *set, const formulation_answer *a) {
   static const double rounding = 1e-13;
   sim_carrying c = {.ids = SIM_HASH_START, .slips = SIM_HASH_START};
   double most = 0.0;
@@ -24,7 +24,8 @@ static sim_carrying carrying(const contact_set *set, const formulation_answer *a
     most = fmax(most, a->impulse[set->row_start[i]]);
   }
   for (int i = 0; a->impulse != NULL && i < set->n_contact; i++) {
-    if (a->impulse[set->row_start[i]] > rounding * most) {
+    const bool asleep = s->slept && world_contact_sleeps(s->w, set->id[i]);
+    if (a->impulse[set->row_start[i]] > rounding * most && !asleep) {
       c.ids = (c.ids ^ set->id[i]) * 0x100000001b3u;
       c.slips = (c.slips ^ slips(a, i)) * 0x100000001b3u;
       c.n++;
@@ -284,7 +285,7 @@ static void note_motion(sim *s, const contact_set *set, const formulation_answer
 
 base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
-  s->carrying = carrying(set, a);
+  s->carrying = sim_carrying_of(s, set, a);
   s->depth = (sim_depth){0};
   s->closing = s->struck = (sim_closing){.at = HUGE_VAL};
   s->doubt = 0.0;

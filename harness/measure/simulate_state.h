@@ -78,6 +78,10 @@ typedef struct sim {
   const formulation *past_of;
   lcp_share *share;             /* opened with the first problem */
   lcp_share_parts *share_parts; /* in its place, with the first one that is solved in parts */
+  bool sleeps;        /* bodies may */
+  bool slept;         /* some fell asleep in the last step */
+  contact_past dream; /* what the formulation remembers of the contacts of those that sleep */
+  contact_past now;   /* and of the others, when one of them falls asleep or wakes */
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
@@ -150,6 +154,17 @@ void sim_refuse(sim *s, run_status word, const char *text);
  * the velocity of its end, what closes in it, and what slips. BASE_ENOMEM. */
 base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err);
+
+/* Can bodies sleep in this run? Not where forces of contacts are asked for, nor where the formulation has no memory to wake with. */
+bool sim_may_sleep(const sim *s);
+/* Behind a step: those that lay still fall asleep. The set is no longer valid where some did. `a`: the answer of the step. BASE_ENOMEM. */
+base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,
+                            base_error *err);
+/* Those that a contact of the set just found reaches wake, with the memory of their contacts: it is to be found anew. BASE_ENOMEM. */
+base_status sim_wake(sim *s, base_error *err);
+
+/* Hash and number of the contacts that carry and do not sleep. */
+sim_carrying sim_carrying_of(const sim *s, const contact_set *set, const formulation_answer *a);
 
 /* Records the first trouble in words. */
 void sim_trouble(sim *s, run_status word, const char *text);

@@ -22,6 +22,8 @@ typedef struct body {
   bool spins;  /* the orientation can change: some rotational axis is free or driven */
   bool round;  /* a ball about the centre of mass: no normal force turns it */
   double driven_v0[6], driven_a[6];
+  int sleeps; /* number of the group that it sleeps with (world_sleep.c): it has no dofs then; 0: it is awake */
+  int still;  /* steps in a row at whose end it lay still */
 } body;
 
 /* Axes (SPEC_ bits) that bodies of a scene have with these effects. */
@@ -31,6 +33,9 @@ unsigned body_axes(int dim, unsigned effects);
  * without motion nothing is driven, and a three-dimensional scene without the spatial effect moves
  * in the x-z plane only. */
 void body_start(body *b, const spec_body *s, int dim, unsigned effects);
+
+/* Does some axis follow a motion that is not to stand still? */
+bool body_is_driven(const body *b);
 
 /* Velocity of the driven axes at time t, zero on the others. */
 void body_driven(const body *b, double t, double v[6]);

@@ -165,6 +165,7 @@ static base_status start(world *w, base_error *err) {
   }
   for (int i = 0; i < w->n_body; i++) {
     body_start(&w->body[i], &w->spec.body[i], w->dim, w->effects);
+    w->body[i].n_dof = (w->body[i].sleeps != 0) ? 0 : w->body[i].n_dof;
   }
   w->compliant = is_compliant(&w->spec);
   w->size = size_of(w);
@@ -223,18 +224,22 @@ base_status world_open_over(world **out, const scene_spec *spec, unsigned effect
   return open_world(out, spec, true, effects, err);
 }
 
-base_status world_set_effects(world *w, unsigned effects, base_error *err) {
+base_status world_renumber(world *w, base_error *err) {
   double *state = malloc(world_saved_size(w) * sizeof *state);
   if (state == NULL) {
     return BASE_FAIL(err, BASE_ENOMEM, "scene %.64s: no memory to keep its state", w->spec.id);
   }
   world_save(w, state);
-  w->effects = effects;
   const base_status done = start(w, err);
   world_load(w, state);
   world_still_locked(w);
   free(state);
   return done;
+}
+
+base_status world_set_effects(world *w, unsigned effects, base_error *err) {
+  w->effects = effects;
+  return world_renumber(w, err);
 }
 
 void world_close(world *w) {

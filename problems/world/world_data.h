@@ -83,6 +83,7 @@ enum { WORLD_RESIDUAL = 31 }; /* numbers of what acts on a body without the effe
   X(piece, piece, PER_PIECE, 1)                                                                    \
   X(double, vertex, PER_VERTEX, 3)                                                                 \
   X(int, free_body, PER_MOVING, 1)              /* bodies with dofs */                             \
+  X(int, link, PER_BODY, 1)                     /* world_sleep.c */                                \
   X(double, residual, PER_BODY, WORLD_RESIDUAL) /* world_omitted.c */                              \
   X(double, curve, PER_CURVE, 1)                /* u_curve of the last set */                      \
   X(double, displaced, PER_DISPLACED, 1)
@@ -158,6 +159,7 @@ struct world {
   base_gather found; /* points, by the parts of the search */
   set_store store;
   contact_set set; /* the last one */
+  bool reached;    /* a side of one of its contacts sleeps */
   curve_store ahead, behind;
   /* generalised coordinates */
   const mech_model *model;
@@ -175,6 +177,13 @@ base_status world_reserve(world *w, world_unit unit, size_t n, base_error *err);
 void world_release(world *w);
 /* Axes that are neither free nor driven do not move from here on. */
 void world_still_locked(world *w);
+/* Numbers the dofs anew, which are others now: bodies stay as they are. */
+base_status world_renumber(world *w, base_error *err);
+
+/* A body with dofs, or one that has them but sleeps: not one that is fixed or driven all the way. */
+static inline bool body_is_free(const body *b) {
+  return b->n_dof > 0 || b->sleeps != 0;
+}
 
 /* world_detect.c: fills store.item with points below margin, and store.key. margin < 0: per pair,
  * from h and the speeds. */

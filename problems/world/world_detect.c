@@ -76,8 +76,15 @@ static void narrow(const finder *f, int a, int b, double margin) {
   }
 }
 
+/* May one of two sides move that the other one, asleep, would be woken by? */
+static bool wakes(const world *w, int a, int b) {
+  return b < w->n_body && ((w->body[a].sleeps != 0 && body_is_driven(&w->body[b])) ||
+                           (w->body[b].sleeps != 0 && body_is_driven(&w->body[a])));
+}
+
 bool detect_may_collide(const world *w, int a, int b) {
-  const bool still = w->body[a].n_dof == 0 && (b >= w->n_body || w->body[b].n_dof == 0);
+  const bool still = w->body[a].n_dof == 0 && (b >= w->n_body || w->body[b].n_dof == 0) &&
+                     !wakes(w, a, b);
   return !still && pair_value(&w->apart, a, b) == 0.0;
 }
 
@@ -189,9 +196,20 @@ static void find_points(void *of, int part, int hand) {
   }
 }
 
+/* Does a point found have a side that sleeps? The other one is awake. */
+static bool reaches(const world *w) {
+  bool some = false;
+  for (int i = 0; i < w->store.n_item && !some; i++) {
+    const contact_item *c = &w->store.item[i];
+    some = w->body[c->a].sleeps != 0 || (c->b < w->n_body && w->body[c->b].sleeps != 0);
+  }
+  return some;
+}
+
 base_status world_detect(world *w, double h, double margin, base_error *err) {
   set_store *s = &w->store;
   s->n_item = 0;
+  w->reached = false;
   if (!world_has(w, EFFECT_CONTACT)) {
     return BASE_OK;
   }
@@ -206,6 +224,7 @@ base_status world_detect(world *w, double h, double margin, base_error *err) {
   BASE_TRY(world_reserve(w, PER_POINT, (size_t)n, err));
   base_gather_join(&w->found, s->item);
   s->n_item = n;
+  w->reached = reaches(w);
   sort_keys(s);
   return BASE_OK;
 }

@@ -130,7 +130,7 @@ double world_kinetic(const world *w) {
   }
   double T = 0.0;
   for (int i = 0; i < w->n_body; i++) {
-    if (w->body[i].n_dof > 0) {
+    if (body_is_free(&w->body[i])) {
       T += body_kinetic(&w->body[i], w->dim);
     }
   }
@@ -143,7 +143,7 @@ double world_energy(const world *w) {
   }
   double E = world_kinetic(w) + world_load_energy(w);
   for (int i = 0; world_has(w, EFFECT_GRAVITY) && i < w->n_body; i++) {
-    if (w->body[i].n_dof > 0) {
+    if (body_is_free(&w->body[i])) {
       E -= w->body[i].mass * v3_dot(w->spec.gravity, w->body[i].at.x);
     }
   }
@@ -153,7 +153,7 @@ double world_energy(const world *w) {
 void world_momentum(const world *w, double p[3]) {
   p[0] = p[1] = p[2] = 0.0;
   for (int i = 0; i < w->n_body; i++) {
-    if (w->body[i].n_dof > 0) {
+    if (body_is_free(&w->body[i])) {
       v3_add_scaled(p, w->body[i].mass, w->body[i].v, p);
     }
   }
@@ -164,7 +164,7 @@ void world_angular_momentum(const world *w, double L[3]) {
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
     double I[9], spin[3], orbit[3];
-    if (b->n_dof == 0) {
+    if (!body_is_free(b)) {
       continue;
     }
     body_inertia(b, w->dim, I);

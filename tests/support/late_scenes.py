@@ -187,3 +187,76 @@ def resisting_scene(rng: random.Random) -> dict:
     if rng.random() < 0.5:
         scene["friction"] = {"default": rng.uniform(0.1, 0.8)}
     return scene
+
+
+def pile(name: str, dim: int, x: float, rng: random.Random) -> list[dict]:
+    """One to three bodies at rest, one on the other: boxes, and a ball on a flat one now and then."""
+    bodies: list[dict] = []
+    top = 0.0
+    wide = rng.uniform(0.15, 0.3)
+    for k in range(rng.randint(1, 3)):
+        half = [wide * 0.8**k] * (dim - 1) + [rng.uniform(0.05, 0.2)]
+        shape = {"type": "box", "half": half}
+        if k > 0 and rng.random() < 0.2:
+            half[-1] = rng.uniform(0.05, 0.12)
+            shape = {"type": "sphere" if dim == 3 else "disc", "r": half[-1]}
+        off = rng.choice([0.0, rng.uniform(-0.1, 0.1) * wide])
+        pos = [x + off] + [0.0] * (dim - 2) + [top + half[-1]]
+        bodies.append({"name": f"{name}{k}", "shape": shape, "mass": 1.0, "pos": pos})
+        top += 2 * half[-1]
+        if "r" in shape:
+            break
+    return bodies
+
+
+def settled_scene(rng: random.Random) -> dict:
+    """Piles at rest, side by side or apart, on a floor or a slope that holds them, some of them joined; and what reaches one of
+    them late: a ball from afar or from above, a box that slides, a body that is driven, a load that
+    grows; or nothing does."""
+    dim = rng.choice([2, 3])
+    up, names = dim - 1, "abc"[: rng.randint(1, 3)]
+    bodies: list[dict] = []
+    end = 0.0
+    for name in names:
+        piled = pile(name, dim, end, rng)
+        bodies += piled
+        end += rng.choice([0.0, 0.0, rng.uniform(0.01, 0.8)]) + 2 * piled[0]["shape"]["half"][0]
+    friction = rng.choice([10 ** rng.uniform(-6, -2), rng.uniform(0.1, 0.8)])
+    slope = rng.choice([0.0, 0.0, rng.uniform(0, 0.9) * math.atan(friction)])
+    gravity = [9.81 * math.sin(slope)] + [0.0] * (dim - 2) + [-9.81 * math.cos(slope)]
+    scene = {"id": "settled", "dim": dim, "T": rng.choice([0.5, 1.0]), "gravity": gravity}
+    scene["hs"] = [rng.choice([0.005, 0.01, 0.02])]
+    scene["static"] = [{"name": "floor", "normal": [0] * up + [1], "offset": 0}]
+    scene["friction"] = {"default": friction}
+    scene["restitution"] = {"default": rng.choice([0.0, 0.0, rng.uniform(0, 0.8)])}
+    kind = rng.choice(("ball", "above", "slides", "driven", "load", "nothing"))
+    r = rng.uniform(0.05, 0.15)
+    ball = {"name": "z", "shape": {"type": "sphere" if dim == 3 else "disc", "r": r}, "mass": 1.0}
+    aside = [0.0] * (dim - 2) if rng.random() < 0.5 else [rng.uniform(-0.1, 0.1)] * (dim - 2)
+    if kind == "ball":
+        far, speed = rng.uniform(0.3, 1.5), rng.uniform(1, 4)
+        start = [-0.4 - far, *aside, r + rng.choice([0.0, rng.uniform(0, 0.3)])]
+        bodies.append(ball | {"pos": start, "vel": [speed] + [0.0] * up})
+    elif kind == "above":
+        high = 1.2 + rng.uniform(0, 1)
+        bodies.append(ball | {"pos": [rng.uniform(-0.2, end), *aside, high]})
+    elif kind == "slides":
+        half = [rng.uniform(0.05, 0.2)] * dim
+        start = [-0.4 - half[0] - rng.uniform(0.1, 1.0), *aside, half[-1]]
+        box = ball | {"shape": {"type": "box", "half": half}, "pos": start}
+        bodies.append(box | {"vel": [rng.uniform(0.5, 3)] + [0.0] * up})
+    elif kind == "driven":
+        start = [-0.4 - r - rng.uniform(0.05, 0.4), *aside, r + 0.01]
+        pusher = {"name": "z", "shape": ball["shape"], "pos": start}
+        motion = rng.choice([{"vel": [1.0] + [0.0] * up}, {"acc": [2.0] + [0.0] * up}])
+        bodies.append(pusher | {"kinematic": motion})
+    elif kind == "load":
+        push = [1.0] + [0.0] * up
+        load = {"type": "force_ramp", "body": "a0", "dir": push, "rate": rng.uniform(1, 20)}
+        scene["loads"] = [load]
+    if len(names) > 1 and rng.random() < 0.3:
+        anchor = [0.0] * up + [0.05]
+        scene["joints"] = [{"type": "ball", "body": "a0", "other": "b0", "anchor": anchor}]
+    scene["bodies"] = bodies
+    scene["observe"] = ["a0.x"]
+    return scene

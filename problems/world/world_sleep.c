@@ -1,0 +1,200 @@
+/* world_sleep.c - who falls asleep, and who is woken. */
+#include "problems/vec.h"
+#include "problems/world/world_data.h"
+
+/* Of the velocity that gravity and loads give in a step: what moves by less lies still. */
+static const double rest = 1e-11;
+/* In a row, before a body sleeps: two in which --effects auto may leave out what is not needed at rest, and two that show it. */
+enum { STILL_STEPS = 4 };
+
+/* ---- groups ---------------------------------------------------------------------------------- */
+
+/* First of the group of node i: bodies, and behind them the one of all that stays awake. */
+static int first_of(int *link, int i) {
+  while (link[i] != i) {
+    link[i] = link[link[i]];
+    i = link[i];
+  }
+  return i;
+}
+
+static void join(int *link, int i, int k) {
+  link[first_of(link, i)] = first_of(link, k);
+}
+
+static bool is_awake(const world *w, int side) {
+  return side >= 0 && side < w->n_body && w->body[side].n_dof > 0;
+}
+
+/* Does a side move by itself, whatever touches it? */
+static bool carries_along(const world *w, int side) {
+  if (side < 0) {
+    return false;
+  }
+  return (side < w->n_body) ? body_is_driven(&w->body[side])
+                            : world_has(w, EFFECT_MOTION) &&
+                                  v3_norm(w->spec.fixed[side - w->n_body].surface_velocity) > 0.0;
+}
+
+/* What two sides that touch or are joined are to each other. */
+static void join_sides(const world *w, int a, int b) {
+  const int side[2] = {a, b};
+  if (is_awake(w, a) && is_awake(w, b)) {
+    join(w->link, a, b);
+  }
+  for (int k = 0; k < 2; k++) {
+    if (is_awake(w, side[k]) && carries_along(w, side[1 - k])) {
+      join(w->link, side[k], w->n_body);
+    }
+  }
+}
+
+static void join_loads(const world *w) {
+  for (int i = 0; world_has(w, EFFECT_LOADS) && i < w->spec.n_load; i++) {
+    const spec_load *l = &w->spec.load[i];
+    const int side[2] = {l->body, l->other};
+    for (int k = 0; k < 2 && l->kind != SPEC_FORCE; k++) {
+      if (is_awake(w, side[k])) {
+        join(w->link, side[k], w->n_body);
+      }
+    }
+  }
+}
+
+/* Groups of the bodies that are awake; what stays so is of that of w->n_body. */
+static void find_groups(const world *w) {
+  for (int i = 0; i <= w->n_body; i++) {
+    w->link[i] = i;
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    const body *b = &w->body[i];
+    if (b->n_dof > 0 && (b->still < STILL_STEPS || body_is_driven(b))) {
+      join(w->link, i, w->n_body);
+    }
+  }
+  for (int i = 0; i < w->store.n_item; i++) {
+    join_sides(w, w->store.item[i].a, w->store.item[i].b);
+  }
+  for (int i = 0; i < w->n_joint; i++) {
+    join_sides(w, w->joint[i].a, w->joint[i].b);
+  }
+  join_loads(w);
+}
+
+/* ---- falling asleep, and waking -------------------------------------------------------------- */
+
+/* Largest speed of a point of body b by its velocity and, in the step, by `shift` besides. */
+static double speed_of(const body *b, const double *shift) {
+  double part[2] = {v3_norm(b->v), v3_norm(b->v + 3)};
+  for (int k = 0; shift != NULL && k < b->n_dof; k++) {
+    part[b->axis[k] >= 3] += fabs(shift[b->dof + k]);
+  }
+  return part[0] + b->bound * part[1];
+}
+
+/* *may: some body has lain still for long enough. */
+static void count_still(world *w, const double *shift, bool *may) {
+  const double least = rest * w->h * world_most_acceleration(w);
+  *may = false;
+  for (int i = 0; i < w->n_body; i++) {
+    body *b = &w->body[i];
+    if (b->n_dof > 0) {
+      b->still = (speed_of(b, shift) <= least) ? b->still + (b->still < STILL_STEPS) : 0;
+      *may = *may || b->still == STILL_STEPS;
+    }
+  }
+}
+
+base_status world_fall_asleep(world *w, const double *shift, bool *some, base_error *err) {
+  bool may;
+  *some = false;
+  if (w->model != NULL) {
+    return BASE_OK;
+  }
+  count_still(w, shift, &may);
+  if (!may) {
+    return BASE_OK;
+  }
+  find_groups(w);
+  const int awake = first_of(w->link, w->n_body);
+  for (int i = 0; i < w->n_body; i++) {
+    const int first = first_of(w->link, i);
+    if (w->body[i].n_dof > 0 && first != awake) {
+      w->body[i].sleeps = first + 1;
+      *some = true;
+    }
+  }
+  return *some ? world_renumber(w, err) : BASE_OK;
+}
+
+bool world_is_reached(const world *w) {
+  return w->reached;
+}
+
+/* Marks the group of a side that sleeps. */
+static void mark(const world *w, int side) {
+  const int group = (side < w->n_body) ? w->body[side].sleeps : 0;
+  if (group != 0) {
+    w->link[group - 1] = 1;
+  }
+}
+
+base_status world_wake(world *w, base_error *err) {
+  for (int i = 0; i < w->n_body; i++) {
+    w->link[i] = 0;
+  }
+  for (int i = 0; i < w->store.n_item; i++) {
+    mark(w, w->store.item[i].a);
+    mark(w, w->store.item[i].b);
+  }
+  for (int i = 0; i < w->n_body; i++) {
+    body *b = &w->body[i];
+    if (b->sleeps != 0 && w->link[b->sleeps - 1] != 0) {
+      b->sleeps = b->still = 0;
+    }
+  }
+  return world_renumber(w, err);
+}
+
+int world_n_asleep(const world *w) {
+  int n = 0;
+  for (int i = 0; i < w->n_body; i++) {
+    n += w->body[i].sleeps != 0;
+  }
+  return n;
+}
+
+bool world_body_sleeps(const world *w, int i) {
+  return i < w->n_body && w->body[i].sleeps != 0;
+}
+
+bool world_contact_sleeps(const world *w, uint64_t id) {
+  const int mask = (1 << ID_SIDE_BITS) - 1;
+  const int side[2] = {(int)(id >> ID_SIDE_A_SHIFT) & mask, (int)(id >> ID_SIDE_B_SHIFT) & mask};
+  const bool awake = is_awake(w, side[0]) || is_awake(w, side[1]);
+  return !awake && (world_body_sleeps(w, side[0]) || world_body_sleeps(w, side[1]));
+}
+
+/* ---- to come back to ------------------------------------------------------------------------- */
+
+size_t world_sleep_size(const world *w) {
+  return 2 * (size_t)w->n_body;
+}
+
+void world_sleep_save(const world *w, int *asleep) {
+  for (int i = 0; i < w->n_body; i++) {
+    asleep[2 * (ptrdiff_t)i] = w->body[i].sleeps;
+    asleep[2 * (ptrdiff_t)i + 1] = w->body[i].still;
+  }
+}
+
+base_status world_sleep_load(world *w, const int *asleep, base_error *err) {
+  bool others = false;
+  for (int i = 0; i < w->n_body; i++) {
+    body *b = &w->body[i];
+    others = others || b->sleeps != asleep[2 * (ptrdiff_t)i];
+    b->sleeps = asleep[2 * (ptrdiff_t)i];
+    b->still = asleep[2 * (ptrdiff_t)i + 1];
+  }
+  return others ? world_renumber(w, err) : BASE_OK;
+}
