@@ -275,6 +275,14 @@ static const double *entry_of(const contact_past *past, int i) {
   return past->number + past->n + (ptrdiff_t)i * size_of(past->layout);
 }
 
+double contact_memory_energy(const contact_past *past) {
+  double sum = 0.0;
+  for (int i = 0; i < past->n && past->layout.head > PAST_ENERGY; i++) {
+    sum += entry_of(past, i)[PAST_ENERGY];
+  }
+  return sum;
+}
+
 /* Appends entry i of `from`; `out` has room for out_most. */
 static void append(const contact_past *from, int i, contact_past *out, int out_most) {
   memcpy(out->number + out->n, from->number + i, sizeof *from->number);

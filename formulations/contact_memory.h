@@ -18,6 +18,7 @@ enum {
   PAST_WAY,
   /* the last law with springs left them pulling with what is behind the impulses */
   PAST_SPRUNG = PAST_WAY + 3,
+  PAST_ENERGY, /* in springs [J] */
   PAST_IMPULSE /* [N s], [N m s]; behind them the pulls [N], [N m] */
 };
 
@@ -62,6 +63,7 @@ typedef struct contact_past {
 /* The next contact_memory_begin after a recall finds what it would have found after the keep. */
 base_status contact_memory_keep(const contact_memory *m, contact_past *past, base_error *err);
 base_status contact_memory_recall(contact_memory *m, const contact_past *past, base_error *err);
+double contact_memory_energy(const contact_past *past); /* in the springs of all contacts [J] */
 base_status contact_memory_copy(const contact_past *from, contact_past *to, base_error *err);
 void contact_memory_drop(contact_past *past);
 

@@ -137,7 +137,9 @@ static void deflect(row_form *s, int i, const double *lambda) {
       next[at] = (s->opt.damper * stiffness * s->deflection[row + at] - lambda[row + at]) /
                  (creep * stiffness);
       force[at] = s->opt.bristle * stiffness * next[at];
-      out->spring_energy += 0.5 * s->opt.bristle * stiffness * next[at] * next[at];
+      const double energy = 0.5 * s->opt.bristle * stiffness * next[at] * next[at];
+      out->spring_energy += energy;
+      now[PAST_ENERGY] += energy;
     }
     if (kind == 0) {
       const double mass = 1 / form_mobility(&s->a, i, 1, dim[p]),
@@ -166,6 +168,7 @@ static void finish(row_form *s, const double *z, bool solved) {
   for (int i = 0; i < s->a.n_contact && has_bristles(s); i++) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
     now[PAST_SPRUNG] = s->opt.bristle > 0;
+    now[PAST_ENERGY] = 0;
     memset(now + contact_memory_pulls(&s->memory), 0, (size_t)s->memory.layout.pull * sizeof *now);
     if (z[s->a.row[i]] > 0 || s->a.set->gap[s->a.group[i]] <= 10 * s->a.set->tol) {
       deflect(s, i, z); /* else separated: forgotten */

@@ -437,6 +437,7 @@ void reg_commit(regularized *s, double *lambda) {
     double *now = contact_memory_now(&s->memory, s->a.group[i]);
     now[contact_memory_own(&s->memory) + REG_PAST_OWN] = 1;
     now[PAST_SPRUNG] = s->opt.model != REG_VISCOUS;
+    now[PAST_ENERGY] = 0;
     memset(now + contact_memory_pulls(&s->memory), 0, (size_t)s->memory.layout.pull * sizeof *now);
     s->a.mode[s->a.group[i]] = (lambda[s->a.row[i]] > 0) ? 2 : 0; /* no friction: slides */
   }
@@ -447,7 +448,9 @@ void reg_commit(regularized *s, double *lambda) {
     settle(s, p, ln, lambda, next);
     const bool separated = !(ln > 0) && c->gap[s->a.group[p->contact]] > 10 * c->tol;
     if (!separated) { /* else forgotten */
-      s->answer.spring_energy += 0.5 * p->k * (next[0] * next[0] + next[1] * next[1]);
+      const double energy = 0.5 * p->k * (next[0] * next[0] + next[1] * next[1]);
+      s->answer.spring_energy += energy;
+      contact_memory_now(&s->memory, s->a.group[p->contact])[PAST_ENERGY] += energy;
       store(s, p, next);
     }
     if (p->kind == 0) {

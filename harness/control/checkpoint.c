@@ -24,7 +24,7 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
   world_save(s->w, c->state);
   if (c->asleep != NULL) {
     world_sleep_save(s->w, c->asleep);
-    BASE_TRY(contact_memory_copy(&s->dream, &c->dream, err));
+    BASE_TRY(sim_asleep_copy(&c->of_asleep, &s->asleep, err));
   }
   memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
@@ -38,7 +38,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
   BASE_TRY(contact_memory_recall(&s->own.memory, &c->own, err));
   if (c->asleep != NULL) {
     BASE_TRY(world_sleep_load(s->w, c->asleep, err));
-    BASE_TRY(contact_memory_copy(&c->dream, &s->dream, err));
+    BASE_TRY(sim_asleep_copy(&s->asleep, &c->of_asleep, err));
   }
   world_load(s->w, c->state); /* behind who sleeps, whose axes do not move */
   const sim_result spent = *s->out;
@@ -61,7 +61,7 @@ void checkpoint_close(checkpoint *c) {
   free(c->state);
   contact_memory_drop(&c->past);
   contact_memory_drop(&c->own);
-  contact_memory_drop(&c->dream);
+  sim_asleep_close(&c->of_asleep);
   free(c->asleep);
   *c = (checkpoint){0};
 }

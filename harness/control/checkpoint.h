@@ -9,7 +9,7 @@ typedef struct checkpoint {
   contact_past past;
   contact_past own; /* what the solver answered by itself */
   int *asleep;        /* world_sleep_save; owned, NULL: nobody may sleep */
-  contact_past dream;
+  sim_asleep of_asleep;
   sim_result out;
   solved held;
   sim_carrying carrying; /* of the step before */

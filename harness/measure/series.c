@@ -120,17 +120,35 @@ static double norm3(const double x[3]) {
   return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
 }
 
-/* Adds the force of contact i to `normal` and to the world vector `tangent`. */
-static void add_force(const contact_set *c, const double *impulse, int i, double *normal,
-                      double tangent[3]) {
+series_force series_force_of(const contact_set *c, const double *impulse, int i) {
   const double *row = impulse + c->row_start[i];
   const double *frame = c->frame + 9 * (size_t)i;
-  *normal += row[0] / c->h;
+  series_force f = {.id = c->id[i], .normal = row[0] / c->h};
   for (int k = 0; k < c->rows[i].tangent; k++) {
     for (int d = 0; d < 3; d++) {
-      tangent[d] += row[1 + k] / c->h * frame[3 * (k + 1) + d];
+      f.tangent[d] += row[1 + k] / c->h * frame[3 * (k + 1) + d];
     }
   }
+  return f;
+}
+
+base_status series_resting_add(series_resting *r, const series_force *f, base_error *err) {
+  if (r->n == r->cap) {
+    const int cap = 2 * r->cap + 16;
+    series_force *grown = realloc(r->force, (size_t)cap * sizeof *grown);
+    if (grown == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "no memory for the forces of %d contacts at rest", cap);
+    }
+    r->force = grown;
+    r->cap = cap;
+  }
+  r->force[r->n++] = *f;
+  return BASE_OK;
+}
+
+void series_resting_close(series_resting *r) {
+  free(r->force);
+  *r = (series_resting){0};
 }
 
 /* A contact of bodies a and b is one of the pair's. */
@@ -141,26 +159,46 @@ static bool covers(const series_pair *p, const char *a, const char *b) {
   return same_pair(a, b, p->a, p->b);
 }
 
-static void record_pair(series *s, const world *w, const contact_set *c, const double *impulse,
-                        const series_pair *p) {
-  double normal = 0.0;
-  double tangent[3] = {0, 0, 0};
-  for (int i = 0; c != NULL && impulse != NULL && i < c->n_contact; i++) {
-    const char *a;
-    const char *b;
-    world_contact_pair(w, c->id[i], &a, &b);
-    if (covers(p, a, b)) {
-      add_force(c, impulse, i, &normal, tangent);
+/* Adds a force to that of the pair, if it is one of its. */
+static void add_force(const world *w, const series_pair *p, const series_force *f,
+                      series_force *sum) {
+  const char *a;
+  const char *b;
+  world_contact_pair(w, f->id, &a, &b);
+  if (covers(p, a, b)) {
+    sum->normal += f->normal;
+    for (int d = 0; d < 3; d++) {
+      sum->tangent[d] += f->tangent[d];
     }
   }
-  s->column[p->normal][s->n_row] = normal;
-  s->column[p->tangential][s->n_row] = norm3(tangent);
 }
 
-static double total_normal_force(const contact_set *c, const double *impulse) {
+static int contacts_of(const contact_set *c, const double *impulse) {
+  return (c != NULL && impulse != NULL) ? c->n_contact : 0;
+}
+
+static void record_pair(series *s, const world *w, const contact_set *c, const double *impulse,
+                        const series_resting *resting, const series_pair *p) {
+  series_force sum = {0};
+  for (int i = 0; i < contacts_of(c, impulse); i++) {
+    const series_force f = series_force_of(c, impulse, i);
+    add_force(w, p, &f, &sum);
+  }
+  for (int i = 0; resting != NULL && i < resting->n; i++) {
+    add_force(w, p, &resting->force[i], &sum);
+  }
+  s->column[p->normal][s->n_row] = sum.normal;
+  s->column[p->tangential][s->n_row] = norm3(sum.tangent);
+}
+
+static double total_normal_force(const contact_set *c, const double *impulse,
+                                 const series_resting *resting) {
   double sum = 0.0;
-  for (int i = 0; c != NULL && impulse != NULL && i < c->n_contact; i++) {
+  for (int i = 0; i < contacts_of(c, impulse); i++) {
     sum += impulse[c->row_start[i]] / c->h;
+  }
+  for (int i = 0; resting != NULL && i < resting->n; i++) {
+    sum += resting->force[i].normal;
   }
   return sum;
 }
@@ -187,16 +225,16 @@ static base_status record_state(series *s, const world *w, int row, double store
 }
 
 base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
-                          double stored, base_error *err) {
+                          const series_resting *resting, double stored, base_error *err) {
   if (s->n_row == s->cap) {
     BASE_TRY(reserve(s, 2 * s->cap, err));
   }
   const int row = s->n_row;
   s->column[SERIES_PENETRATION][row] = 0.0;
   s->column[SERIES_STEP][row] = 0.0;
-  s->column[SERIES_ANY_FORCE][row] = total_normal_force(set, impulse);
+  s->column[SERIES_ANY_FORCE][row] = total_normal_force(set, impulse, resting);
   for (int i = 0; i < s->n_pair; i++) {
-    record_pair(s, w, set, impulse, &s->pair[i]);
+    record_pair(s, w, set, impulse, resting, &s->pair[i]);
   }
   BASE_TRY(record_state(s, w, row, stored, err));
   s->n_row++;

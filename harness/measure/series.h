@@ -43,11 +43,29 @@ typedef struct series {
 base_status series_open(series *s, const scene_spec *spec, int n_step, base_error *err);
 void series_close(series *s);
 
+/* The force of a contact [N]: its normal part, and friction in the world. */
+typedef struct series_force {
+  uint64_t id;
+  double normal, tangent[3];
+} series_force;
+
+/* Contacts that are in no set and go on with the force that they have, as of bodies that sleep. */
+typedef struct series_resting {
+  int n, cap;
+  series_force *force; /* owned */
+} series_resting;
+
+/* Of contact i of a set. */
+series_force series_force_of(const contact_set *c, const double *impulse, int i);
+/* BASE_ENOMEM. */
+base_status series_resting_add(series_resting *r, const series_force *f, base_error *err);
+void series_resting_close(series_resting *r);
+
 /* Appends the world's present state. set and impulse: of the step just taken (NULL: the start, or
- * a step without contact forces to show); stored: energy in springs of the contact law [J], which is
- * part of the energy. False on a quantity that the world does not know. */
+ * a step without contact forces to show); resting: what goes on besides (NULL: nothing does); stored: energy in springs of the
+ * contact law [J], which is part of the energy. False on a quantity that the world does not know. */
 base_status series_record(series *s, world *w, const contact_set *set, const double *impulse,
-                          double stored, base_error *err);
+                          const series_resting *resting, double stored, base_error *err);
 
 /* The last two rows, of two halves of a step, become one of the whole: mean forces, and the state that the world has now. */
 base_status series_join(series *s, const world *w, double stored, base_error *err);

@@ -182,7 +182,8 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   }
   t->advance += base_seconds() - from;
   BASE_TRY(trajectory_contacts(s->q->trajectory, s->w, &set, a.mode, err));
-  BASE_TRY(series_record(record, s->w, &set, a.impulse, a.spring_energy, err));
+  BASE_TRY(series_record(record, s->w, &set, a.impulse, &s->asleep.resting,
+                         a.spring_energy + s->asleep.energy, err));
   from = base_seconds();
   BASE_TRY(sim_fall_asleep(s, &set, &a, err));
   lap(&t->advance, &from);
@@ -219,7 +220,7 @@ static base_status step_own(sim *s, series *record, base_error *err) {
   if (a.v_next != NULL) {
     s->out->hash = sim_hash(s->out->hash, a.v_next, world_n_dof(s->w));
   }
-  BASE_TRY(series_record(record, s->w, a.set, a.impulse, a.spring_energy, err));
+  BASE_TRY(series_record(record, s->w, a.set, a.impulse, NULL, a.spring_energy, err));
   if (a.set != NULL) {
     series_penetration(record, a.set);
     world_note_impulses(s->w, a.impulse); /* a.set is the world's last one */
@@ -342,7 +343,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
   out->steps_planned =
       (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
   BASE_TRY(series_open(record, q->spec, (int)out->steps_planned, err));
-  BASE_TRY(series_record(record, s->w, NULL, NULL, 0, err));
+  BASE_TRY(series_record(record, s->w, NULL, NULL, NULL, 0, err));
   BASE_TRY(trajectory_header(q->trajectory, q->spec, err));
   BASE_TRY(trajectory_row(q->trajectory, s->w, err));
   out->n_dof = world_n_dof(s->w);
@@ -365,8 +366,8 @@ void sim_finish(sim *s, series *record) {
 void sim_close(sim *s) {
   lcp_instance_close(s->instance);
   contact_memory_drop(&s->past);
-  contact_memory_drop(&s->dream);
-  contact_memory_drop(&s->now);
+  sim_asleep_close(&s->asleep);
+  contact_memory_drop(&s->awake);
   lcp_islands_close(s->islands);
   lcp_share_close(s->share);
   lcp_share_parts_close(s->share_parts);

@@ -1,19 +1,25 @@
-/* simulate_sleep.c - bodies that lie still sleep until something reaches them; what the formulation remembers of their contacts is kept. */
+/* simulate_sleep.c - bodies that lie still sleep until something reaches them; what is known of their contacts is kept. */
 #include "harness/measure/simulate_state.h"
 
-static bool asks_for_forces(const scene_spec *spec) {
-  bool asks = false;
-  for (int i = 0; i < spec->n_check && !asks; i++) {
-    asks = spec->check[i].kind == CHECK_CONTACT_FORCE ||
-           spec->check[i].kind == CHECK_CONTACT_FORCE_SUM;
+base_status sim_asleep_copy(sim_asleep *to, const sim_asleep *from, base_error *err) {
+  BASE_TRY(contact_memory_copy(&from->past, &to->past, err));
+  to->energy = from->energy;
+  to->resting.n = 0;
+  for (int i = 0; i < from->resting.n; i++) {
+    BASE_TRY(series_resting_add(&to->resting, &from->resting.force[i], err));
   }
-  return asks;
+  return BASE_OK;
+}
+
+void sim_asleep_close(sim_asleep *a) {
+  contact_memory_drop(&a->past);
+  series_resting_close(&a->resting);
 }
 
 bool sim_may_sleep(const sim *s) {
   const sim_request *q = s->q;
   return q->sleep && s->iterates && q->form->form->memory != 0 && q->combinations == NULL &&
-         q->spec->model == NULL && !asks_for_forces(q->spec);
+         q->spec->model == NULL;
 }
 
 static bool sleeps(const void *of, uint64_t id) {
@@ -22,6 +28,18 @@ static bool sleeps(const void *of, uint64_t id) {
 
 static bool is_awake(const void *of, uint64_t id) {
   return !world_contact_sleeps(of, id);
+}
+
+/* The forces of contacts that have just fallen asleep go on. */
+static base_status note_forces(sim *s, const contact_set *set, const double *impulse,
+                               base_error *err) {
+  for (int i = 0; impulse != NULL && i < set->n_contact; i++) {
+    if (world_contact_sleeps(s->w, set->id[i])) {
+      const series_force f = series_force_of(set, impulse, i);
+      BASE_TRY(series_resting_add(&s->asleep.resting, &f, err));
+    }
+  }
+  return BASE_OK;
 }
 
 base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,
@@ -33,8 +51,10 @@ base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_an
   }
   BASE_TRY(world_fall_asleep(s->w, a->shift, &s->slept, err));
   if (s->slept) {
-    BASE_TRY(formulation_keep(s->form, &s->now, err));
-    BASE_TRY(contact_memory_move(&s->now, &s->dream, sleeps, s->w, err));
+    BASE_TRY(formulation_keep(s->form, &s->awake, err));
+    BASE_TRY(contact_memory_move(&s->awake, &s->asleep.past, sleeps, s->w, err));
+    BASE_TRY(note_forces(s, set, a->impulse, err));
+    s->asleep.energy = contact_memory_energy(&s->asleep.past);
     s->carrying = sim_carrying_of(s, set, a);
   }
   const int n = world_n_asleep(s->w);
@@ -44,8 +64,17 @@ base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_an
 }
 
 base_status sim_wake(sim *s, base_error *err) {
+  series_resting *r = &s->asleep.resting;
+  int n = 0;
   BASE_TRY(world_wake(s->w, err));
-  BASE_TRY(formulation_keep(s->form, &s->now, err));
-  BASE_TRY(contact_memory_move(&s->dream, &s->now, is_awake, s->w, err));
-  return formulation_recall(s->form, &s->now, err);
+  BASE_TRY(formulation_keep(s->form, &s->awake, err));
+  BASE_TRY(contact_memory_move(&s->asleep.past, &s->awake, is_awake, s->w, err));
+  for (int i = 0; i < r->n; i++) {
+    if (world_contact_sleeps(s->w, r->force[i].id)) {
+      r->force[n++] = r->force[i];
+    }
+  }
+  r->n = n;
+  s->asleep.energy = contact_memory_energy(&s->asleep.past);
+  return formulation_recall(s->form, &s->awake, err);
 }

@@ -8,6 +8,17 @@
 #include "lcp/share/lcp_share_parts.h"
 #include "problems/world/contact_law.h"
 
+/* Of the contacts of bodies that sleep: what the formulation remembers, their forces, and the energy in their springs [J]. */
+typedef struct sim_asleep {
+  contact_past past;
+  series_resting resting;
+  double energy;
+} sim_asleep;
+
+/* BASE_ENOMEM. */
+base_status sim_asleep_copy(sim_asleep *to, const sim_asleep *from, base_error *err);
+void sim_asleep_close(sim_asleep *a);
+
 /* What a solve came to. */
 typedef struct solved {
   run_status word, claimed;
@@ -78,10 +89,10 @@ typedef struct sim {
   const formulation *past_of;
   lcp_share *share;             /* opened with the first problem */
   lcp_share_parts *share_parts; /* in its place, with the first one that is solved in parts */
-  bool sleeps;        /* bodies may */
-  bool slept;         /* some fell asleep in the last step */
-  contact_past dream; /* what the formulation remembers of the contacts of those that sleep */
-  contact_past now;   /* and of the others, when one of them falls asleep or wakes */
+  bool sleeps; /* bodies may */
+  bool slept;  /* some fell asleep in the last step */
+  sim_asleep asleep;
+  contact_past awake; /* of the other contacts, while bodies fall asleep or wake */
   contact_order order;
   unsigned effects;             /* simulated now */
   unsigned watched;             /* asked of world_omitted in every step; 0: nothing is */
@@ -155,7 +166,7 @@ void sim_refuse(sim *s, run_status word, const char *text);
 base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err);
 
-/* Can bodies sleep in this run? Not where forces of contacts are asked for, nor where the formulation has no memory to wake with. */
+/* Can bodies sleep in this run? Not where the formulation has no memory to wake with. */
 bool sim_may_sleep(const sim *s);
 /* Behind a step: those that lay still fall asleep. The set is no longer valid where some did. `a`: the answer of the step. BASE_ENOMEM. */
 base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,

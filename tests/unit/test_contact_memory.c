@@ -82,8 +82,8 @@ static void entries_grow_part_by_part(void **state) {
   fill(&m, 1);
   begin(&m, &all);
   assert_int_equal(m.stride, HEAD + 6 + 9 + 2);
-  const double want[] = {200, 201, 202, 203, 204, 205, 206, 207, 208, 209, 0,   0,
-                         0,   210, 211, 212, 0,   0,   0,   0,   0,   0,   213, 214};
+  const double want[] = {200, 201, 202, 203, 204, 205, 206, 207, 208, 209, 210, 0,   0,
+                         0,   211, 212, 213, 0,   0,   0,   0,   0,   0,   214, 215};
   assert_memory_equal(contact_memory_old(&m, 1), want, sizeof want);
   assert_null(contact_memory_old(&m, 2));
   fill(&m, 0);
@@ -92,6 +92,60 @@ static void entries_grow_part_by_part(void **state) {
   begin(&m, &all);
   assert_int_equal(m.stride, HEAD + 6 + 9 + 2);
   contact_memory_close(&m);
+}
+
+static bool is_even(const void *of, uint64_t id) {
+  (void)of;
+  return id % 2 == 0;
+}
+
+/* Contacts move from one list to another and back, in order, with all that is remembered of them, though one list has room for rolling and the
+ * other not. */
+static void entries_move_by_contact(void **state) {
+  (void)state;
+  static const uint64_t ids[] = {10, 11, 20, 21, 30}, others[] = {15, 25};
+  static const contact_rows rows[5] = {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {2, 0, 0}};
+  static const contact_rows rolling[] = {{2, 1, 2}, {2, 0, 0}};
+  const contact_set c = set_of(ids, rows, 5), d = set_of(others, rolling, 2);
+  contact_memory m = {0}, n = {0};
+  contact_past from = {0}, to = {0}, whole = {0};
+  base_error err;
+  begin(&m, &c);
+  begin(&n, &d);
+  for (int i = 0; i < 5; i++) {
+    fill(&m, i);
+    contact_memory_now(&m, i)[PAST_ENERGY] = i + 1;
+  }
+  contact_memory_now(&n, 1)[PAST_ENERGY] = 100;
+  check_ok(contact_memory_keep(&m, &from, &err), &err);
+  check_ok(contact_memory_copy(&from, &whole, &err), &err);
+  check_ok(contact_memory_keep(&n, &to, &err), &err);
+  check_ok(contact_memory_move(&from, &to, is_even, NULL, &err), &err);
+  assert_int_equal(from.n, 2);
+  assert_int_equal(to.n, 5);
+  assert_true(contact_memory_energy(&from) == 2 + 4);
+  assert_true(contact_memory_energy(&to) == 100 + 1 + 3 + 5);
+  check_ok(contact_memory_move(&to, &from, is_even, NULL, &err), &err);
+  assert_int_equal(to.n, 2);
+  check_ok(contact_memory_recall(&m, &whole, &err), &err);
+  contact_memory back = {0};
+  check_ok(contact_memory_recall(&back, &from, &err), &err);
+  assert_int_equal(back.n, 5);
+  for (int i = 0; i < 5; i++) {
+    const double *was = contact_memory_now(&m, i), *is = contact_memory_now(&back, i);
+    assert_true(back.id[i] == ids[i]);
+    assert_memory_equal(is, was, (HEAD + 3) * sizeof *is);
+    assert_memory_equal(is + contact_memory_pulls(&back), was + contact_memory_pulls(&m),
+                        3 * sizeof *is);
+    assert_memory_equal(is + contact_memory_own(&back), was + contact_memory_own(&m),
+                        2 * sizeof *is);
+  }
+  contact_memory_drop(&from);
+  contact_memory_drop(&to);
+  contact_memory_drop(&whole);
+  contact_memory_close(&m);
+  contact_memory_close(&n);
+  contact_memory_close(&back);
 }
 
 /* Another formulation goes on with head, impulses and pulls, whatever it needs itself. */
@@ -174,6 +228,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(entries_hold_what_contacts_have),
       cmocka_unit_test(entries_grow_part_by_part),
+      cmocka_unit_test(entries_move_by_contact),
       cmocka_unit_test(what_is_common_is_taken_over),
       cmocka_unit_test(the_layout_does_not_show),
   };

@@ -26,13 +26,17 @@ static void a_plan_is_printed_as_it_is_read(void **state) {
   char text[EFFECTS_TEXT];
   const char *const plans[] = {"declared", "-friction,-rotation", "-friction/12:declared",
                                "-friction,-rotation/1:-rotation/900:declared",
-                               "+rolling/3:-contact,+torsion"};
+                               "+rolling/3:-contact,+torsion",
+                               "+sleep",
+                               "-friction,+sleep/12:declared"};
   for (int i = 0; i < BASE_COUNT(plans); i++) {
     check_ok(effects_plan_parse(declared, plans[i], &p, &err), &err);
     effects_plan_print(&p, declared, text);
     assert_string_equal(text, plans[i]);
   }
+  assert_true(p.sleep);
   check_ok(effects_plan_parse(declared, plans[3], &p, &err), &err);
+  assert_false(p.sleep);
   assert_int_equal(effects_plan_at(&p, 0), EFFECT_CONTACT);
   assert_int_equal(effects_plan_at(&p, 1), EFFECT_CONTACT | EFFECT_FRICTION);
   assert_int_equal(effects_plan_at(&p, 899), EFFECT_CONTACT | EFFECT_FRICTION);
