@@ -213,6 +213,9 @@ unsigned world_axis_needs(int axis, int dim);
 /* Velocity of the point `at` of a side at the end of the last set's step, and the side's angular velocity. */
 void world_side_motion(const world *w, int side, const double *v_next, const double *at,
                        double *velocity, double *spin);
+/* The same of the first side of contact i over the second, at its point. */
+void world_contact_motion(const world *w, int i, const double *v_next, double *velocity,
+                          double *spin);
 
 /* world_forces.c */
 base_status world_free_motion(world *w, double h, base_error *err); /* mass blocks, v, v_free */

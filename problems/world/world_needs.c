@@ -32,6 +32,16 @@ void world_side_motion(const world *w, int side, const double *v_next, const dou
   v3_add_scaled(velocity, 1.0, v, velocity);
 }
 
+void world_contact_motion(const world *w, int i, const double *v_next, double *velocity,
+                          double *spin) {
+  const contact_item *c = &w->store.item[w->store.key[i].item];
+  double ub[3], wb[3];
+  world_side_motion(w, c->a, v_next, c->x, velocity, spin);
+  world_side_motion(w, c->b, v_next, c->x, ub, wb);
+  v3_sub(velocity, ub, velocity);
+  v3_sub(spin, wb, spin);
+}
+
 unsigned world_moved_by(const scene_spec *s, unsigned effects) {
   unsigned moved = 0;
   for (int i = 0; i < s->n_body; i++) {
@@ -82,17 +92,13 @@ static bool leans(const double *n) {
 
 /* Velocity of the first side over the second where bodies go without contacts: against the normal, and what slides. */
 static void free_velocity(const world *w, int i, double *press, double *slide) {
-  const set_store *s = &w->store;
-  const contact_item *c = &s->item[s->key[i].item];
-  const double *n = s->frame + 9 * (ptrdiff_t)i;
-  double ua[3], ub[3], spin[3];
-  world_side_motion(w, c->a, s->v_free, c->x, ua, spin);
-  world_side_motion(w, c->b, s->v_free, c->x, ub, spin);
-  v3_sub(ua, ub, ua);
-  const double along = v3_dot(ua, n);
-  v3_add_scaled(ua, -along, n, ua);
+  const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+  double u[3], spin[3];
+  world_contact_motion(w, i, w->store.v_free, u, spin);
+  const double along = v3_dot(u, n);
+  v3_add_scaled(u, -along, n, u);
   *press = fmax(-along, 0.0);
-  *slide = v3_norm(ua);
+  *slide = v3_norm(u);
 }
 
 /* Of the contacts from `first` on of one body, its first side. *end: behind the last of them. */

@@ -67,13 +67,8 @@ static const contact_item *item_of(const world *w, int i) {
 
 /* Of the first side of contact i over the second: how it slides, u [m/s], and turns, spin [rad/s]. */
 static void relative_motion(const world *w, int i, const double *v_next, double *u, double *spin) {
-  const contact_item *c = item_of(w, i);
   const double *n = w->store.frame + 9 * (ptrdiff_t)i;
-  double ub[3], wb[3];
-  world_side_motion(w, c->a, v_next, c->x, u, spin);
-  world_side_motion(w, c->b, v_next, c->x, ub, wb);
-  v3_sub(u, ub, u);
-  v3_sub(spin, wb, spin);
+  world_contact_motion(w, i, v_next, u, spin);
   v3_add_scaled(u, -v3_dot(u, n), n, u);
 }
 

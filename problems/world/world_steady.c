@@ -237,12 +237,9 @@ world_inertia world_inertia_of(const world *w, unsigned effects, int i) {
 
 /* Of contact i, at the dofs' velocities v: what its sides part with along the normal [m/s]. */
 static double parting(const world *w, int i, const double *v) {
-  const contact_item *c = &w->store.item[w->store.key[i].item];
-  double ua[3], ub[3], spin[3];
-  world_side_motion(w, c->a, v, c->x, ua, spin);
-  world_side_motion(w, c->b, v, c->x, ub, spin);
-  v3_sub(ua, ub, ua);
-  return v3_dot(ua, w->store.frame + 9 * (ptrdiff_t)i);
+  double u[3], spin[3];
+  world_contact_motion(w, i, v, u, spin);
+  return v3_dot(u, w->store.frame + 9 * (ptrdiff_t)i);
 }
 
 /* Do the contacts that carry body `own` push along the normal of contact i, or across it? */
