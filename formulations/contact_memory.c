@@ -283,11 +283,14 @@ double contact_memory_energy(const contact_past *past) {
   return sum;
 }
 
-/* Appends entry i of `from`; `out` has room for out_most. */
+/* Appends entry i of `from`; `out` has room for out_most. Impulses are those of its own step. */
 static void append(const contact_past *from, int i, contact_past *out, int out_most) {
+  double *entry = out->number + out_most + (ptrdiff_t)out->n * size_of(out->layout);
   memcpy(out->number + out->n, from->number + i, sizeof *from->number);
-  move_entry(from->layout, entry_of(from, i), out->layout,
-             out->number + out_most + (ptrdiff_t)out->n * size_of(out->layout));
+  move_entry(from->layout, entry_of(from, i), out->layout, entry);
+  for (int k = 0; k < out->layout.impulse && from->h != out->h; k++) {
+    entry[out->layout.head + k] *= out->h / from->h;
+  }
   out->n++;
 }
 

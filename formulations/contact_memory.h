@@ -67,8 +67,8 @@ double contact_memory_energy(const contact_past *past); /* in the springs of all
 base_status contact_memory_copy(const contact_past *from, contact_past *to, base_error *err);
 void contact_memory_drop(contact_past *past);
 
-/* Moves the entries of `from` whose contact is one of `those` to `to`. Entries of both have room for what either had. BASE_ENOMEM leaves both as they
- * were. */
+/* Moves the entries of `from` whose contact is one of `those` to `to`, with impulses over a step as long as that of `to`. Entries of both have room
+ * for what either had. BASE_ENOMEM leaves both as they were. */
 base_status contact_memory_move(contact_past *from, contact_past *to,
                                 bool (*those)(const void *of, uint64_t id), const void *of,
                                 base_error *err);

@@ -104,12 +104,13 @@ static base_status take_clean(watch *w, base_error *err) {
   return there ? BASE_OK : checkpoint_take(&w->clean, w->s, w->record, err);
 }
 
-/* From the step now reached on. */
+/* From the step now reached on. All wake where these are others than in the step before it. */
 static base_status change_effects(watch *w, unsigned now, base_error *err) {
   effects_plan *p = &w->result->plan;
   p->n -= (p->span[p->n - 1].from == w->s->out->steps) ? 1 : 0;
   if (p->n == 0 || p->span[p->n - 1].effects != now) {
     p->span[p->n++] = (effects_span){w->s->out->steps, now};
+    BASE_TRY(sim_wake(w->s, true, err));
   }
   return sim_change_effects(w->s, now, err);
 }
@@ -189,13 +190,13 @@ static bool goes_too_far(watch *w, bool changed, double *bound) {
   return sure;
 }
 
-/* Does a body sleep that is off? What was left out may have gone on to act on it. */
+/* Did a body fall asleep that is off? What was left out may have gone on to act on it, which nothing tells of from here on. */
 static bool sleeps_off(const watch *w) {
   bool some = false;
-  for (int i = 0; i < w->off.n && !some; i++) {
+  for (int i = 0; i < w->off.n && w->s->slept && !some; i++) {
     const deviation_body *b = &w->off.body[i];
     const bool off = b->v > 0.0 || b->w > 0.0 || b->x > 0.0 || b->a > 0.0;
-    some = off && world_body_sleeps(w->s->w, i);
+    some = off && world_just_fell_asleep(w->s->w, i);
   }
   return some;
 }
@@ -214,7 +215,7 @@ static base_status judge(watch *w, double h, bool *taken, base_error *err) {
     return BASE_OK;
   }
   const unsigned by = w->by = deviation_by(&w->off, small);
-  if (s->slept && sleeps_off(w)) {
+  if (sleeps_off(w)) {
     return go_back(w, by, err);
   }
   double bound;

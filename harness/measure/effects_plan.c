@@ -18,17 +18,23 @@ static base_status read_from(const char **text, long last, long *from, base_erro
 
 static const char sleeping[] = "+sleep";
 
-/* Does the text end in it? Less it then. */
+/* Is it one of the words of the text? Less it then. */
 static bool take_sleep(char *text) {
-  const size_t len = strlen(text), own = strlen(sleeping);
-  char *last = text + len - own;
-  if (len < own || strcmp(last, sleeping) != 0 || (len > own && last[-1] != ',')) {
-    return false;
+  const size_t own = strlen(sleeping);
+  char *at = text;
+  while (strncmp(at, sleeping, own) != 0 || (at[own] != '\0' && at[own] != ',')) {
+    at += strcspn(at, ",");
+    if (*at == '\0') {
+      return false;
+    }
+    at++;
   }
-  if (len > own) {
-    last[-1] = '\0';
-  } else {
+  if (strcmp(text, sleeping) == 0) {
     (void)strcpy(text, "declared");
+  } else if (at > text) {
+    memmove(at - 1, at + own, strlen(at + own) + 1); /* with the comma before it */
+  } else {
+    memmove(at, at + own + 1, strlen(at + own)); /* with that behind it */
   }
   return true;
 }

@@ -3,7 +3,8 @@
  *   TEXT             as effects_override takes it: declared, all, or -NAME,+NAME,...
  *   TEXT/12:TEXT     the second from the 13th step on, when 12 steps are done
  *
- * A first text that ends in +sleep has bodies that lie still sleep until something comes near (world_fall_asleep), in all of the run.
+ * With +sleep among the words of the first text bodies that lie still sleep until something comes near, or the effects change
+ * (world_fall_asleep), in all of the run.
  *
  * `--effects auto:E` ends in such a text, and a run with that text has its bits. An effect that comes in finds the bodies
  * where they are; what an effect moved that goes out stands still. The first step after a change starts cold where the

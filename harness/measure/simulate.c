@@ -149,7 +149,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
                   : world_contacts;
   BASE_TRY(find(s->w, s->h, -1.0, &set, err));
   while (s->sleeps && world_is_reached(s->w)) {
-    BASE_TRY(sim_wake(s, err));
+    BASE_TRY(sim_wake(s, false, err));
     BASE_TRY(find(s->w, s->h, -1.0, &set, err));
   }
   lap(&t->contacts, &from);

@@ -95,5 +95,9 @@ base_status sim_follow_plans(sim *s, base_error *err) {
     }
   }
   const unsigned effects = (q->plan != NULL) ? effects_plan_at(q->plan, steps) : s->effects;
-  return (effects != s->effects) ? sim_change_effects(s, effects, err) : BASE_OK;
+  if (effects == s->effects) {
+    return BASE_OK;
+  }
+  BASE_TRY(sim_wake(s, true, err));
+  return sim_change_effects(s, effects, err);
 }

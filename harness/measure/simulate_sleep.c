@@ -2,12 +2,16 @@
 #include "harness/measure/simulate_state.h"
 
 base_status sim_asleep_copy(sim_asleep *to, const sim_asleep *from, base_error *err) {
+  if (to->change == from->change) {
+    return BASE_OK;
+  }
   BASE_TRY(contact_memory_copy(&from->past, &to->past, err));
   to->energy = from->energy;
   to->resting.n = 0;
   for (int i = 0; i < from->resting.n; i++) {
     BASE_TRY(series_resting_add(&to->resting, &from->resting.force[i], err));
   }
+  to->change = from->change;
   return BASE_OK;
 }
 
@@ -22,11 +26,11 @@ bool sim_may_sleep(const sim *s) {
          q->spec->model == NULL;
 }
 
-static bool sleeps(const void *of, uint64_t id) {
+static bool contact_sleeps(const void *of, uint64_t id) {
   return world_contact_sleeps(of, id);
 }
 
-static bool is_awake(const void *of, uint64_t id) {
+static bool contact_is_awake(const void *of, uint64_t id) {
   return !world_contact_sleeps(of, id);
 }
 
@@ -52,8 +56,10 @@ base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_an
   BASE_TRY(world_fall_asleep(s->w, a->shift, &s->slept, err));
   if (s->slept) {
     BASE_TRY(formulation_keep(s->form, &s->awake, err));
-    BASE_TRY(contact_memory_move(&s->awake, &s->asleep.past, sleeps, s->w, err));
+    BASE_TRY(contact_memory_move(&s->awake, &s->asleep.past, contact_sleeps, s->w, err));
+    BASE_TRY(formulation_recall(s->form, &s->awake, err));
     BASE_TRY(note_forces(s, set, a->impulse, err));
+    s->asleep.change = ++s->n_change;
     s->asleep.energy = contact_memory_energy(&s->asleep.past);
     s->carrying = sim_carrying_of(s, set, a);
   }
@@ -63,18 +69,22 @@ base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_an
   return BASE_OK;
 }
 
-base_status sim_wake(sim *s, base_error *err) {
+base_status sim_wake(sim *s, bool all, base_error *err) {
   series_resting *r = &s->asleep.resting;
   int n = 0;
-  BASE_TRY(world_wake(s->w, err));
+  if (all && world_n_asleep(s->w) == 0) {
+    return BASE_OK;
+  }
+  BASE_TRY(world_wake(s->w, all, err));
   BASE_TRY(formulation_keep(s->form, &s->awake, err));
-  BASE_TRY(contact_memory_move(&s->asleep.past, &s->awake, is_awake, s->w, err));
+  BASE_TRY(contact_memory_move(&s->asleep.past, &s->awake, contact_is_awake, s->w, err));
   for (int i = 0; i < r->n; i++) {
     if (world_contact_sleeps(s->w, r->force[i].id)) {
       r->force[n++] = r->force[i];
     }
   }
   r->n = n;
+  s->asleep.change = ++s->n_change;
   s->asleep.energy = contact_memory_energy(&s->asleep.past);
   return formulation_recall(s->form, &s->awake, err);
 }

@@ -13,6 +13,7 @@ typedef struct sim_asleep {
   contact_past past;
   series_resting resting;
   double energy;
+  long change; /* two that are of the same change are the same */
 } sim_asleep;
 
 /* BASE_ENOMEM. */
@@ -92,6 +93,7 @@ typedef struct sim {
   bool sleeps; /* bodies may */
   bool slept;  /* some fell asleep in the last step */
   sim_asleep asleep;
+  long n_change;      /* that `asleep` has gone through */
   contact_past awake; /* of the other contacts, while bodies fall asleep or wake */
   contact_order order;
   unsigned effects;             /* simulated now */
@@ -139,7 +141,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
 /* One step of h [s] into the record; *taken = false: it could not be taken, and the status says why;
  * or the run's time was up in it, which is nothing against it, and the world is somewhere in the step. */
 base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *err);
-/* Between two steps: the bodies go on from where they are with these effects. BASE_EUNSUPPORTED where the formulation has no
+/* Between two steps: the bodies go on from where they are with these effects. Who sleeps does so on. BASE_EUNSUPPORTED where the formulation has no
  * memory to hand over (formulation.memory). */
 base_status sim_change_effects(sim *s, unsigned effects, base_error *err);
 /* Between two steps: another formulation and solver, which outlive the run, go on with what the last one remembers of its contacts. A
@@ -171,8 +173,9 @@ bool sim_may_sleep(const sim *s);
 /* Behind a step: those that lay still fall asleep. The set is no longer valid where some did. `a`: the answer of the step. BASE_ENOMEM. */
 base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,
                             base_error *err);
-/* Those that a contact of the set just found reaches wake, with the memory of their contacts: it is to be found anew. BASE_ENOMEM. */
-base_status sim_wake(sim *s, base_error *err);
+/* Those that a contact of the set just found reaches wake, with the memory of their contacts, but what the solver answered by itself: the set is to be
+ * found anew. Or all of them. BASE_ENOMEM. */
+base_status sim_wake(sim *s, bool all, base_error *err);
 
 /* Hash and number of the contacts that carry and do not sleep. */
 sim_carrying sim_carrying_of(const sim *s, const contact_set *set, const formulation_answer *a);

@@ -34,7 +34,7 @@ unsigned body_axes(int dim, unsigned effects);
  * in the x-z plane only. */
 void body_start(body *b, const spec_body *s, int dim, unsigned effects);
 
-/* Does some axis follow a motion that is not to stand still? */
+/* Does a driven axis move, now or later? */
 bool body_is_driven(const body *b);
 
 /* Velocity of the driven axes at time t, zero on the others. */

@@ -238,8 +238,11 @@ base_status world_renumber(world *w, base_error *err) {
 }
 
 base_status world_set_effects(world *w, unsigned effects, base_error *err) {
+  const unsigned before = w->effects;
   w->effects = effects;
-  return world_renumber(w, err);
+  const base_status done = world_renumber(w, err);
+  w->effects = (done == BASE_OK) ? effects : before;
+  return done;
 }
 
 void world_close(world *w) {

@@ -29,15 +29,17 @@ void world_close(world *w);
  * driven or a belt. A moving side that comes as near as a contact is listed wakes all of the group that fell asleep together.
  *
  * To be called behind world_advance (and world_shift with `shift`, NULL: none). Still is what moves by less than 1e-11 of the velocity that
- * gravity and loads give in the step. *some: bodies fell asleep, and the last set is no longer valid. BASE_ENOMEM. */
+ * gravity and its constant loads give the body in the step. *some: bodies fell asleep, and the last set is no longer valid. BASE_ENOMEM. */
 base_status world_fall_asleep(world *w, const double *shift, bool *some, base_error *err);
 /* Does a contact of the last set have a side that sleeps? It is to be woken then, and the contacts are others. */
 bool world_is_reached(const world *w);
-base_status world_wake(world *w, base_error *err);
+/* The groups that it reaches, or all. */
+base_status world_wake(world *w, bool all, base_error *err);
 int world_n_asleep(const world *w);          /* bodies */
 bool world_body_sleeps(const world *w, int i);
+bool world_just_fell_asleep(const world *w, int i); /* in the last world_fall_asleep */
 bool world_contact_sleeps(const world *w, uint64_t id); /* a side of it does, and none is awake */
-/* Who sleeps, and for how long who does not lay still: world_sleep_size numbers, to come back to. BASE_ENOMEM. */
+/* Who sleeps, and for how many steps the others lay still: world_sleep_size numbers, to come back to. BASE_ENOMEM. */
 size_t world_sleep_size(const world *w);
 void world_sleep_save(const world *w, int *asleep);
 base_status world_sleep_load(world *w, const int *asleep, base_error *err);

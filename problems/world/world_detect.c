@@ -76,16 +76,17 @@ static void narrow(const finder *f, int a, int b, double margin) {
   }
 }
 
-/* May one of two sides move that the other one, asleep, would be woken by? */
-static bool wakes(const world *w, int a, int b) {
-  return b < w->n_body && ((w->body[a].sleeps != 0 && body_is_driven(&w->body[b])) ||
-                           (w->body[b].sleeps != 0 && body_is_driven(&w->body[a])));
+bool detect_may_collide(const world *w, int a, int b) {
+  const bool fixed =
+      !body_is_free(&w->body[a]) && (b >= w->n_body || !body_is_free(&w->body[b]));
+  return !fixed && pair_value(&w->apart, a, b) == 0.0;
 }
 
-bool detect_may_collide(const world *w, int a, int b) {
-  const bool still = w->body[a].n_dof == 0 && (b >= w->n_body || w->body[b].n_dof == 0) &&
-                     !wakes(w, a, b);
-  return !still && pair_value(&w->apart, a, b) == 0.0;
+/* Does neither of two sides move, as far as a step knows? What is driven wakes a side that sleeps. */
+static bool both_rest(const world *w, int a, int b) {
+  const body *A = &w->body[a], *B = (b < w->n_body) ? &w->body[b] : NULL;
+  return A->n_dof == 0 && !body_is_driven(A) &&
+         (B == NULL || (B->n_dof == 0 && !body_is_driven(B)));
 }
 
 static double plane_distance(const body *b, const spec_static *plane) {
@@ -157,7 +158,7 @@ static void against_planes(const finder *f, int a, double margin) {
   const world *w = f->w;
   for (int i = 0; i < w->spec.n_static; i++) {
     const int b = w->n_body + i;
-    if (!(plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin) &&
+    if (!both_rest(w, a, b) && !(plane_distance(&w->body[a], &w->spec.fixed[i]) >= margin) &&
         detect_may_collide(w, a, b)) {
       narrow(f, a, b, margin);
     }
@@ -190,7 +191,7 @@ static void find_points(void *of, int part, int hand) {
       continue;
     }
     const broad_pair p = w->broad.pair[k];
-    if (detect_may_collide(w, p.a, p.b)) {
+    if (!both_rest(w, p.a, p.b) && detect_may_collide(w, p.a, p.b)) {
       narrow(&f, p.a, p.b, widened(w, p.a) + widened(w, p.b));
     }
   }

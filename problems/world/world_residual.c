@@ -96,14 +96,14 @@ static void add_joints(const world *w, const double *impulse) {
   }
 }
 
-/* Gravity and loads, as they were taken at the start of the step, and omega x I omega. */
+/* Gravity and loads, as they were taken at the start of the step, and omega x I omega; of what sleeps nothing, as its contacts are not there. */
 static void add_loads(const world *w) {
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
     residual *r = world_residual(w, i);
     double *f = r->wrench;
     for (int k = 0; k < AXES; k++) {
-      f[k] = w->h * w->store.wrench[AXES * (ptrdiff_t)i + k];
+      f[k] = (b->sleeps == 0) ? w->h * w->store.wrench[AXES * (ptrdiff_t)i + k] : 0.0;
     }
     if (w->dim == 3 && b->spins) {
       double I[9], L[3], c[3];

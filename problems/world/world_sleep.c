@@ -2,10 +2,10 @@
 #include "problems/vec.h"
 #include "problems/world/world_data.h"
 
-/* Of the velocity that gravity and loads give in a step: what moves by less lies still. */
+/* Of the velocity that gravity and its loads give a body in a step: what moves by less lies still. */
 static const double rest = 1e-11;
 /* In a row, before a body sleeps: two in which --effects auto may leave out what is not needed at rest, and two that show it. */
-enum { STILL_STEPS = 4 };
+enum { STILL_STEPS = 4, ASLEEP = STILL_STEPS + 1 };
 
 /* ---- groups ---------------------------------------------------------------------------------- */
 
@@ -92,15 +92,23 @@ static double speed_of(const body *b, const double *shift) {
   return part[0] + b->bound * part[1];
 }
 
+static bool lay_still(const world *w, int i, const double *shift) {
+  const body *b = &w->body[i];
+  const double force = v3_norm(w->store.wrench + AXES * (ptrdiff_t)i);
+  const double gives = v3_norm(w->spec.gravity) + ((b->mass > 0.0) ? force / b->mass : 0.0);
+  return speed_of(b, shift) <= rest * w->h * gives;
+}
+
 /* *may: some body has lain still for long enough. */
 static void count_still(world *w, const double *shift, bool *may) {
-  const double least = rest * w->h * world_most_acceleration(w);
   *may = false;
   for (int i = 0; i < w->n_body; i++) {
     body *b = &w->body[i];
     if (b->n_dof > 0) {
-      b->still = (speed_of(b, shift) <= least) ? b->still + (b->still < STILL_STEPS) : 0;
+      b->still = lay_still(w, i, shift) ? b->still + (b->still < STILL_STEPS) : 0;
       *may = *may || b->still == STILL_STEPS;
+    } else if (b->sleeps != 0) {
+      b->still = ASLEEP;
     }
   }
 }
@@ -139,11 +147,11 @@ static void mark(const world *w, int side) {
   }
 }
 
-base_status world_wake(world *w, base_error *err) {
+base_status world_wake(world *w, bool all, base_error *err) {
   for (int i = 0; i < w->n_body; i++) {
-    w->link[i] = 0;
+    w->link[i] = all;
   }
-  for (int i = 0; i < w->store.n_item; i++) {
+  for (int i = 0; i < w->store.n_item && !all; i++) {
     mark(w, w->store.item[i].a);
     mark(w, w->store.item[i].b);
   }
@@ -166,6 +174,10 @@ int world_n_asleep(const world *w) {
 
 bool world_body_sleeps(const world *w, int i) {
   return i < w->n_body && w->body[i].sleeps != 0;
+}
+
+bool world_just_fell_asleep(const world *w, int i) {
+  return world_body_sleeps(w, i) && w->body[i].still == STILL_STEPS;
 }
 
 bool world_contact_sleeps(const world *w, uint64_t id) {

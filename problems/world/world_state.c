@@ -75,7 +75,9 @@ void world_set_state(world *w, double t, const double *config, const double *v) 
   for (int i = 0; i < w->n_body; i++) {
     body *b = &w->body[i];
     if (b->n_dof == 0) {
-      place_kinematic(w, i);
+      if (b->sleeps == 0) {
+        place_kinematic(w, i);
+      }
       continue;
     }
     memcpy(b->at.x, config, (size_t)w->dim * sizeof *config);

@@ -79,6 +79,40 @@ def nothing_sleeps_beside_what_may_change(d):
     assert o["n_asleep_max"] == 2 and o["n_asleep"] < 2 * 95 and apart(a, b) < 1e-9, (o, apart(a, b))
 
 
+def other_effects_wake_all(d):
+    """What a body rests by may be another effect: gravity that comes in later, rotation of a box on one foot."""
+    hangs = scene("hangs", 2, 1.0, [disc("a", 0.1, [0, 5.0])], observe=["a.y"])
+    hangs |= {"gravity": [0, -G]}
+    foot = plane("foot", [0, 1], 0.0)
+    tips = scene("tips", 2, 0.5, [box("a", [0.1, 0.4], [0, 0.4118], angle=0.3)], observe=["a.angle"])
+    tips |= {"gravity": [0, -G], "static": [foot], "friction": {"default": 0.5}}
+    for s, out in ((hangs, "-gravity"), (tips, "-rotation")):
+        path = written(d, s)
+        plans = (f"{out}/40:declared", f"{out},+sleep/40:declared")
+        whole, less = (run(path, WAYS[0], e) for e in plans)
+        a, b = (o["observables"][s["observe"][0]]["value"] for o in (whole, less))
+        assert less["n_asleep"] > 10, less["n_asleep"]
+        assert abs(a - b) < 1e-9 and a not in (0.3, 5.0), (out, a, b)
+
+
+def held_axes_and_steps_that_change(d):
+    """An axis that is held at a velocity of 0 stays where it is while its body sleeps; a memory of
+    long steps wakes in short ones."""
+    falls = scene("falls", 2, 1.0, [box("a", [0.1, 0.1], [0, 0.3], prescribed={"x": {"v0": 0, "a": 0}})])
+    falls |= {"gravity": [0, -G], "static": [plane("floor", [0, 1], 0.0)], "observe": ["a.y"]}
+    path = written(d, falls)
+    whole, less = (run(path, ("acceleration", "lemke"), e) for e in ("declared", "+sleep"))
+    a, b = (o["observables"]["a.y"]["value"] for o in (whole, less))
+    assert less["n_asleep"] > 20 and abs(a - b) < 1e-9, (a, b, less["n_asleep"])
+    steps = d / "steps.txt"
+    steps.write_text("0.01\n" * 40 + "0.001\n" * 600)
+    path = written(d, settled("hit", ball()))
+    for way in WAYS:
+        ends = [run(path, way, e, "--steps", steps)["observables"] for e in ("declared", "+sleep")]
+        for name, one in ends[0].items():
+            assert abs(one["value"] - ends[1][name]["value"]) < 1e-6, (way, name, ends)
+
+
 def forces_and_energies_go_on(d):
     """What a scene predicts of contact forces holds; energy does not jump where bristles sleep."""
     for name in ("pile3", "stack:n=5", "arch"):
@@ -119,8 +153,8 @@ def what_sleep_cannot_do_is_said(d):
     one_line_error(*both, "--steps", steps, names=["+sleep: bodies sleep in plain steps"])
     turns = ("--formulation", "velocity/50:boxed", "--solver", "lemke/50:newton")
     one_line_error("simulate", path, *turns, "--effects", "+sleep", names=["these change"])
-    o = run(path, ("event", "lemke"), "+sleep")
-    assert o["n_asleep"] == 0 and o["status"] == "ok"  # it steps by itself: nobody sleeps
+    event = ("--formulation", "event", "--solver", "lemke")
+    one_line_error("simulate", path, *event, "--effects", "+sleep", names=["no memory to wake with"])
 
 
 if __name__ == "__main__":
@@ -128,6 +162,8 @@ if __name__ == "__main__":
         [
             what_lies_still_has_no_rows_until_it_is_hit,
             nothing_sleeps_beside_what_may_change,
+            other_effects_wake_all,
+            held_axes_and_steps_that_change,
             forces_and_energies_go_on,
             auto_tells_that_bodies_slept_and_is_repeated,
             what_sleep_cannot_do_is_said,

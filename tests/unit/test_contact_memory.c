@@ -148,6 +148,41 @@ static void entries_move_by_contact(void **state) {
   contact_memory_close(&back);
 }
 
+static bool is_any(const void *of, uint64_t id) {
+  (void)of;
+  return id > 0;
+}
+
+/* Impulses that move to a list of a step twice as long are twice as large, forces stay. */
+static void impulses_are_those_of_the_step(void **state) {
+  (void)state;
+  static const uint64_t one[] = {10}, other[] = {20};
+  static const contact_rows rows[] = {{2, 0, 0}};
+  const contact_set c = set_of(one, rows, 1);
+  contact_set d = set_of(other, rows, 1);
+  contact_memory m = {0}, n = {0}, back = {0};
+  contact_past from = {0}, to = {0};
+  base_error err;
+  d.h = 2 * c.h;
+  begin(&m, &c);
+  begin(&n, &d);
+  fill(&m, 0);
+  check_ok(contact_memory_keep(&m, &from, &err), &err);
+  check_ok(contact_memory_keep(&n, &to, &err), &err);
+  check_ok(contact_memory_move(&from, &to, is_any, NULL, &err), &err);
+  check_ok(contact_memory_recall(&back, &to, &err), &err);
+  const double *was = contact_memory_now(&m, 0), *is = contact_memory_now(&back, 0);
+  for (int k = 0; k < m.stride; k++) {
+    const bool impulse = k >= PAST_IMPULSE && k < contact_memory_pulls(&m);
+    assert_true(is[k] == (impulse ? 2 : 1) * was[k]);
+  }
+  contact_memory_drop(&from);
+  contact_memory_drop(&to);
+  contact_memory_close(&m);
+  contact_memory_close(&n);
+  contact_memory_close(&back);
+}
+
 /* Another formulation goes on with head, impulses and pulls, whatever it needs itself. */
 static void what_is_common_is_taken_over(void **state) {
   (void)state;
@@ -229,6 +264,7 @@ int main(void) {
       cmocka_unit_test(entries_hold_what_contacts_have),
       cmocka_unit_test(entries_grow_part_by_part),
       cmocka_unit_test(entries_move_by_contact),
+      cmocka_unit_test(impulses_are_those_of_the_step),
       cmocka_unit_test(what_is_common_is_taken_over),
       cmocka_unit_test(the_layout_does_not_show),
   };

@@ -44,6 +44,26 @@ static void a_plan_is_printed_as_it_is_read(void **state) {
   assert_int_equal(effects_plan_union(&p), declared);
 }
 
+static void sleep_may_stand_anywhere_in_the_first_text(void **state) {
+  (void)state;
+  const unsigned declared = EFFECT_CONTACT | EFFECT_FRICTION;
+  base_error err = {0};
+  effects_plan p;
+  char text[EFFECTS_TEXT];
+  const char *const plans[][2] = {{"+sleep,-friction", "-friction,+sleep"},
+                                  {"-friction,+sleep,+rolling", "-friction,+rolling,+sleep"},
+                                  {"+sleep/5:-friction", "+sleep/5:-friction"}};
+  for (int i = 0; i < BASE_COUNT(plans); i++) {
+    check_ok(effects_plan_parse(declared, plans[i][0], &p, &err), &err);
+    effects_plan_print(&p, declared, text);
+    assert_string_equal(text, plans[i][1]);
+  }
+  const char *const wrong[] = {"+sleepy", "-sleep", "declared/5:+sleep", "+sleep,+sleep"};
+  for (int i = 0; i < BASE_COUNT(wrong); i++) {
+    assert_int_equal(effects_plan_parse(declared, wrong[i], &p, &err), BASE_EINVAL);
+  }
+}
+
 static void a_wrong_plan_is_refused(void **state) {
   (void)state;
   base_error err = {0};
@@ -66,7 +86,8 @@ static void a_wrong_plan_is_refused(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(a_plan_is_printed_as_it_is_read),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(sleep_may_stand_anywhere_in_the_first_text),
+                                     cmocka_unit_test(a_plan_is_printed_as_it_is_read),
                                      cmocka_unit_test(a_wrong_plan_is_refused),
                                      cmocka_unit_test(override_adds_and_removes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
