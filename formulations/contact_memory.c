@@ -199,6 +199,33 @@ bool contact_memory_closed(const contact_memory *m, int i) {
   return false;
 }
 
+/* By how much the entry of contact i differs from the one before in what the next step goes on from [N s]; HUGE_VAL: there was none. */
+static double differs_by(const contact_memory *m, int i, bool lagged) {
+  const double *was = contact_memory_old(m, i), *is = m->now + (ptrdiff_t)i * m->stride;
+  if (was == NULL) {
+    return HUGE_VAL;
+  }
+  const int pulls = contact_memory_pulls(m);
+  double most = lagged ? fabs(is[PAST_IMPULSE] - was[PAST_IMPULSE]) : 0;
+  for (int k = pulls; k < pulls + m->layout.pull; k++) {
+    most = fmax(most, m->h_now * fabs(is[k] - was[k]));
+  }
+  return most;
+}
+
+void contact_memory_unlike(const contact_memory *m, bool lagged, double share,
+                           void (*tell)(void *of, uint64_t id), void *of) {
+  double most = 0;
+  for (int i = 0; i < m->n; i++) {
+    most = fmax(most, fabs(m->now[(ptrdiff_t)i * m->stride + PAST_IMPULSE]));
+  }
+  for (int i = 0; i < m->n; i++) {
+    if (!(differs_by(m, i, lagged) <= share * most)) {
+      tell(of, m->id[i]);
+    }
+  }
+}
+
 void contact_memory_forget(contact_memory *m) {
   m->n = 0;
   m->n_old = 0;

@@ -136,6 +136,14 @@ base_status formulation_recall(formulation_run *r, const contact_past *past, bas
   return contact_memory_recall(m, past, err);
 }
 
+base_status formulation_unlike(const formulation_run *r, double share,
+                               void (*tell)(void *of, uint64_t id), void *of, base_error *err) {
+  contact_memory *m;
+  BASE_TRY(memory_of(r, &m, err));
+  contact_memory_unlike(m, (r->form->model & FORM_BOUNDS_LAGGED) != 0, share, tell, of);
+  return BASE_OK;
+}
+
 base_status formulation_take_over(formulation_run *r, const formulation *f, contact_past *past,
                                   base_error *err) {
   if (f != r->form && r->form->memory != 0) {

@@ -46,14 +46,28 @@ static base_status note_forces(sim *s, const contact_set *set, const double *imp
   return BASE_OK;
 }
 
+static void stir(void *of, uint64_t id) {
+  world_stir(of, id);
+}
+
+/* Those that lay still, on contacts whose springs and bounds of friction did not change, either. */
+static base_status fall_asleep(sim *s, const double *shift, base_error *err) {
+  static const double alike = 1e-9; /* of the largest normal impulse */
+  s->slept = false;
+  if (!world_count_still(s->w, shift)) {
+    return BASE_OK;
+  }
+  BASE_TRY(formulation_unlike(s->form, alike, stir, s->w, err));
+  return world_fall_asleep(s->w, &s->slept, err);
+}
+
 base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,
                             base_error *err) {
   sim_result *r = s->out;
-  s->slept = false;
   if (!s->sleeps) {
     return BASE_OK;
   }
-  BASE_TRY(world_fall_asleep(s->w, a->shift, &s->slept, err));
+  BASE_TRY(fall_asleep(s, a->shift, err));
   if (s->slept) {
     BASE_TRY(formulation_keep(s->form, &s->awake, err));
     BASE_TRY(contact_memory_move(&s->awake, &s->asleep.past, contact_sleeps, s->w, err));

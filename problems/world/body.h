@@ -23,7 +23,9 @@ typedef struct body {
   bool round;  /* a ball about the centre of mass: no normal force turns it */
   double driven_v0[6], driven_a[6];
   int sleeps; /* number of the group that it sleeps with (world_sleep.c): it has no dofs then; 0: it is awake */
-  int still;  /* steps in a row at whose end it lay still */
+  int still;   /* steps in a row at whose end it lay still, */
+  int rising;  /* and at which it was faster than at the end of the one before, */
+  double last; /* which was the speed of its fastest point at the last [m/s] */
 } body;
 
 /* Axes (SPEC_ bits) that bodies of a scene have with these effects. */

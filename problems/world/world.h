@@ -28,9 +28,13 @@ void world_close(world *w);
  * joint rows from there on; its velocity is 0. Bodies under a load that may change sleep never, nor what touches something that is
  * driven or a belt. A moving side that comes as near as a contact is listed wakes all of the group that fell asleep together.
  *
- * To be called behind world_advance (and world_shift with `shift`, NULL: none). Still is what moves by less than 1e-11 of the velocity that
- * gravity and its constant loads give the body in the step. *some: bodies fell asleep, and the last set is no longer valid. BASE_ENOMEM. */
-base_status world_fall_asleep(world *w, const double *shift, bool *some, base_error *err);
+ * Still is what moves by less than 1e-11 of the velocity that gravity and its constant loads give the body in the step, and does not get
+ * faster from step to step, as what begins to fall. Behind world_advance (and world_shift with `shift`, NULL: none): may some body fall asleep? */
+bool world_count_still(world *w, const double *shift);
+/* Not yet those of this contact of the last set. */
+void world_stir(world *w, uint64_t id);
+/* *some: bodies fell asleep, and the last set is no longer valid. BASE_ENOMEM. */
+base_status world_fall_asleep(world *w, bool *some, base_error *err);
 /* Does a contact of the last set have a side that sleeps? It is to be woken then, and the contacts are others. */
 bool world_is_reached(const world *w);
 /* The groups that it reaches, or all. */
@@ -41,8 +45,8 @@ bool world_just_fell_asleep(const world *w, int i); /* in the last world_fall_as
 bool world_contact_sleeps(const world *w, uint64_t id); /* a side of it does, and none is awake */
 /* Who sleeps, and for how many steps the others lay still: world_sleep_size numbers, to come back to. BASE_ENOMEM. */
 size_t world_sleep_size(const world *w);
-void world_sleep_save(const world *w, int *asleep);
-base_status world_sleep_load(world *w, const int *asleep, base_error *err);
+void world_sleep_save(const world *w, double *asleep);
+base_status world_sleep_load(world *w, const double *asleep, base_error *err);
 
 /* Detects contacts with gap below margin at the current configuration and fills *out with views
  * valid until the next call. margin < 0: chosen from h and the speeds. Grows its arrays when the

@@ -4,6 +4,7 @@
 
 /* Of the velocity that gravity and its loads give a body in a step: what moves by less lies still. */
 static const double rest = 1e-11;
+static const double rounding = 1e-4; /* of that */
 /* In a row, before a body sleeps: two in which --effects auto may leave out what is not needed at rest, and two that show it. */
 enum { STILL_STEPS = 4, ASLEEP = STILL_STEPS + 1 };
 
@@ -24,6 +25,12 @@ static void join(int *link, int i, int k) {
 
 static bool is_awake(const world *w, int side) {
   return side >= 0 && side < w->n_body && w->body[side].n_dof > 0;
+}
+
+static void sides_of(uint64_t id, int side[2]) {
+  const uint64_t mask = ((uint64_t)1 << ID_SIDE_BITS) - 1;
+  side[0] = (int)(id >> ID_SIDE_A_SHIFT & mask);
+  side[1] = (int)(id >> ID_SIDE_B_SHIFT & mask);
 }
 
 /* Does a side move by itself, whatever touches it? */
@@ -68,7 +75,8 @@ static void find_groups(const world *w) {
   }
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
-    if (b->n_dof > 0 && (b->still < STILL_STEPS || body_is_driven(b))) {
+    const bool falls = b->rising >= STILL_STEPS - 1; /* faster in each step, however slow it is */
+    if (b->n_dof > 0 && (b->still < STILL_STEPS || falls || body_is_driven(b))) {
       join(w->link, i, w->n_body);
     }
   }
@@ -92,37 +100,47 @@ static double speed_of(const body *b, const double *shift) {
   return part[0] + b->bound * part[1];
 }
 
-static bool lay_still(const world *w, int i, const double *shift) {
-  const body *b = &w->body[i];
-  const double force = v3_norm(w->store.wrench + AXES * (ptrdiff_t)i);
-  const double gives = v3_norm(w->spec.gravity) + ((b->mass > 0.0) ? force / b->mass : 0.0);
-  return speed_of(b, shift) <= rest * w->h * gives;
+/* The speed at which a body lies still [m/s]. */
+static double least_speed(const world *w, int i) {
+  const double force = v3_norm(w->store.wrench + AXES * (ptrdiff_t)i), mass = w->body[i].mass;
+  const double gives = v3_norm(w->spec.gravity) + ((mass > 0.0) ? force / mass : 0.0);
+  return rest * w->h * gives;
 }
 
-/* *may: some body has lain still for long enough. */
-static void count_still(world *w, const double *shift, bool *may) {
-  *may = false;
-  for (int i = 0; i < w->n_body; i++) {
+static void note_still(body *b, double speed, double least) {
+  const bool rises = speed > b->last && speed > rounding * least;
+  b->rising = rises ? b->rising + (b->rising < STILL_STEPS) : 0;
+  b->still = (speed <= least) ? b->still + (b->still < STILL_STEPS) : 0;
+  b->last = speed;
+}
+
+bool world_count_still(world *w, const double *shift) {
+  bool some = false;
+  for (int i = 0; w->model == NULL && i < w->n_body; i++) {
     body *b = &w->body[i];
     if (b->n_dof > 0) {
-      b->still = lay_still(w, i, shift) ? b->still + (b->still < STILL_STEPS) : 0;
-      *may = *may || b->still == STILL_STEPS;
+      note_still(b, speed_of(b, shift), least_speed(w, i));
+      some = some || b->still == STILL_STEPS;
     } else if (b->sleeps != 0) {
       b->still = ASLEEP;
     }
   }
+  return some;
 }
 
-base_status world_fall_asleep(world *w, const double *shift, bool *some, base_error *err) {
-  bool may;
+void world_stir(world *w, uint64_t id) {
+  int side[2];
+  sides_of(id, side);
+  for (int k = 0; k < 2; k++) {
+    if (is_awake(w, side[k])) {
+      body *b = &w->body[side[k]];
+      b->still -= b->still == STILL_STEPS;
+    }
+  }
+}
+
+base_status world_fall_asleep(world *w, bool *some, base_error *err) {
   *some = false;
-  if (w->model != NULL) {
-    return BASE_OK;
-  }
-  count_still(w, shift, &may);
-  if (!may) {
-    return BASE_OK;
-  }
   find_groups(w);
   const int awake = first_of(w->link, w->n_body);
   for (int i = 0; i < w->n_body; i++) {
@@ -181,32 +199,39 @@ bool world_just_fell_asleep(const world *w, int i) {
 }
 
 bool world_contact_sleeps(const world *w, uint64_t id) {
-  const int mask = (1 << ID_SIDE_BITS) - 1;
-  const int side[2] = {(int)(id >> ID_SIDE_A_SHIFT) & mask, (int)(id >> ID_SIDE_B_SHIFT) & mask};
+  int side[2];
+  sides_of(id, side);
   const bool awake = is_awake(w, side[0]) || is_awake(w, side[1]);
   return !awake && (world_body_sleeps(w, side[0]) || world_body_sleeps(w, side[1]));
 }
 
 /* ---- to come back to ------------------------------------------------------------------------- */
 
+enum { SLEEP_NUMBERS = 4 }; /* of a body */
+
 size_t world_sleep_size(const world *w) {
-  return 2 * (size_t)w->n_body;
+  return SLEEP_NUMBERS * (size_t)w->n_body;
 }
 
-void world_sleep_save(const world *w, int *asleep) {
-  for (int i = 0; i < w->n_body; i++) {
-    asleep[2 * (ptrdiff_t)i] = w->body[i].sleeps;
-    asleep[2 * (ptrdiff_t)i + 1] = w->body[i].still;
+void world_sleep_save(const world *w, double *asleep) {
+  for (int i = 0; i < w->n_body; i++, asleep += SLEEP_NUMBERS) {
+    const body *b = &w->body[i];
+    asleep[0] = b->sleeps;
+    asleep[1] = b->still;
+    asleep[2] = b->rising;
+    asleep[3] = b->last;
   }
 }
 
-base_status world_sleep_load(world *w, const int *asleep, base_error *err) {
+base_status world_sleep_load(world *w, const double *asleep, base_error *err) {
   bool others = false;
-  for (int i = 0; i < w->n_body; i++) {
+  for (int i = 0; i < w->n_body; i++, asleep += SLEEP_NUMBERS) {
     body *b = &w->body[i];
-    others = others || b->sleeps != asleep[2 * (ptrdiff_t)i];
-    b->sleeps = asleep[2 * (ptrdiff_t)i];
-    b->still = asleep[2 * (ptrdiff_t)i + 1];
+    others = others || b->sleeps != (int)asleep[0];
+    b->sleeps = (int)asleep[0];
+    b->still = (int)asleep[1];
+    b->rising = (int)asleep[2];
+    b->last = asleep[3];
   }
   return others ? world_renumber(w, err) : BASE_OK;
 }

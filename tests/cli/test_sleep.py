@@ -1,6 +1,7 @@
 """Bodies that lie still sleep until something reaches them (--effects +sleep, and auto:E)."""
 
 import csv
+import math
 import random
 import sys
 
@@ -95,6 +96,24 @@ def other_effects_wake_all(d):
         assert abs(a - b) < 1e-9 and a not in (0.3, 5.0), (out, a, b)
 
 
+def what_begins_to_fall_stays_awake(d):
+    """A box on its edge, off its balance by 4e-13 rad, falls after 1.8 s. What drifts beside a large load on another
+    body goes on."""
+    half, angle = 0.1, 0.785398163397
+    edge = scene("edge", 2, 4.0, [box("a", [half] * 2, [0, half * math.sqrt(2)], angle=angle)])
+    edge |= {"gravity": [0, -G], "static": [plane("floor", [0, 1], 0.0)], "observe": ["a.angle"]}
+    edge |= {"friction": {"default": 0.5}}
+    drifts = scene("drifts", 2, 1.0, [disc("a", 0.1, [0, 0], vel=[0.01, 0]), disc("b", 0.1, [9, 0])])
+    push = {"type": "constant_force", "body": "b", "force": [1e9, 0]}
+    drifts |= {"gravity": [0, 0], "loads": [push], "observe": ["a.x"]}
+    for s in (edge, drifts):
+        path = written(d, s)
+        for way in WAYS:
+            ends = [run(path, way, e)["observables"] for e in ("declared", "+sleep")]
+            a, b = (o[s["observe"][0]]["value"] for o in ends)
+            assert abs(a - b) < 1e-6 and abs(a - angle) > 0.1, (s["id"], way, a, b)
+
+
 def held_axes_and_steps_that_change(d):
     """An axis that is held at a velocity of 0 stays where it is while its body sleeps; a memory of
     long steps wakes in short ones."""
@@ -163,6 +182,7 @@ if __name__ == "__main__":
             what_lies_still_has_no_rows_until_it_is_hit,
             nothing_sleeps_beside_what_may_change,
             other_effects_wake_all,
+            what_begins_to_fall_stays_awake,
             held_axes_and_steps_that_change,
             forces_and_energies_go_on,
             auto_tells_that_bodies_slept_and_is_repeated,
