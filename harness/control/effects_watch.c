@@ -494,7 +494,8 @@ static formulation_friction friction_of(const sim_request *q) {
   return formulation_friction_of(q->form->form, q->spec->dim, q->form->opt);
 }
 
-/* What none of the bounds tells of stays in: whether a contact has slid (friction_kinetic); the plane where the facets of a cone do not lie in
+/* What none of the bounds tells of stays in: whether a contact has slid (friction_kinetic), which goes with how the feet of a body share its load,
+ * and so with all that turns it; the plane where the facets of a cone do not lie in
  * it, or where turning in it turns a body out of it; and everything where bodies that are in each other are pushed apart. */
 static base_status kept_in(const watch *w, unsigned *kept, base_error *err) {
   const sim_request *q = w->q;
@@ -505,7 +506,7 @@ static base_status kept_in(const watch *w, unsigned *kept, base_error *err) {
   if ((q->form->form->model & FORM_POSITION) != 0) {
     BASE_TRY(world_depth(w->s->w, &depth, err));
   }
-  *kept = slid ? EFFECT_FRICTION : 0u;
+  *kept = slid ? ~0u : 0u;
   *kept |= (spec->dim == 3 && (aslant || world_turns_out_of_plane(w->s->w))) ? EFFECT_SPATIAL : 0u;
   *kept |= (depth > 1e-9 * w->scale.size) ? ~0u : 0u;
   *kept &= w->result->watched;

@@ -20,7 +20,7 @@
  *     passes or closes, in this step and not before, whatever the deviation is (world_contacts_alike): what other impacts make of a
  *     deviation is unknown,
  *
- * an effect comes in. What acts for the first time comes in before the step just taken. Else the run goes back to the last step up to
+ * an effect comes in. So it does where a body falls asleep that is off by what was left out: nothing tells of that from there on. What acts for the first time comes in before the step just taken. Else the run goes back to the last step up to
  * which nothing left out had acted, and goes on from there with the effects that had most, or at a change of contacts with those that
  * had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. What is guessed
  * is only when to try, never that it holds; and nothing is watched once everything is in.
@@ -33,7 +33,7 @@
  *     grow. This is asked for after 1, 2, 4, ... steps, and behind a change of contacts 16 steps after the last such, and done 8 times a
  *     run at most.
  *
- * Of some things none of these bounds tells, and they stay in: friction that is another once a contact has slid; the third dimension where the
+ * Of some things none of these bounds tells, and they stay in: all, where friction is another once a contact has slid; the third dimension where the
  * facets of a cone do not lie in the plane, or turning in it turns a body out of it (products of inertia); rotation and the third dimension
  * beside friction by bristles, whose stiffness goes with what may turn; all of it where `position` finds bodies in each other at the start. A law of
  * friction that reaches beyond mu times the normal force counts with what it reaches. Contacts also count as beginning where bodies come so

@@ -13,7 +13,7 @@
 
 #include "problems/spec/spec.h"
 
-enum { EFFECTS_SPANS = 16, EFFECTS_TEXT = 240 };
+enum { EFFECTS_SPANS = 16, EFFECTS_TEXT = 1600 };
 
 typedef struct effects_span {
   long from; /* steps done before it */

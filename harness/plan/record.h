@@ -18,7 +18,7 @@
   T(formulation, 32) T(formulation_options, 320) T(formulation_config, 480) T(model, 160)          \
   T(solver, 32) T(solver_options, 320) T(solver_config, 480) T(solver_variant, 32)                 \
   T(solver_version, 24)                                                                            \
-  R(step_s) R(duration_s) T(start, 16) T(contact_order, 24) T(islands, 8) T(effects, 200) T(effects_auto, 240) R(tol) I(threads)      \
+  R(step_s) R(duration_s) T(start, 16) T(contact_order, 24) T(islands, 8) T(effects, 200) T(effects_auto, 1600) R(tol) I(threads)      \
   B(quick) T(cache, 8)                                                                             \
   I(n_bodies) I(n_dof) I(n_contacts) I(n_active) I(lcp_dim) I(n_island) I(largest_island) I(nnz) R(density) T(storage, 16)       \
   R(t_contacts_s) R(t_assemble_s) R(t_setup_s) R(t_factor_s) R(t_solve_s) R(t_share_s) R(t_advance_s) R(t_watch_s) \

@@ -64,6 +64,27 @@ static void sleep_may_stand_anywhere_in_the_first_text(void **state) {
   }
 }
 
+/* As many changes as a plan has room for, of all that auto changes, late in a long run. */
+static void the_longest_plan_has_room(void **state) {
+  (void)state;
+  const unsigned all = EFFECT_FRICTION | EFFECT_ROLLING | EFFECT_TORSION | EFFECT_ROTATION |
+                       EFFECT_GYROSCOPIC | EFFECT_SPATIAL;
+  base_error err = {0};
+  effects_plan p = {.n = EFFECTS_SPANS, .sleep = true}, read;
+  char text[EFFECTS_TEXT];
+  for (int k = 0; k < p.n; k++) {
+    p.span[k] = (effects_span){(k > 0) ? 1999999000L + k : 0, (k % 2 == 0) ? 0 : EFFECT_CONTACT};
+  }
+  effects_plan_print(&p, all, text);
+  check_ok(effects_plan_parse(all, text, &read, &err), &err);
+  assert_int_equal(read.n, p.n);
+  assert_true(read.sleep);
+  for (int k = 0; k < p.n; k++) {
+    assert_true(read.span[k].from == p.span[k].from);
+    assert_int_equal(read.span[k].effects, p.span[k].effects);
+  }
+}
+
 static void a_wrong_plan_is_refused(void **state) {
   (void)state;
   base_error err = {0};
@@ -88,6 +109,7 @@ static void a_wrong_plan_is_refused(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(sleep_may_stand_anywhere_in_the_first_text),
                                      cmocka_unit_test(a_plan_is_printed_as_it_is_read),
+                                     cmocka_unit_test(the_longest_plan_has_room),
                                      cmocka_unit_test(a_wrong_plan_is_refused),
                                      cmocka_unit_test(override_adds_and_removes)};
   return cmocka_run_group_tests(tests, NULL, NULL);
