@@ -8,7 +8,7 @@ typedef struct checkpoint {
   double *state; /* world_save; owned */
   contact_past past;
   contact_past own; /* what the solver answered by itself */
-  double *asleep;     /* world_sleep_save; owned, NULL: nobody may sleep */
+  double *asleep;   /* world_sleep_save; owned, NULL: nobody may sleep */
   sim_asleep of_asleep;
   sim_result out;
   solved held;

@@ -334,8 +334,7 @@ static base_status open_effects(simulation *s, const char *text, base_error *err
   }
   if (s->plan.sleep && (q->form->form->memory == 0 || s->spec.model != NULL)) {
     const bool coordinates = s->spec.model != NULL;
-    return BASE_FAIL(err, BASE_EUNSUPPORTED,
-                     "--effects %.120s: %.64s has no %s", text,
+    return BASE_FAIL(err, BASE_EUNSUPPORTED, "--effects %.120s: %.64s has no %s", text,
                      coordinates ? s->spec.id : q->form->form->name,
                      coordinates ? "bodies that could sleep" : "memory to wake with");
   }

@@ -104,8 +104,8 @@ typedef struct sim_result {
   int deficit_max; /* most touching normal rows beyond their rank in one solve; LCP_SHARE_UNCOUNTED: not counted in all */
   long n_shared,
       n_share_missed;           /* solves of which such an answer was chosen; could not be chosen */
-  int n_asleep_max; /* bodies */
-  long n_asleep;    /* summed over the steps */
+  int n_asleep_max;             /* bodies */
+  long n_asleep;                /* summed over the steps */
   int n_island, largest_island; /* most in one solve; unknowns of the largest. 0: not asked for */
   long n_evaluations;           /* of the right-hand side, by formulations that integrate */
   lcp_work work;

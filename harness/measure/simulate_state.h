@@ -90,8 +90,8 @@ typedef struct sim {
   const formulation *past_of;
   lcp_share *share;             /* opened with the first problem */
   lcp_share_parts *share_parts; /* in its place, with the first one that is solved in parts */
-  bool sleeps; /* bodies may */
-  bool slept;  /* some fell asleep in the last step */
+  bool sleeps;                  /* bodies may */
+  bool slept;                   /* some fell asleep in the last step */
   sim_asleep asleep;
   long n_change;      /* that `asleep` has gone through */
   contact_past awake; /* of the other contacts, while bodies fall asleep or wake */

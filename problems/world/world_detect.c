@@ -77,8 +77,7 @@ static void narrow(const finder *f, int a, int b, double margin) {
 }
 
 bool detect_may_collide(const world *w, int a, int b) {
-  const bool fixed =
-      !body_is_free(&w->body[a]) && (b >= w->n_body || !body_is_free(&w->body[b]));
+  const bool fixed = !body_is_free(&w->body[a]) && (b >= w->n_body || !body_is_free(&w->body[b]));
   return !fixed && pair_value(&w->apart, a, b) == 0.0;
 }
 

@@ -5,8 +5,9 @@ import math
 import random
 import sys
 
-from support import TESTS, one_line_error, run_json, tap
 from unseen_scenes import G, box, disc, plane, scene, written
+
+from support import TESTS, one_line_error, run_json, tap
 
 sys.path.insert(0, str(TESTS / "support"))
 from late_scenes import settled_scene  # noqa: E402
@@ -43,7 +44,9 @@ def motion(d, path, way, effects):
 
 def apart(one, other):
     assert len(one) == len(other)
-    return max(abs(x - y) for a, b in zip(one, other, strict=True) for x, y in zip(a, b, strict=True))
+    return max(
+        abs(x - y) for a, b in zip(one, other, strict=True) for x, y in zip(a, b, strict=True)
+    )
 
 
 def what_lies_still_has_no_rows_until_it_is_hit(d):
@@ -58,8 +61,8 @@ def what_lies_still_has_no_rows_until_it_is_hit(d):
 
 
 def nothing_sleeps_beside_what_may_change(d):
-    """A load that grows, a belt, and a body that is driven and touches it; that is driven elsewhere it
-    sleeps until it comes."""
+    """A load that grows, a belt, and a body that is driven and touches it. Until one comes that is
+    driven elsewhere it sleeps."""
     ramp = {"type": "force_ramp", "body": "b", "dir": [1, 0], "rate": 0.1}
     belt = {"static": [plane("floor", [0, 1], 0.0, surface_velocity=[0.5, 0])]}
     held = {"bodies": [*settled("x")["bodies"], box("w", [0.05, 0.1], [0.3, 0.1])]}
@@ -67,8 +70,14 @@ def nothing_sleeps_beside_what_may_change(d):
     cases = {
         "ramp": ({"loads": [ramp]}, 0),
         "belt": (belt | {"friction": {"default": 0.0, "pairs": [["a", "b", 0.5]]}}, 0),
-        "touched": ({"bodies": [*held["bodies"], box("k", [0.05, 0.1], [0.4, 0.1], kinematic=push)]}, 2),
-        "stands": ({"bodies": [*held["bodies"], box("k", [0.05, 0.1], [0.4, 0.1], kinematic={})]}, 3),
+        "touched": (
+            {"bodies": [*held["bodies"], box("k", [0.05, 0.1], [0.4, 0.1], kinematic=push)]},
+            2,
+        ),
+        "stands": (
+            {"bodies": [*held["bodies"], box("k", [0.05, 0.1], [0.4, 0.1], kinematic={})]},
+            3,
+        ),
         "constant": ({"loads": [{"type": "constant_force", "body": "b", "force": [1, 0]}]}, 2),
     }
     for name, (more, n) in cases.items():
@@ -77,15 +86,20 @@ def nothing_sleeps_beside_what_may_change(d):
     late = box("k", [0.05, 0.1], [-1.0, 0.1], kinematic={"vel": [0, 0], "acc": [2.0, 0]})
     path = written(d, settled("arrives", late))
     (_, a), (o, b) = (motion(d, path, WAYS[0], e) for e in ("declared", "+sleep"))
-    assert o["n_asleep_max"] == 2 and o["n_asleep"] < 2 * 95 and apart(a, b) < 1e-9, (o, apart(a, b))
+    assert o["n_asleep_max"] == 2 and o["n_asleep"] < 2 * 95 and apart(a, b) < 1e-9, (
+        o,
+        apart(a, b),
+    )
 
 
 def other_effects_wake_all(d):
-    """What a body rests by may be another effect: gravity that comes in later, rotation of a box on one foot."""
+    """What a body rests by may be left out: gravity, or the rotation of a box on one foot."""
     hangs = scene("hangs", 2, 1.0, [disc("a", 0.1, [0, 5.0])], observe=["a.y"])
     hangs |= {"gravity": [0, -G]}
     foot = plane("foot", [0, 1], 0.0)
-    tips = scene("tips", 2, 0.5, [box("a", [0.1, 0.4], [0, 0.4118], angle=0.3)], observe=["a.angle"])
+    tips = scene(
+        "tips", 2, 0.5, [box("a", [0.1, 0.4], [0, 0.4118], angle=0.3)], observe=["a.angle"]
+    )
     tips |= {"gravity": [0, -G], "static": [foot], "friction": {"default": 0.5}}
     for s, out in ((hangs, "-gravity"), (tips, "-rotation")):
         path = written(d, s)
@@ -97,13 +111,15 @@ def other_effects_wake_all(d):
 
 
 def what_begins_to_fall_stays_awake(d):
-    """A box on its edge, off its balance by 4e-13 rad, falls after 1.8 s. What drifts beside a large load on another
-    body goes on."""
+    """A box on its edge, off its balance by 4e-13 rad, falls after some seconds. What drifts beside
+    a large load on another body goes on."""
     half, angle = 0.1, 0.785398163397
     edge = scene("edge", 2, 4.0, [box("a", [half] * 2, [0, half * math.sqrt(2)], angle=angle)])
     edge |= {"gravity": [0, -G], "static": [plane("floor", [0, 1], 0.0)], "observe": ["a.angle"]}
     edge |= {"friction": {"default": 0.5}}
-    drifts = scene("drifts", 2, 1.0, [disc("a", 0.1, [0, 0], vel=[0.01, 0]), disc("b", 0.1, [9, 0])])
+    drifts = scene(
+        "drifts", 2, 1.0, [disc("a", 0.1, [0, 0], vel=[0.01, 0]), disc("b", 0.1, [9, 0])]
+    )
     push = {"type": "constant_force", "body": "b", "force": [1e9, 0]}
     drifts |= {"gravity": [0, 0], "loads": [push], "observe": ["a.x"]}
     for s in (edge, drifts):
@@ -117,7 +133,9 @@ def what_begins_to_fall_stays_awake(d):
 def held_axes_and_steps_that_change(d):
     """An axis that is held at a velocity of 0 stays where it is while its body sleeps; a memory of
     long steps wakes in short ones."""
-    falls = scene("falls", 2, 1.0, [box("a", [0.1, 0.1], [0, 0.3], prescribed={"x": {"v0": 0, "a": 0}})])
+    falls = scene(
+        "falls", 2, 1.0, [box("a", [0.1, 0.1], [0, 0.3], prescribed={"x": {"v0": 0, "a": 0}})]
+    )
     falls |= {"gravity": [0, -G], "static": [plane("floor", [0, 1], 0.0)], "observe": ["a.y"]}
     path = written(d, falls)
     whole, less = (run(path, ("acceleration", "lemke"), e) for e in ("declared", "+sleep"))
@@ -143,7 +161,11 @@ def forces_and_energies_go_on(d):
     whole, less = (run(path, WAYS[1], e) for e in ("declared", "+sleep"))
     assert less["n_asleep"] > 0
     for key in ("energy_defect_J", "energy_drift_rel"):
-        assert abs(whole[key] - less[key]) <= 1e-9 * max(abs(whole[key]), 1e-6), (key, whole[key], less[key])
+        assert abs(whole[key] - less[key]) <= 1e-9 * max(abs(whole[key]), 1e-6), (
+            key,
+            whole[key],
+            less[key],
+        )
 
 
 def auto_tells_that_bodies_slept_and_is_repeated(d):
@@ -165,7 +187,16 @@ def auto_tells_that_bodies_slept_and_is_repeated(d):
 
 def what_sleep_cannot_do_is_said(d):
     path = written(d, settled("refused"))
-    both = ("simulate", path, "--formulation", "velocity", "--solver", "lemke", "--effects", "+sleep")
+    both = (
+        "simulate",
+        path,
+        "--formulation",
+        "velocity",
+        "--solver",
+        "lemke",
+        "--effects",
+        "+sleep",
+    )
     one_line_error(*both, "--error", "1%", names=["+sleep: bodies sleep in given steps"])
     steps = d / "steps.txt"
     steps.write_text("0.5 extrapolated\n0.5\n")
@@ -173,7 +204,9 @@ def what_sleep_cannot_do_is_said(d):
     turns = ("--formulation", "velocity/50:boxed", "--solver", "lemke/50:newton")
     one_line_error("simulate", path, *turns, "--effects", "+sleep", names=["these change"])
     event = ("--formulation", "event", "--solver", "lemke")
-    one_line_error("simulate", path, *event, "--effects", "+sleep", names=["no memory to wake with"])
+    one_line_error(
+        "simulate", path, *event, "--effects", "+sleep", names=["no memory to wake with"]
+    )
 
 
 if __name__ == "__main__":

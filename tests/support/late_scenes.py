@@ -190,7 +190,7 @@ def resisting_scene(rng: random.Random) -> dict:
 
 
 def pile(name: str, dim: int, x: float, rng: random.Random) -> list[dict]:
-    """One to three bodies at rest, one on the other: boxes, and a ball on a flat one now and then."""
+    """One to three bodies at rest, one on the other: boxes, and now and then a ball on top."""
     bodies: list[dict] = []
     top = 0.0
     wide = rng.uniform(0.15, 0.3)
@@ -210,9 +210,9 @@ def pile(name: str, dim: int, x: float, rng: random.Random) -> list[dict]:
 
 
 def settled_scene(rng: random.Random) -> dict:
-    """Piles at rest, side by side or apart, on a floor or a slope that holds them, some of them joined; and what reaches one of
-    them late: a ball from afar or from above, a box that slides, a body that is driven, a load that
-    grows; or nothing does."""
+    """Piles at rest, side by side or apart, on a floor or a slope that holds them, some of them
+    joined; and what reaches one of them late: a ball from afar or from above, a box that slides, a
+    body that is driven, a load that grows; or nothing does."""
     dim = rng.choice([2, 3])
     up, names = dim - 1, "abc"[: rng.randint(1, 3)]
     bodies: list[dict] = []

@@ -82,7 +82,7 @@ static void entries_grow_part_by_part(void **state) {
   fill(&m, 1);
   begin(&m, &all);
   assert_int_equal(m.stride, HEAD + 6 + 9 + 2);
-  const double want[] = {200, 201, 202, 203, 204, 205, 206, 207, 208, 209, 210, 0,   0,
+  const double want[] = {200, 201, 202, 203, 204, 205, 206, 207, 208, 209, 210, 0,  0,
                          0,   211, 212, 213, 0,   0,   0,   0,   0,   0,   214, 215};
   assert_memory_equal(contact_memory_old(&m, 1), want, sizeof want);
   assert_null(contact_memory_old(&m, 2));

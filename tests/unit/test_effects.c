@@ -24,7 +24,9 @@ static void a_plan_is_printed_as_it_is_read(void **state) {
   base_error err = {0};
   effects_plan p;
   char text[EFFECTS_TEXT];
-  const char *const plans[] = {"declared", "-friction,-rotation", "-friction/12:declared",
+  const char *const plans[] = {"declared",
+                               "-friction,-rotation",
+                               "-friction/12:declared",
                                "-friction,-rotation/1:-rotation/900:declared",
                                "+rolling/3:-contact,+torsion",
                                "+sleep",
