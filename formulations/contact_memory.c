@@ -199,7 +199,6 @@ bool contact_memory_closed(const contact_memory *m, int i) {
   return false;
 }
 
-/* By how much the entry of contact i differs from the one before in what the next step goes on from [N s]; HUGE_VAL: there was none. */
 static double differs_by(const contact_memory *m, int i, bool lagged) {
   const double *was = contact_memory_old(m, i), *is = m->now + (ptrdiff_t)i * m->stride;
   if (was == NULL) {
@@ -213,16 +212,10 @@ static double differs_by(const contact_memory *m, int i, bool lagged) {
   return most;
 }
 
-void contact_memory_unlike(const contact_memory *m, bool lagged, double share,
-                           void (*tell)(void *of, uint64_t id), void *of) {
-  double most = 0;
+void contact_memory_changes(const contact_memory *m, bool lagged,
+                            void (*tell)(void *of, uint64_t id, double by), void *of) {
   for (int i = 0; i < m->n; i++) {
-    most = fmax(most, fabs(m->now[(ptrdiff_t)i * m->stride + PAST_IMPULSE]));
-  }
-  for (int i = 0; i < m->n; i++) {
-    if (!(differs_by(m, i, lagged) <= share * most)) {
-      tell(of, m->id[i]);
-    }
+    tell(of, m->id[i], differs_by(m, i, lagged));
   }
 }
 

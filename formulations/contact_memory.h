@@ -81,10 +81,10 @@ void contact_memory_settle(contact_past *past);
  * for and for what there was: contacts with torsion or rolling come and go, entries only grow, each part by zeros at its end. BASE_ENOMEM. */
 base_status contact_memory_begin(contact_memory *m, contact_layout need, const contact_set *c,
                                  base_error *err);
-/* Tells of each contact of the last step that is new in it, or of which what the next step goes on from is another than before it by more than `share`
- * of the largest normal impulse: what springs pull with over the step, and, where `lagged`, the normal impulse. */
-void contact_memory_unlike(const contact_memory *m, bool lagged, double share,
-                           void (*tell)(void *of, uint64_t id), void *of);
+/* Tells of each contact of the last step by how much it differs from the step before [N s]: by what springs pull with over the step and, where bounds
+ * of friction are `lagged`, the normal impulse. HUGE_VAL: it is new. */
+void contact_memory_changes(const contact_memory *m, bool lagged,
+                            void (*tell)(void *of, uint64_t id, double by), void *of);
 void contact_memory_forget(contact_memory *m);
 void contact_memory_close(contact_memory *m);
 

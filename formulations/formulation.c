@@ -136,11 +136,12 @@ base_status formulation_recall(formulation_run *r, const contact_past *past, bas
   return contact_memory_recall(m, past, err);
 }
 
-base_status formulation_unlike(const formulation_run *r, double share,
-                               void (*tell)(void *of, uint64_t id), void *of, base_error *err) {
+base_status formulation_changes(const formulation_run *r,
+                                void (*tell)(void *of, uint64_t id, double by), void *of,
+                                base_error *err) {
   contact_memory *m;
   BASE_TRY(memory_of(r, &m, err));
-  contact_memory_unlike(m, (r->form->model & FORM_BOUNDS_LAGGED) != 0, share, tell, of);
+  contact_memory_changes(m, (r->form->model & FORM_BOUNDS_LAGGED) != 0, tell, of);
   return BASE_OK;
 }
 

@@ -186,9 +186,10 @@ base_status formulation_admits(const formulation *f, const world *w, base_error 
 /* What the run remembers from step to step, to come back to (contact_memory.h). BASE_EUNSUPPORTED where f->memory is 0. */
 base_status formulation_keep(const formulation_run *r, contact_past *past, base_error *err);
 base_status formulation_recall(formulation_run *r, const contact_past *past, base_error *err);
-/* contact_memory_unlike of the step just taken. BASE_EUNSUPPORTED as above. */
-base_status formulation_unlike(const formulation_run *r, double share,
-                               void (*tell)(void *of, uint64_t id), void *of, base_error *err);
+/* contact_memory_changes of the step just taken. BASE_EUNSUPPORTED as above. */
+base_status formulation_changes(const formulation_run *r,
+                                void (*tell)(void *of, uint64_t id, double by), void *of,
+                                base_error *err);
 /* Before its first step the run goes on where one of formulation f was (NULL: there was none with a memory). *past is of formulation_keep
  * and loses what r does not understand; r has no use for it where it has no memory. */
 base_status formulation_take_over(formulation_run *r, const formulation *f, contact_past *past,

@@ -29,6 +29,7 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
   memcpy(&c->out, s->out, result_size(s->out));
   c->held = s->held;
   c->carrying = s->carrying;
+  c->goes_on = s->goes_on;
   c->n_row = record->n_row;
   return BASE_OK;
 }
@@ -53,6 +54,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
   s->out->step_longest = spent.step_longest;
   s->held = c->held;
   s->carrying = c->carrying;
+  s->goes_on = c->goes_on;
   record->n_row = c->n_row;
   return BASE_OK;
 }

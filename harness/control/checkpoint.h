@@ -12,8 +12,8 @@ typedef struct checkpoint {
   sim_asleep of_asleep;
   sim_result out;
   solved held;
-  sim_carrying carrying; /* of the step before */
-  int n_row;             /* of the record */
+  sim_carrying carrying, goes_on; /* of the step before */
+  int n_row;                      /* of the record */
 } checkpoint;
 
 base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err);

@@ -108,11 +108,12 @@ static base_status take_clean(watch *w, base_error *err) {
 static base_status change_effects(watch *w, unsigned now, base_error *err) {
   effects_plan *p = &w->result->plan;
   p->n -= (p->span[p->n - 1].from == w->s->out->steps) ? 1 : 0;
-  if (p->n == 0 || p->span[p->n - 1].effects != now) {
+  const bool others = p->n == 0 || p->span[p->n - 1].effects != now;
+  if (others) {
     p->span[p->n++] = (effects_span){w->s->out->steps, now};
-    BASE_TRY(sim_wake(w->s, true, err));
   }
-  return sim_change_effects(w->s, now, err);
+  BASE_TRY(sim_change_effects(w->s, now, err));
+  return others ? sim_wake(w->s, true, err) : BASE_OK;
 }
 
 /* The stiffness of bristles goes with the mass that they move, which is another where bodies may turn. */
@@ -401,7 +402,7 @@ static base_status step(watch *w, bool *taken, base_error *err) {
   s->watched = left_out(w);
   s->least = least_change(w);
   s->off = w->off.any ? w->point : NULL;
-  w->carrying = s->carrying;
+  w->carrying = s->goes_on;
   if (s->watched == 0) {
     BASE_TRY(sim_step(s, w->record, h, taken, err));
     return *taken ? leave(w, err) : BASE_OK;

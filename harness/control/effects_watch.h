@@ -18,9 +18,10 @@
  *     again behind it, or
  *   - contacts begin or cease to carry, or may, while something left out has acted, unless no friction is simulated and each contact rests,
  *     passes or closes, in this step and not before, whatever the deviation is (world_contacts_alike): what other impacts make of a
- *     deviation is unknown,
+ *     deviation is unknown, or
+ *   - a body falls asleep that is off by what was left out, for nothing tells of that from there on,
  *
- * an effect comes in. So it does where a body falls asleep that is off by what was left out: nothing tells of that from there on. What acts for the first time comes in before the step just taken. Else the run goes back to the last step up to
+ * an effect comes in. What acts for the first time comes in before the step just taken. Else the run goes back to the last step up to
  * which nothing left out had acted, and goes on from there with the effects that had most, or at a change of contacts with those that
  * had acted before it. So what is kept of the run is that of the whole scene up to rounding, or off by less than E. What is guessed
  * is only when to try, never that it holds; and nothing is watched once everything is in.

@@ -19,7 +19,7 @@ static base_status read_from(const char **text, long last, long *from, base_erro
 static const char sleeping[] = "+sleep";
 
 /* Is it one of the words of the text? Less it then. */
-static bool take_sleep(char *text) {
+static bool take_sleep(char *text, size_t cap) {
   const size_t own = strlen(sleeping);
   char *at = text;
   while (strncmp(at, sleeping, own) != 0 || (at[own] != '\0' && at[own] != ',')) {
@@ -30,7 +30,7 @@ static bool take_sleep(char *text) {
     at++;
   }
   if (strcmp(text, sleeping) == 0) {
-    (void)strcpy(text, "declared");
+    (void)snprintf(text, cap, "declared");
   } else if (at > text) {
     memmove(at - 1, at + own, strlen(at + own) + 1); /* with the comma before it */
   } else {
@@ -53,7 +53,11 @@ base_status effects_plan_parse(unsigned declared, const char *text, effects_plan
     memcpy(word, text, len);
     word[len] = '\0';
     if (out->n == 0) {
-      out->sleep = take_sleep(word);
+      out->sleep = take_sleep(word, sizeof word);
+    } else if (strstr(word, sleeping) != NULL) {
+      return BASE_FAIL(err, BASE_EINVAL,
+                       "effects '%.60s': %s holds for the whole run, need it in the first text",
+                       word, sleeping);
     }
     const char *effects = word;
     if (out->n > 0) {

@@ -142,6 +142,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   formulation_answer a = {0};
   sim_times *t = &s->out->time;
   double from = base_seconds();
+  s->slept = false;
   const bool curved = (s->q->form->form->model & FORM_CURVED) != 0;
   base_status (*const find)(world *, double, double, contact_set *, base_error *) =
       curved      ? world_contacts_curved
@@ -162,7 +163,7 @@ static base_status step_lcp(sim *s, series *record, base_error *err) {
   lap(&t->assemble, &from);
   contact_order_restore(&s->order, &set, &a);
   sim_settle_held(s);
-  const uint64_t carried = s->carrying.ids; /* in the step before */
+  const uint64_t carried = s->goes_on.ids; /* in the step before */
   BASE_TRY(sim_note_contacts(s, &set, &a, err));
   series_penetration(record, &set);
   s->out->approach_max = fmax(s->out->approach_max, contact_approach(&set));

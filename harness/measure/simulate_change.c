@@ -98,8 +98,8 @@ base_status sim_follow_plans(sim *s, base_error *err) {
   if (effects == s->effects) {
     return BASE_OK;
   }
-  BASE_TRY(sim_wake(s, true, err));
-  return sim_change_effects(s, effects, err);
+  BASE_TRY(sim_change_effects(s, effects, err));
+  return sim_wake(s, true, err);
 }
 
 /* ---- bodies that sleep ----------------------------------------------------------------------- */
@@ -149,18 +149,16 @@ static base_status note_forces(sim *s, const contact_set *set, const double *imp
   return BASE_OK;
 }
 
-static void stir(void *of, uint64_t id) {
-  world_stir(of, id);
+static void stir(void *of, uint64_t id, double by) {
+  world_stir(of, id, by);
 }
 
 /* Those that lay still, on contacts whose springs and bounds of friction did not change, either. */
 static base_status fall_asleep(sim *s, const double *shift, base_error *err) {
-  static const double alike = 1e-9; /* of the largest normal impulse */
-  s->slept = false;
   if (!world_count_still(s->w, shift)) {
     return BASE_OK;
   }
-  BASE_TRY(formulation_unlike(s->form, alike, stir, s->w, err));
+  BASE_TRY(formulation_changes(s->form, stir, s->w, err));
   return world_fall_asleep(s->w, &s->slept, err);
 }
 
@@ -178,7 +176,7 @@ base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_an
     BASE_TRY(note_forces(s, set, a->impulse, err));
     s->asleep.change = ++s->n_change;
     s->asleep.energy = contact_memory_energy(&s->asleep.past);
-    s->carrying = sim_carrying_of(s, set, a);
+    s->goes_on = sim_carrying_of(s, set, a);
   }
   const int n = world_n_asleep(s->w);
   r->n_asleep += n;

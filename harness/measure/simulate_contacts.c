@@ -285,7 +285,7 @@ static void note_motion(sim *s, const contact_set *set, const formulation_answer
 
 base_status sim_note_contacts(sim *s, const contact_set *set, const formulation_answer *a,
                               base_error *err) {
-  s->carrying = sim_carrying_of(s, set, a);
+  s->carrying = s->goes_on = sim_carrying_of(s, set, a);
   s->depth = (sim_depth){0};
   s->closing = s->struck = (sim_closing){.at = HUGE_VAL};
   s->doubt = 0.0;

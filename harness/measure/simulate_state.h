@@ -106,6 +106,7 @@ typedef struct sim {
   bool alike;                   /* contacts act alike with them */
   double h;                     /* of this step [s] */
   sim_carrying carrying;        /* in the last step */
+  sim_carrying goes_on;         /* the same less those that fell asleep at its end */
   double *z; /* z_cap of the answer, as many for the solver's own, and of zeros to start from */
   int z_cap;
   const double *started; /* where it did: a view */

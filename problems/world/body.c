@@ -64,7 +64,7 @@ void body_start(body *b, const spec_body *s, int dim, unsigned effects) {
   }
 }
 
-bool body_is_driven(const body *b) {
+bool body_is_moved(const body *b) {
   bool some = false;
   for (int k = 0; b->driven && k < 6 && !some; k++) {
     some = b->driven_v0[k] != 0.0 || b->driven_a[k] != 0.0;

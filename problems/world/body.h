@@ -37,7 +37,7 @@ unsigned body_axes(int dim, unsigned effects);
 void body_start(body *b, const spec_body *s, int dim, unsigned effects);
 
 /* Does a driven axis move, now or later? */
-bool body_is_driven(const body *b);
+bool body_is_moved(const body *b);
 
 /* Velocity of the driven axes at time t, zero on the others. */
 void body_driven(const body *b, double t, double v[6]);

@@ -24,15 +24,16 @@ base_status world_open_over(world **out, const scene_spec *spec, unsigned effect
 base_status world_set_effects(world *w, unsigned effects, base_error *err);
 void world_close(world *w);
 
-/* Sleeping: a body that lay still at the end of four steps in a row, with all that it is in contact with or joined to, has no dofs, no contacts and no
- * joint rows from there on; its velocity is 0. Bodies under a load that may change sleep never, nor what touches something that is
- * driven or a belt. A moving side that comes as near as a contact is listed wakes all of the group that fell asleep together.
+/* Sleeping: a body that lay still at the end of four steps in a row, with all that it is in contact with or joined to, has no dofs, no
+ * contacts and no joint rows from there on; its velocity is 0. Bodies under a load that may change sleep never, nor what touches a belt or a
+ * driven body that moves. A moving side that comes as near as a contact is listed wakes all of the group that fell asleep together.
  *
- * Still is what moves by less than 1e-11 of the velocity that gravity and its constant loads give the body in the step, and does not get
- * faster from step to step, as what begins to fall. Behind world_advance (and world_shift with `shift`, NULL: none): may some body fall asleep? */
+ * Still is what moves by less than 2e-11 of the velocity that gravity and its loads give the body in the step, and does not get faster from
+ * step to step, as what begins to fall. Behind world_advance (and world_shift with `shift`, NULL: none): may some body fall asleep? */
 bool world_count_still(world *w, const double *shift);
-/* Not yet those of this contact of the last set. */
-void world_stir(world *w, uint64_t id);
+/* What is remembered of this contact of the last set has changed by so much in it [N s]: its bodies may not yet, if that is more than 1e-9 of what
+ * their loads give. */
+void world_stir(world *w, uint64_t id, double by);
 /* *some: bodies fell asleep, and the last set is no longer valid. BASE_ENOMEM. */
 base_status world_fall_asleep(world *w, bool *some, base_error *err);
 /* Does a contact of the last set have a side that sleeps? It is to be woken then, and the contacts are others. */

@@ -20,6 +20,15 @@ static double reach_of(const world *w, const body *b, double h) {
   return 1.5 * h * (lin + ang * b->bound);
 }
 
+/* The same of one that sleeps, as if it were awake, so that its contacts are listed from as far: by its loads alone. */
+static double reach_asleep(const world *w, int i, double h) {
+  const body *b = &w->body[i];
+  const double *f = w->store.wrench + AXES * (ptrdiff_t)i, *I = b->inertia;
+  const double least = (w->dim == 2) ? I[2] : fmin(I[0], fmin(I[1], I[2]));
+  const double turns = (least > 0.0) ? v3_norm(f + 3) / least : 0.0;
+  return 1.5 * h * h * (v3_norm(f) / b->mass + turns * b->bound);
+}
+
 /* Where the points of one part of the work go. */
 typedef struct finder {
   world *w;
@@ -84,8 +93,7 @@ bool detect_may_collide(const world *w, int a, int b) {
 /* Does neither of two sides move, as far as a step knows? What is driven wakes a side that sleeps. */
 static bool both_rest(const world *w, int a, int b) {
   const body *A = &w->body[a], *B = (b < w->n_body) ? &w->body[b] : NULL;
-  return A->n_dof == 0 && !body_is_driven(A) &&
-         (B == NULL || (B->n_dof == 0 && !body_is_driven(B)));
+  return A->n_dof == 0 && !body_is_moved(A) && (B == NULL || (B->n_dof == 0 && !body_is_moved(B)));
 }
 
 static double plane_distance(const body *b, const spec_static *plane) {
@@ -147,7 +155,8 @@ static base_status fill_balls(world *w, double h, double margin, base_error *err
     const body *b = &w->body[i];
     broad_ball *ball = &w->broad.ball[i];
     v3_copy(b->at.x, ball->x);
-    const double extra = (margin >= 0.0) ? 0.5 * margin : reach_of(w, b, h) + 0.01 * w->size;
+    const double reach = (b->sleeps != 0) ? reach_asleep(w, i, h) : reach_of(w, b, h);
+    const double extra = (margin >= 0.0) ? 0.5 * margin : reach + 0.01 * w->size;
     ball->r = b->bound + extra;
   }
   return BASE_OK;
@@ -196,7 +205,7 @@ static void find_points(void *of, int part, int hand) {
   }
 }
 
-/* Does a point found have a side that sleeps? The other one is awake. */
+/* Does a point found have a side that sleeps? The other one is awake, or driven. */
 static bool reaches(const world *w) {
   bool some = false;
   for (int i = 0; i < w->store.n_item && !some; i++) {

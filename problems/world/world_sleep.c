@@ -3,14 +3,16 @@
 #include "problems/world/world_data.h"
 
 /* Of the velocity that gravity and its loads give a body in a step: what moves by less lies still. */
-static const double rest = 1e-11;
+static const double rest = 2e-11;
 static const double rounding = 1e-4; /* of that */
+/* Of the impulse of its load: what a contact remembers goes on as it is. */
+static const double alike = 1e-9;
 /* In a row, before a body sleeps: two in which --effects auto may leave out what is not needed at rest, and two that show it. */
 enum { STILL_STEPS = 4, ASLEEP = STILL_STEPS + 1 };
 
 /* ---- groups ---------------------------------------------------------------------------------- */
 
-/* First of the group of node i: bodies, and behind them the one of all that stays awake. */
+/* First of the group of node i: bodies, and behind them, in the spare unit of the array, the one of all that stays awake. */
 static int first_of(int *link, int i) {
   while (link[i] != i) {
     link[i] = link[link[i]];
@@ -38,7 +40,7 @@ static bool carries_along(const world *w, int side) {
   if (side < 0) {
     return false;
   }
-  return (side < w->n_body) ? body_is_driven(&w->body[side])
+  return (side < w->n_body) ? body_is_moved(&w->body[side])
                             : world_has(w, EFFECT_MOTION) &&
                                   v3_norm(w->spec.fixed[side - w->n_body].surface_velocity) > 0.0;
 }
@@ -76,7 +78,7 @@ static void find_groups(const world *w) {
   for (int i = 0; i < w->n_body; i++) {
     const body *b = &w->body[i];
     const bool falls = b->rising >= STILL_STEPS - 1; /* faster in each step, however slow it is */
-    if (b->n_dof > 0 && (b->still < STILL_STEPS || falls || body_is_driven(b))) {
+    if (b->n_dof > 0 && (b->still < STILL_STEPS || falls || body_is_moved(b))) {
       join(w->link, i, w->n_body);
     }
   }
@@ -100,11 +102,15 @@ static double speed_of(const body *b, const double *shift) {
   return part[0] + b->bound * part[1];
 }
 
+/* What gravity and its loads push body i with [N]. */
+static double load_of(const world *w, int i) {
+  return v3_norm(w->store.wrench + AXES * (ptrdiff_t)i);
+}
+
 /* The speed at which a body lies still [m/s]. */
 static double least_speed(const world *w, int i) {
-  const double force = v3_norm(w->store.wrench + AXES * (ptrdiff_t)i), mass = w->body[i].mass;
-  const double gives = v3_norm(w->spec.gravity) + ((mass > 0.0) ? force / mass : 0.0);
-  return rest * w->h * gives;
+  const double g = world_has(w, EFFECT_GRAVITY) ? v3_norm(w->spec.gravity) : 0.0;
+  return rest * w->h * fmax(g, load_of(w, i) / w->body[i].mass);
 }
 
 static void note_still(body *b, double speed, double least) {
@@ -128,11 +134,15 @@ bool world_count_still(world *w, const double *shift) {
   return some;
 }
 
-void world_stir(world *w, uint64_t id) {
+void world_stir(world *w, uint64_t id, double by) {
   int side[2];
+  double load = 0.0;
   sides_of(id, side);
   for (int k = 0; k < 2; k++) {
-    if (is_awake(w, side[k])) {
+    load = is_awake(w, side[k]) ? fmax(load, load_of(w, side[k])) : load;
+  }
+  for (int k = 0; k < 2; k++) {
+    if (is_awake(w, side[k]) && !(by <= alike * w->h * load)) {
       body *b = &w->body[side[k]];
       b->still -= b->still == STILL_STEPS;
     }

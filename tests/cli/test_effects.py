@@ -29,7 +29,7 @@ def a_straight_slide_needs_neither_rotation_nor_space(_):
     assert abs(error[0] - error[1]) < 1e-6, error
 
 
-BOUNCES_OFF = "-friction,+sleep/45:declared"
+BOUNCES_OFF = "-friction,+sleep/45:declared/49:-friction"
 
 
 def landing(d):
@@ -46,8 +46,8 @@ def landing(d):
 
 
 def what_matters_comes_in(d):
-    """Friction at the first step, taken once where that is foreseen; and with what lands. Once it
-    has bounced off the box sleeps again, and nothing has a contact."""
+    """Friction at the first step, taken once where that is foreseen; and with what lands, until it
+    has bounced off."""
     auto = simulate("spin", "auto:1e-6")
     assert (
         auto["effects_auto"]["dropped"] == ""

@@ -130,6 +130,16 @@ def what_begins_to_fall_stays_awake(d):
             assert abs(a - b) < 1e-6 and abs(a - angle) > 0.1, (s["id"], way, a, b)
 
 
+def what_sleeps_is_seen_from_as_far_as_awake(d):
+    """In long steps a box that has come near is hit by a ball, and hits what sleeps in the same step."""
+    bodies = [box("b", [0.1, 0.1], [0, 0.1], vel=[0.05, 0]), box("c", [0.1, 0.1], [0.23, 0.1])]
+    bodies.append(disc("a", 0.1, [-2.21, 0.1], vel=[5.0, 0]))
+    s = scene("row", 2, 0.8, bodies, observe=["b.x", "c.x"])
+    s |= {"hs": [0.02], "gravity": [0, -G], "static": [plane("floor", [0, 1], 0.0)]}
+    (_, a), (o, b) = (motion(d, written(d, s), WAYS[0], e) for e in ("declared", "+sleep"))
+    assert 5 < o["n_asleep"] < 18 and apart(a, b) < 1e-9, (o["n_asleep"], apart(a, b))
+
+
 def held_axes_and_steps_that_change(d):
     """An axis that is held at a velocity of 0 stays where it is while its body sleeps; a memory of
     long steps wakes in short ones."""
@@ -216,6 +226,7 @@ if __name__ == "__main__":
             nothing_sleeps_beside_what_may_change,
             other_effects_wake_all,
             what_begins_to_fall_stays_awake,
+            what_sleeps_is_seen_from_as_far_as_awake,
             held_axes_and_steps_that_change,
             forces_and_energies_go_on,
             auto_tells_that_bodies_slept_and_is_repeated,

@@ -4,6 +4,7 @@
 #include "formulations/contact_memory.h"
 #include "tests/support/rig.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { WITHOUT = 1, TORSION, ROLLING };
@@ -183,6 +184,36 @@ static void impulses_are_those_of_the_step(void **state) {
   contact_memory_close(&back);
 }
 
+static void note(void *of, uint64_t id, double by) {
+  double *told = of;
+  told[id / 10 - 1] = by;
+}
+
+/* A contact differs by what its springs pull with over the step, and by its normal impulse where bounds lag; one that is new by everything. */
+static void what_changes_is_told(void **state) {
+  (void)state;
+  static const uint64_t ids[] = {10, 20, 30};
+  static const contact_rows rows[] = {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}};
+  const contact_set few = set_of(ids, rows, 2), all = set_of(ids, rows, 3);
+  contact_memory m = {0};
+  begin(&m, &few);
+  fill(&m, 0);
+  fill(&m, 1);
+  begin(&m, &all);
+  for (int i = 0; i < 3; i++) {
+    fill(&m, i);
+  }
+  contact_memory_now(&m, 0)[PAST_IMPULSE] += 0.25;
+  contact_memory_now(&m, 0)[PAST_IMPULSE + 1] += 7; /* friction in the last step bounds nothing */
+  contact_memory_now(&m, 1)[contact_memory_pulls(&m) + 2] -= 50;
+  double told[3];
+  contact_memory_changes(&m, false, note, told);
+  assert_true(told[0] == 0 && told[1] == 0.01 * 50 && told[2] == HUGE_VAL);
+  contact_memory_changes(&m, true, note, told);
+  assert_true(told[0] == 0.25 && told[1] == 0.01 * 50 && told[2] == HUGE_VAL);
+  contact_memory_close(&m);
+}
+
 /* Another formulation goes on with head, impulses and pulls, whatever it needs itself. */
 static void what_is_common_is_taken_over(void **state) {
   (void)state;
@@ -264,6 +295,7 @@ int main(void) {
       cmocka_unit_test(entries_hold_what_contacts_have),
       cmocka_unit_test(entries_grow_part_by_part),
       cmocka_unit_test(entries_move_by_contact),
+      cmocka_unit_test(what_changes_is_told),
       cmocka_unit_test(impulses_are_those_of_the_step),
       cmocka_unit_test(what_is_common_is_taken_over),
       cmocka_unit_test(the_layout_does_not_show),
