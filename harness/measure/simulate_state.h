@@ -174,8 +174,8 @@ bool sim_may_sleep(const sim *s);
 /* Behind a step: those that lay still fall asleep. The set is no longer valid where some did. `a`: the answer of the step. BASE_ENOMEM. */
 base_status sim_fall_asleep(sim *s, const contact_set *set, const formulation_answer *a,
                             base_error *err);
-/* Those that a contact of the set just found reaches wake, with the memory of their contacts, but what the solver answered by itself: the set is to be
- * found anew. Or all of them. BASE_ENOMEM. */
+/* Those that a contact of the set just found reaches wake, with the memory of their contacts, but not what the solver answered by itself: the
+ * set is to be found anew. Or all of them. BASE_ENOMEM. */
 base_status sim_wake(sim *s, bool all, base_error *err);
 
 /* Hash and number of the contacts that carry and do not sleep. */
