@@ -131,7 +131,7 @@ def what_begins_to_fall_stays_awake(d):
 
 
 def what_sleeps_is_seen_from_as_far_as_awake(d):
-    """In long steps a box that has come near is hit by a ball, and hits what sleeps in this step."""
+    """In long steps a box that came near is hit by a ball, and hits what sleeps in this step."""
     bodies = [box("b", [0.1, 0.1], [0, 0.1], vel=[0.05, 0]), box("c", [0.1, 0.1], [0.23, 0.1])]
     bodies.append(disc("a", 0.1, [-2.21, 0.1], vel=[5.0, 0]))
     s = scene("row", 2, 0.8, bodies, observe=["b.x", "c.x"])
