@@ -163,9 +163,12 @@ static base_status start(world *w, base_error *err) {
     model_start(w);
     return BASE_OK;
   }
+  w->n_asleep = 0;
   for (int i = 0; i < w->n_body; i++) {
-    body_start(&w->body[i], &w->spec.body[i], w->dim, w->effects);
-    w->body[i].n_dof = (w->body[i].sleeps != 0) ? 0 : w->body[i].n_dof;
+    body *b = &w->body[i];
+    body_start(b, &w->spec.body[i], w->dim, w->effects);
+    b->n_dof = (b->sleeps != 0) ? 0 : b->n_dof;
+    w->n_asleep += b->sleeps != 0;
   }
   w->compliant = is_compliant(&w->spec);
   w->size = size_of(w);

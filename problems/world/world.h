@@ -40,8 +40,7 @@ base_status world_fall_asleep(world *w, bool *some, base_error *err);
 bool world_is_reached(const world *w);
 /* The groups that it reaches, or all. */
 base_status world_wake(world *w, bool all, base_error *err);
-int world_n_asleep(const world *w); /* bodies */
-bool world_body_sleeps(const world *w, int i);
+int world_n_asleep(const world *w);                     /* bodies */
 bool world_just_fell_asleep(const world *w, int i);     /* in the last world_fall_asleep */
 bool world_contact_sleeps(const world *w, uint64_t id); /* a side of it does, and none is awake */
 /* Who sleeps, and for how many steps the others lay still: world_sleep_size numbers, to come back to. BASE_ENOMEM. */

@@ -160,6 +160,7 @@ struct world {
   set_store store;
   contact_set set; /* the last one */
   bool reached;    /* a side of one of its contacts sleeps */
+  int n_asleep;    /* bodies that sleep */
   curve_store ahead, behind;
   /* generalised coordinates */
   const mech_model *model;

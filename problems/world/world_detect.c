@@ -208,7 +208,7 @@ static void find_points(void *of, int part, int hand) {
 /* Does a point found have a side that sleeps? The other one is awake, or driven. */
 static bool reaches(const world *w) {
   bool some = false;
-  for (int i = 0; i < w->store.n_item && !some; i++) {
+  for (int i = 0; w->n_asleep > 0 && i < w->store.n_item && !some; i++) {
     const contact_item *c = &w->store.item[i];
     some = w->body[c->a].sleeps != 0 || (c->b < w->n_body && w->body[c->b].sleeps != 0);
   }

@@ -193,26 +193,22 @@ base_status world_wake(world *w, bool all, base_error *err) {
 }
 
 int world_n_asleep(const world *w) {
-  int n = 0;
-  for (int i = 0; i < w->n_body; i++) {
-    n += w->body[i].sleeps != 0;
-  }
-  return n;
+  return w->n_asleep;
 }
 
-bool world_body_sleeps(const world *w, int i) {
-  return i < w->n_body && w->body[i].sleeps != 0;
+static bool sleeps(const world *w, int side) {
+  return side < w->n_body && w->body[side].sleeps != 0;
 }
 
 bool world_just_fell_asleep(const world *w, int i) {
-  return world_body_sleeps(w, i) && w->body[i].still == STILL_STEPS;
+  return sleeps(w, i) && w->body[i].still == STILL_STEPS;
 }
 
 bool world_contact_sleeps(const world *w, uint64_t id) {
   int side[2];
   sides_of(id, side);
   const bool awake = is_awake(w, side[0]) || is_awake(w, side[1]);
-  return !awake && (world_body_sleeps(w, side[0]) || world_body_sleeps(w, side[1]));
+  return !awake && (sleeps(w, side[0]) || sleeps(w, side[1]));
 }
 
 /* ---- to come back to ------------------------------------------------------------------------- */
