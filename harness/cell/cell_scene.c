@@ -168,6 +168,7 @@ static base_status sample_scene(measured *m, record *r, double *seconds, base_er
   fill_times(&sum, m->n_inner, q.steps, r);
   effects_print(request->effects, r->effects, sizeof r->effects);
   if (m->sim.watch > 0.0) {
+    _Static_assert(sizeof r->effects_auto >= EFFECTS_TEXT, "a row has room for what auto did");
     watch_print(&m->sim.watched, m->sim.spec.effects, r->effects_auto);
   }
   m->status = q.status;
