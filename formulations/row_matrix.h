@@ -25,8 +25,8 @@ base_status row_assembly_begin(form_assembly *a, const contact_set *c, row_stora
                                bool eliminate, const form_rule *rule, contact_memory *memory,
                                base_error *err);
 
-/* Large matrices without joints have their factors beside them. ROW_FACTORED takes an assembly of own blocks only, with its joints still in it: joints that were
- * eliminated cannot be expressed by factors. */
+/* Large matrices without joints have their factors beside them. ROW_FACTORED takes an assembly of own blocks only, with its joints still in it:
+ * joints that were eliminated cannot be expressed by factors. */
 base_status row_matrix_build(row_matrix *m, const form_assembly *a, row_storage storage,
                              base_error *err);
 /* Adds add[n_row] >= 0 to the diagonal of the matrix that was built, as S where it is in factors; once. */

@@ -1,8 +1,8 @@
 /* lcp/lcp_islands.h - a problem that falls into parts, solved part by part by one solver.
  *
  * Two blocks belong together where M couples them: of J W J' + S, also where it stands beside a stored matrix, through a body that
- * moves (what is fixed connects nothing) or through S; of other matrices through an entry that is not zero. The parts, the islands, are what is left of that
- * relation; an island is a problem of the same kind, storage and traits, with its rows in their old order, and the answers side by
+ * moves (what is fixed connects nothing) or through S; of other matrices through an entry that is not zero. The parts, the islands, are what is
+ * left of that relation; an island is a problem of the same kind, storage and traits, with its rows in their old order, and the answers side by
  * side are an answer of the whole. Islands are numbered by their first rows.
  *
  * The islands are shared out to the crew of the thread that asks (base/crew.h). Each has an instance of the solver of its own,

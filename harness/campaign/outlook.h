@@ -26,5 +26,6 @@ typedef struct outlook_cell {
 } outlook_cell;
 
 /* From the rows that agree with the cell in most of problem, solver, family of problems, formulation and part (in this order),
- * scaled to its step and duration and, of other problems of its family, along the numbers that differ (ladder.h). A process that was killed earlier takes between its limit then and the limit now. */
+ * scaled to its step and duration and, of other problems of its family, along the numbers that differ (ladder.h). A process that was killed
+ * earlier takes between its limit then and the limit now. */
 outlook_cell outlook_ask(const outlook *o, const plan *p, const cell *c);

@@ -19,7 +19,7 @@ void list_solver_more(json_t *o, const lcp_solver *s);
 void list_formulation_more(json_t *o, const formulation *f);
 
 /* A built-in scene: name, title, about, cite, situation (empty: none), redundant, solvable (false: no
- * rigid motion exists), parameters, and, as it is with the defaults of its parameters: dim, duration_s, step_s, bodies, effects, observables [{name, unit}], predictions
- * [{quantity, unit, time_s, value, tolerance {abs, h, ...}, formulations, source}] (times and values
- * null where the check has none; formulations empty: all of them). */
+ * rigid motion exists), parameters, and, as it is with the defaults of its parameters: dim, duration_s, step_s, bodies, effects, observables
+ * [{name, unit}], predictions [{quantity, unit, time_s, value, tolerance {abs, h, ...}, formulations, source}] (times and values null where the
+ * check has none; formulations empty: all of them). */
 base_status list_scene_json(const scene *s, json_t **out, base_error *err);

@@ -5,8 +5,9 @@
  * CHOICE_NEAR scenes whose features are nearest count by 1 / (CHOICE_SOFT + distance)^2; the cost of a combination is the weighted
  * mean of log(time / best time of that scene), a row that did not keep the error, or is not there, being
  * CHOICE_FAILED times the best. The rows of all errors count, a decade from E by CHOICE_DECADE of the weight: which combination
- * is the cheaper one in a scene changes little with the error, and one row tells it worse than several. What did not keep an error below E says nothing. The cheapest comes first.
- * `sure` is the weighted share of the scenes in which the combination kept E itself, times how near they are: 1 / (1 + mean distance). */
+ * is the cheaper one in a scene changes little with the error, and one row tells it worse than several. What did not keep an error below E says
+ * nothing. The cheapest comes first. `sure` is the weighted share of the scenes in which the combination kept E itself, times how near they are: 1
+ * / (1 + mean distance). */
 #pragma once
 
 #include "harness/control/features.h"

@@ -8,8 +8,9 @@
  * have changed in it (world_omitted: an upper bound, 0 where the step is one of the whole scene too; Oden & Prudhomme 2002). From
  * these follows how far each body may be off (deviation.h), and how far it would be at the end if deviations went on to grow as in
  * the last step, by no more than what falls over does: a body of the smallest size, at sqrt(a / size), a by gravity and what
- * all loads give the lightest body. Changes count that are more than what a verified answer may be off by, and more than would add up to a tenth of E over the run. They count against the largest speed
- * so far (at least sqrt(g size), and size over the time of the run) and the size of the smallest body. Where
+ * all loads give the lightest body. Changes count that are more than what a verified answer may be off by, and more than would add up to a tenth
+ * of E over the run. They count against the largest speed so far (at least sqrt(g size), and size over the time of the run) and the size of the
+ * smallest body. Where
  *
  *   - what was left out would have the end off by more than E, as it is or if it went on to act as in the last two steps; but where
  *     deviations grow, only once that has been said in n steps in a row and they are above E / (16 n^2): what turns or meets comes to

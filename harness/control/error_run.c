@@ -347,7 +347,8 @@ static bool go_on(climber *l) {
   return r->reason[0] == '\0';
 }
 
-/* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear and its loads show in [s], and whether nothing moves. */
+/* To begin with, from the scene as it stands: a length [m], the longest step that its springs bear and its loads show in [s], and whether nothing
+ * moves. */
 typedef struct start_sizes {
   double scale, bears;
   bool rests, points;

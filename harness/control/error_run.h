@@ -12,11 +12,11 @@
  * First with extrapolated steps (extrapolation.h). A quarter of the tolerance, and of the error, takes twice the steps then;
  * that is counted on only where no contact begins or ceases to carry and three runs show it (the last difference is that much less than the one
  * before), or the steps do: nothing is asked for between states, and the sum of what the steps are off by is that much less than in the run
- * before and at most E. Otherwise half of the step counts as half of the error: the root of r in the place of r. One run is enough where all of its steps
- * together are off by ERROR_EXACT E at most, and where only states are looked at that steps end at, or what lengths and speeds do between
- * these, where a constant acceleration stays within E / ERROR_SAFETY of the chord: it is as if exact.
- * A law that plain steps keep to rounding they keep to their order only, and go on until they do, where plain steps would be more.
- * Where these runs do not come nearer to each other, or a step fails, plain steps begin anew, and `why_plain` says why.
+ * before and at most E. Otherwise half of the step counts as half of the error: the root of r in the place of r. One run is enough where all of
+ * its steps together are off by ERROR_EXACT E at most, and where only states are looked at that steps end at, or what lengths and speeds do
+ * between these, where a constant acceleration stays within E / ERROR_SAFETY of the chord: it is as if exact. A law that plain steps keep to
+ * rounding they keep to their order only, and go on until they do, where plain steps would be more. Where these runs do not come nearer to each
+ * other, or a step fails, plain steps begin anew, and `why_plain` says why.
  *
  * Formulations that integrate by themselves halve their steps, and what two runs differ by counts whole.
  *

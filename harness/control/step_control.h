@@ -1,65 +1,60 @@
 /* harness/control/step_control.h - a run whose steps are chosen so that each adds no more than its share to the error.
  *
- * One step of h is compared with two of h/2 from the same state; the two are kept. Their distance e [m] is that of the
- * places of all points of all bodies, and of their velocities times how long these last: what is left of the run, or the
- * time in which the fastest body has come as far as the bodies get. A step is taken where
+ * One step of h is compared with two of h/2 from the same state; the two are kept. Their distance e [m] is that of the places of all
+ * points of all bodies, and of their velocities times how long these last: what is left of the run, or the time in which the fastest
+ * body has come as far as the bodies get. A step is taken where
  *
  *   e <= tolerance max(h / T, s),    s = 1/32 where the carrying contacts change inside the step, else 1/16384
  *
- * because an impact inside a step costs h |dv| however short the step: it is located by halving until its share
- * covers that, and how deep bodies come into each other in the step. Otherwise, or where a solve of the step fails, h is shortened; PI control (Gustafsson 1991) chooses
- * the next. A step of the shortest length is taken as it is and counted; where a solve of it fails the run ends. Formulations that integrate by themselves
- * (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
+ * because an impact inside a step costs h |dv| however short the step: it is located by halving until its share covers that, and how
+ * deep bodies come into each other in the step. Otherwise, or where a solve of the step fails, h is shortened; PI control (Gustafsson
+ * 1991) chooses the next. A step of the shortest length is taken as it is and counted; where a solve of it fails the run ends.
+ * Formulations that integrate by themselves (FORM_NO_LCP) meet tolerances of their own: they take even steps of `first`.
  *
  * With `extrapolate` a step ends at 2 fine - coarse (extrapolation.h), and e is what a constant acceleration does not explain
  * (world_saved_bend), and the distance of the velocities over h; or, behind another smooth step, what the two of them do not explain
- * (world_saved_unsteady), which is of third order also where contacts or joints hold. Steps in which the contacts change are as above, unless this e
- * is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts. Behind them the
- * length is what it was before; where that did not come off, again behind the 2nd, 4th, 8th, 16th of them. A step in which an open gap closes is
- * tried again up to just behind that, where its velocities tell when (behind an impact at its start those that this leaves); it ends no deeper
- * than a step with a change may sink, and the coarse way alone is enough to tell. A step in whose second half a slip stops is tried again up to there (for
- * solvers by sweeps up to just before), which the first half tells, and one in which contacts would break away up to where the friction they take is all they have, if it grows on as between
- * the halves. What counts as a change besides: friction that pushes a slip on which has turned round inside the step, on both of its ways
- * alike, or slows it all the while as it does behind the turn, and static friction that still holds the slip which begins in a step, where kinetic friction is less. A step that one of its ways
- * begins to carry in and the other does not is never extrapolated: they differ by an impact; nor is one in which the fine way begins to
- * carry and carries at its end what it did before. A length that met something where a shorter one did not is tried again after
- * 2, 4, 8, 16 steps.
+ * (world_saved_unsteady), which is of third order also where contacts or joints hold. Steps in which the contacts change are as above,
+ * unless this e is within its share of them, too; but what came and went inside one of the halves, which e above does not see, counts.
+ * Behind them the length is what it was before; where that did not come off, again behind the 2nd, 4th, 8th, 16th of them. A step in
+ * which an open gap closes is tried again up to just behind that, where its velocities tell when (behind an impact at its start those
+ * that this leaves); it ends no deeper than a step with a change may sink, and the coarse way alone is enough to tell. A step in whose
+ * second half a slip stops is tried again up to there (for solvers by sweeps up to just before), which the first half tells, and one in
+ * which contacts would break away up to where the friction they take is all they have, if it grows on as between the halves. What counts
+ * as a change besides: friction that pushes a slip on which has turned round inside the step, on both of its ways alike, or slows it all
+ * the while as it does behind the turn, and static friction that still holds the slip which begins in a step, where kinetic friction is
+ * less. A step that one of its ways begins to carry in and the other does not is never extrapolated: they differ by an impact; nor is
+ * one in which the fine way begins to carry and carries at its end what it did before. A length that met something where a shorter one
+ * did not is tried again after 2, 4, 8, 16 steps.
  *
- * An extrapolated state obeys the contacts as they are there, the end of a step those at its start. Where something turns, the first step
- * from it has other normal forces than the next one, by what holds bodies on curved ways, and friction may hold in it that slips in
+ * An extrapolated state obeys the contacts as they are there, the end of a step those at its start. Where something turns, the first
+ * step from it has other normal forces than the next one, by what holds bodies on curved ways, and friction may hold in it that slips in
  * the next one, in every step however short. Where it does, the step is tried again with contacts that turn within it
  * (world_contacts_turned), and so are those behind it until others carry.
  *
- * A side may come to another that no contact at the start of a step has told of, or that opens again within it: how much deeper bodies are in
- * each other at its end counts as what changes; where two come near each other and are gone at the end (world_first_touch), it is tried again
- * up to there; and where two come into each other and part again in a step of even acceleration, so that no solve gave an impact, twice the
- * speed at which they do counts, as long as velocities last, and as `jump`.
+ * Impacts on one body that follow each other more closely than gaps are known (by what all steps so far are off by, and a step may sink)
+ * are taken as they come, one by one or in one solve, and what goes with that is told (`doubt`): the part of the speed of one that is
+ * taken by the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once
+ * as far as the solves can tell, and what bounces no higher than the gaps are known count for nothing.
  *
- * Impacts on one body that follow each other more closely than gaps are known (by what all steps so far are off by, and a step may sink) are
- * taken as they come, one by one or in one solve, and what goes with that is told (`doubt`): the part of the speed of one that is taken by
- * the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once as far as the
- * solves can tell, and what bounces no higher than the gaps are known count for nothing.
+ * An impact is located the more closely the farther bodies go behind it: where round sides meet elsewhere, they push in another
+ * direction. It is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or
+ * behind one, what they change by in it is told (`jump`).
  *
- * A side of a body may end under another within a step, which both of its ways see only from the next step on. Where bodies carry each other whose
- * sides end, a step behind the one just tried tells: it is halved until what velocities do otherwise there makes no difference.
+ * Where loads change with time a contact may open that nothing pulls at yet. Its normal force is followed from one half to the other,
+ * and a step is tried again up to where nothing is left of it; where none opens behind such a step that is asked after 2, 4, 8, 16
+ * steps. Friction may hold on both sides of the peak of a load: error_stops has the peaks, and the speed that kinetic friction may have
+ * cost since the middle of the step before, where a slip begins at once, is told with impacts (`located`, `jump`), for no shorter step
+ * behind it mends that.
  *
- * An impact is located the more closely the farther bodies go behind it: where round sides meet elsewhere, they push in another direction.
- * It is located by where bodies are, and by as much its time is unknown: where speeds are asked for so shortly before or behind one, what they
- * change by in it is told (`jump`).
+ * Bristles have a velocity by what stretches them. A step in which they hold by one of its ways and slip by the other, so that the
+ * velocities of both differ by a quarter of what they change by, is not extrapolated: that turned the slip round, in every step however
+ * short.
  *
- * Where loads change with time a contact may open that nothing pulls at yet. Its normal force is followed from one half to the other, and a step is
- * tried again up to where nothing is left of it; where none opens behind such a step that is asked after 2, 4, 8, 16 steps. Friction may hold on
- * both sides of the peak of a load: error_stops has the peaks, and the speed that kinetic friction may have cost since the middle of the step
- * before, where a slip begins at once, is told with impacts (`located`, `jump`), for no shorter step behind it mends that.
+ * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body,
+ * and `law` is how far it goes; `left` is what slip does that an impact left to a contact that holds.
  *
- * Bristles have a velocity by what stretches them. A step in which they hold by one of its ways and slip by the other, so that the velocities of
- * both differ by a quarter of what they change by, is not extrapolated: that turned the slip round, in every step however short.
- *
- * What sliding friction gives in space beyond mu_k l_n against the slip, by the edges of a cone, is summed as a velocity of each body, and `law`
- * is how far it goes; `left` is what slip does that an impact left to a contact that holds.
- *
- * Where nothing moves at the start, and no load or drive changes with time, one step over all of the run is tried first: if nothing moves
- * in it, nor in its halves, that is the run.
+ * Where nothing moves at the start, and no load or drive changes with time, one step over all of the run is tried first: if nothing
+ * moves in it, nor in its halves, that is the run.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once

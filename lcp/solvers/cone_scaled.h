@@ -27,7 +27,8 @@ static inline size_t lcp_cone_scaled_at(const lcp_cone_scaled *c, const lcp_bloc
 
 void lcp_cone_scaled_layout(lcp_cone_scaled *c, const lcp_capacity *cap, base_arena *a);
 
-/* d: diagonal of M; facets: n, borrowed, or NULL. BASE_EUNSUPPORTED: a cone of more than LCP_CONE_MAX rows, or with a diagonal that is not positive. */
+/* d: diagonal of M; facets: n, borrowed, or NULL. BASE_EUNSUPPORTED: a cone of more than LCP_CONE_MAX rows, or with a diagonal that is not
+ * positive. */
 base_status lcp_cone_scaled_begin(lcp_cone_scaled *c, const lcp_problem *p, const double *d,
                                   const int *facets, base_error *err);
 

@@ -6,8 +6,8 @@
  *   z_n >= 0  _|_  w_n >= 0,   z_k >= 0  _|_  f_k.w_t + alpha sigma >= 0,   sigma >= 0  _|_  alpha (mu z_n - sum z_k) >= 0
  *
  * In a basis all 2 + K basic values and slacks are linear in b, three numbers each, which are kept from sweep to sweep: a contact
- * stays in its basis where no value is negative, and no slack by more than rounding. Elsewhere it is open (b_n >= 0, sigma the largest approach to a facet)
- * or solved by Lemke's path (lemke/block.h), whose last basis is kept then.
+ * stays in its basis where no value is negative, and no slack by more than rounding. Elsewhere it is open (b_n >= 0, sigma the largest approach to
+ * a facet) or solved by Lemke's path (lemke/block.h), whose last basis is kept then.
  *
  * Order: that of contact_batches.h. No relaxation. */
 #pragma once

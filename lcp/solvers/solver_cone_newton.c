@@ -16,7 +16,8 @@
  *     from a nearly right start would be more than what is missing.
  *   - |F| that is rounding says nothing of rows that are small beside it, whose residual is of their own size: one that nothing
  *     acts on and that starts from another value keeps a share of that, weight over mobility, in each outer step. So steps are
- *     whole then, the map is alart_curnier whatever `map` says, since fischer loses a small number beside a large one, and third-order rounding is zero.
+ *     whole then, the map is alart_curnier whatever `map` says, since fischer loses a small number beside a large one, and third-order rounding is
+ *     zero.
  *   - t = 1, 1/2, 1/4 by Armijo's rule on |F|; where all are refused the whole step is taken: a Newton step that a
  *     kink of F stops (a contact about to stick or slip) is not mended by a short one. On 1000 random sets
  *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, 1 set left open for 18.

@@ -184,8 +184,8 @@ static double unlike(const world *w, int i) {
   return fmax(I[0], fmax(I[1], I[2])) / world_least_inertia(w, i) - 1.0;
 }
 
-/* Adds what body i makes of deviations. falls: what a step makes of a place where what acts on it may go with that (`tied`). Of what turns with w by some angle more, velocities
- * on its contacts differ by w times that, in a step of h by h w^2 times the place. */
+/* Adds what body i makes of deviations. falls: what a step makes of a place where what acts on it may go with that (`tied`). Of what turns with w
+ * by some angle more, velocities on its contacts differ by w times that, in a step of h by h w^2 times the place. */
 static void add_body(const world *w, int i, bool tied, double falls, world_growth *g) {
   const residual *r = world_residual(w, i);
   const double carried = w->h * r->turn * r->turn, size = w->body[i].mass * w->size;

@@ -3,10 +3,10 @@
  * LCPs of another code and in the first 40 steps of four scenes.
  *
  * usage: ablate_lemke [REPETITIONS [GROUP...]]
- * Groups: small contact large bodies parallel hard random cases data scenes, all by default, and ramp, which takes long; large are contact LCPs of 1000 unknowns,
- * dense matrices of 300 and more and a wall of 60 bricks. CSV on stdout, one row per item: CPU seconds are the
- * median of the repetitions, those of a scene count what its solver took. After every row ablate_mark() is called: there
- * callgrind dumps the instructions of lcp_instance_prepare, lcp_instance_solve and tableau_lemke. */
+ * Groups: small contact large bodies parallel hard random cases data scenes, all by default, and ramp, which takes long; large are contact LCPs of
+ * 1000 unknowns, dense matrices of 300 and more and a wall of 60 bricks. CSV on stdout, one row per item: CPU seconds are the median of the
+ * repetitions, those of a scene count what its solver took. After every row ablate_mark() is called: there callgrind dumps the instructions of
+ * lcp_instance_prepare, lcp_instance_solve and tableau_lemke. */
 #include "harness/measure/registry.h"
 #include "harness/measure/series.h"
 #include "harness/measure/simulate.h"

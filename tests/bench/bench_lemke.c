@@ -8,7 +8,8 @@
  * millisecond, without readings of the clock inside one (lcp_instance_untimed). With `large` all but these.
  * CSV on stdout, one row per problem and method: CPU seconds of set-up and solve together, median and
  * quartiles; the methods take turns inside a repetition. `speedup` is the median of the problem's
- * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of contacts. */
+ * first method (the tableau, where it runs) over this one's; forming a dense M is not charged. Comment lines give exponents in the number of
+ * contacts. */
 #include "lcp/base/clock.h"
 #include "lcp/io/lcp_read.h"
 #include "lcp/lcp_instance.h"
