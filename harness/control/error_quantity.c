@@ -53,6 +53,7 @@ void error_made_close(error_made *m) {
   step_list_close(&m->kept);
   run_places_close(&m->places);
   free(m->met);
+  free(m->quantity);
   *m = (error_made){0};
 }
 
@@ -276,7 +277,13 @@ static void read_checks(const sim_request *q, const error_asked *asked, error_ma
 
 base_status error_made_read(const sim_request *q, const error_asked *asked, error_made *m,
                             base_error *err) {
+  const int asks = q->spec->n_check + q->spec->n_observe + 1;
+  const size_t most = (asks < ERROR_QUANTITIES) ? (size_t)asks : ERROR_QUANTITIES;
   BASE_TRY(extreme_met(&m->record, &m->kept, &m->met, err));
+  m->quantity = malloc(most * sizeof *m->quantity);
+  if (m->quantity == NULL) {
+    return BASE_FAIL(err, BASE_ENOMEM, "no memory for %zu quantities", most);
+  }
   m->at_stops = true;
   read_checks(q, asked, m);
   for (int i = 0; i < q->spec->n_observe; i++) {

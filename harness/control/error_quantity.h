@@ -54,7 +54,7 @@ typedef struct error_made {
   bool turns;   /* some are angles or rates of turning */
   bool more;    /* than ERROR_QUANTITIES are asked for */
   int n_quantity;
-  error_quantity quantity[ERROR_QUANTITIES];
+  error_quantity *quantity; /* owned; NULL: nothing was read from it yet */
 } error_made;
 
 /* "1e-3m", "2 %", "1%", "0.01". BASE_EINVAL: no number above 0, or no unit that the program knows. */

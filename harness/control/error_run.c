@@ -481,7 +481,8 @@ static void hand_over(climber *l, series *record, sim_result *out, step_list *ke
   m->kept = (step_list){0};
   out->time = l->spent;
   l->result->n_quantity = m->n_quantity;
-  memcpy(l->result->quantity, m->quantity, sizeof m->quantity);
+  l->result->quantity = m->quantity;
+  m->quantity = NULL;
 }
 
 base_status error_run(const sim_request *q, const error_asked *asked, series *record,
@@ -506,4 +507,9 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   free(l.stop);
   free(l.speed_at);
   return done;
+}
+
+void error_result_close(error_result *r) {
+  free(r->quantity);
+  r->quantity = NULL;
 }

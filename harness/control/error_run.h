@@ -60,15 +60,18 @@ typedef struct error_result {
   double
       estimate; /* largest of the quantities that E holds for: in `unit`, or over its scale [1] */
   int n_quantity;
-  error_quantity quantity[ERROR_QUANTITIES];
+  error_quantity *quantity; /* owned */
   int n_level;
   error_level level[2 * ERROR_LEVELS];
   long solved; /* steps of all runs */
 } error_result;
 
-/* The finest run that was made, its record and steps; out->time is that of all runs. q as for simulate_controlled. */
+/* The finest run that was made, its record and steps; out->time is that of all runs. q as for simulate_controlled. Close the result, also behind
+ * an error. */
 base_status error_run(const sim_request *q, const error_asked *asked, series *record,
                       sim_result *out, step_list *kept, error_result *result, base_error *err);
+
+void error_result_close(error_result *r);
 
 /* No longer than q->h, the run, and what its springs and swinging loads bear [s]. */
 base_status error_first_step(const sim_request *q, double *h, base_error *err);

@@ -129,6 +129,7 @@ static base_status run_candidate(simulation *s, int k, const sim_request *q, ser
   s->taken = k;
   series_close(record);
   step_list_close(&s->steps);
+  error_result_close(&s->found);
   BASE_TRY(take(s, c->formulation, c->solver, err));
   return error_run(q, &s->error, record, out, &s->steps, &s->found, err);
 }
@@ -398,6 +399,7 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
 
 void simulation_close(simulation *s) {
   step_list_close(&s->steps);
+  error_result_close(&s->found);
   spec_free(&s->spec);
   formulation_choice_free(&s->form);
   solver_choice_free(&s->solver);
