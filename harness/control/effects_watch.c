@@ -328,11 +328,6 @@ static base_status leave_out(watch *w, outlook from, base_error *err) {
 
 /* The same contacts carried twice, after a beginning without any. Once a run. */
 static base_status leave_at_contact(watch *w, base_error *err) {
-  const sim *s = w->s;
-  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
-  if (!stay) {
-    return BASE_OK;
-  }
   w->waits = false;
   return leave_out(w, NEXT_STEP, err);
 }
@@ -368,9 +363,8 @@ static bool is_known(watch *w, bool stay) {
 
 /* What came in goes where all lies still, or where nothing left out has acted and what it will have done by the end is foreseen to be
  * less than E: it came in at an impact that is over. */
-static base_status leave_again(watch *w, base_error *err) {
+static base_status leave_again(watch *w, bool stay, base_error *err) {
   const sim *s = w->s;
-  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
   const bool some = (w->result->watched & s->effects & candidates) != 0;
   const bool may = some && w->result->plan.n + 2 <= EFFECTS_SPANS;
   const bool followed =
@@ -385,11 +379,13 @@ static base_status leave_again(watch *w, base_error *err) {
 
 /* What the step just taken shows not to be called for any more. */
 static base_status leave(watch *w, base_error *err) {
-  if (w->result->watched == 0 || w->s->out->steps == w->s->out->steps_planned) {
+  const sim *s = w->s;
+  const bool stay = s->carrying.n > 0 && s->carrying.ids == w->carrying.ids;
+  if (w->result->watched == 0 || s->out->steps == s->out->steps_planned || (w->waits && !stay)) {
     return BASE_OK;
   }
   const double from = base_seconds();
-  BASE_TRY((w->waits ? leave_at_contact : leave_again)(w, err));
+  BASE_TRY(w->waits ? leave_at_contact(w, err) : leave_again(w, stay, err));
   w->s->out->time.watch += base_seconds() - from;
   return BASE_OK;
 }
