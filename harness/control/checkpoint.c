@@ -5,11 +5,12 @@
 #include <string.h>
 
 base_status checkpoint_open(checkpoint *c, const sim *s, base_error *err) {
-  *c = (checkpoint){.state = malloc(world_saved_size(s->w) * sizeof *c->state)};
+  *c = (checkpoint){.state = malloc(world_saved_size(s->w) * sizeof *c->state),
+                    .out = malloc(sizeof *c->out)};
   if (s->sleeps) {
     c->asleep = malloc((world_sleep_size(s->w) + 1) * sizeof *c->asleep);
   }
-  return (c->state != NULL && (c->asleep != NULL || !s->sleeps))
+  return (c->state != NULL && c->out != NULL && (c->asleep != NULL || !s->sleeps))
              ? BASE_OK
              : BASE_FAIL(err, BASE_ENOMEM, "no memory to keep the state of a run");
 }
@@ -26,7 +27,7 @@ base_status checkpoint_take(checkpoint *c, const sim *s, const series *record, b
     world_sleep_save(s->w, c->asleep);
     BASE_TRY(sim_asleep_copy(&c->of_asleep, &s->asleep, err));
   }
-  memcpy(&c->out, s->out, result_size(s->out));
+  memcpy(c->out, s->out, result_size(s->out));
   c->held = s->held;
   c->carrying = s->carrying;
   c->goes_on = s->goes_on;
@@ -43,7 +44,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
   }
   world_load(s->w, c->state); /* behind who sleeps, whose axes do not move */
   const sim_result spent = *s->out;
-  memcpy(s->out, &c->out, result_size(&c->out));
+  memcpy(s->out, c->out, result_size(c->out));
   s->out->time = spent.time;
   s->out->work = spent.work;
   s->out->n_solves = spent.n_solves;
@@ -61,6 +62,7 @@ base_status checkpoint_return(const checkpoint *c, sim *s, series *record, base_
 
 void checkpoint_close(checkpoint *c) {
   free(c->state);
+  free(c->out);
   contact_memory_drop(&c->past);
   contact_memory_drop(&c->own);
   sim_asleep_close(&c->of_asleep);

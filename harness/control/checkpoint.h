@@ -10,7 +10,7 @@ typedef struct checkpoint {
   contact_past own; /* what the solver answered by itself */
   double *asleep;   /* world_sleep_save; owned, NULL: nobody may sleep */
   sim_asleep of_asleep;
-  sim_result out;
+  sim_result *out; /* its parts as far as there are any; owned */
   solved held;
   sim_carrying carrying, goes_on; /* of the step before */
   int n_row;                      /* of the record */

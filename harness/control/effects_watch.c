@@ -100,7 +100,7 @@ static unsigned left_out(const watch *w) {
 /* Nothing left out has acted up to the step now reached. */
 static base_status take_clean(watch *w, base_error *err) {
   const checkpoint *c = &w->clean;
-  const bool there = c->n_row > 0 && c->out.steps == w->s->out->steps;
+  const bool there = c->n_row > 0 && c->out->steps == w->s->out->steps;
   return there ? BASE_OK : checkpoint_take(&w->clean, w->s, w->record, err);
 }
 
@@ -205,7 +205,7 @@ static bool sleeps_off(const watch *w) {
 /* What follows from the step just taken. A step that fails proves nothing of the whole scene: everything comes in. */
 static base_status judge(watch *w, double h, bool *taken, base_error *err) {
   sim *s = w->s;
-  if (!*taken || s->out->status != w->clean.out.status) {
+  if (!*taken || s->out->status != w->clean.out->status) {
     *taken = true;
     return go_back(w, w->q->effects, err);
   }

@@ -197,6 +197,58 @@ static void add_laws(const world *w, unsigned omitted, bool slide, int i, const 
   }
 }
 
+/* How friction slides in the step: along one direction, by one coefficient, or not. */
+typedef struct sliding {
+  bool some, parallel; /* contacts slide; their normals are parallel */
+  double first[3], normal[3];
+  double unlike; /* the most that two of them differ by in friction over their load, a vector [1] */
+} sliding;
+
+static sliding sliding_of(const world *w, const double *v_next, const double *impulse,
+                          double least) {
+  sliding s = {.parallel = true};
+  for (int i = 0; i < w->set.n_contact; i++) {
+    const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+    double u[3], spin[3];
+    if (!(impulse[w->store.row_start[i]] > 0.0)) {
+      continue;
+    }
+    relative_motion(w, i, v_next, u, spin);
+    const double speed = v3_norm(u);
+    if (!(speed > least)) {
+      continue;
+    }
+    v3_scale(law_of(w, item_of(w, i)) / speed, u, u);
+    if (!s.some) {
+      s.some = true;
+      v3_copy(u, s.first);
+      v3_copy(n, s.normal);
+    }
+    v3_sub(u, s.first, u);
+    s.unlike = fmax(s.unlike, 2.0 * v3_norm(u));
+    s.parallel = s.parallel && fabs(v3_dot(n, s.normal)) > 1.0 - 1e-9;
+  }
+  return s;
+}
+
+/* Two bodies that hold each other by friction may take load off each other, by all that it can hold along the normals of what slides. Where that
+ * slides in unlike directions or with unlike coefficients, the motion goes with it, and the full run takes another of these shares than one of
+ * fewer axes, or of fewer contacts in the plane. */
+static void add_shares(const world *w, const double *v_next, const double *impulse, double least) {
+  const sliding s = sliding_of(w, v_next, impulse, least);
+  for (int i = 0; i < w->set.n_contact && s.unlike > 0.0; i++) {
+    const contact_item *c = item_of(w, i);
+    const double press = impulse[w->store.row_start[i]];
+    const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+    double across[3];
+    if (press > 0.0 && inverse_mass(w, c->a) > 0.0 && inverse_mass(w, c->b) > 0.0) {
+      v3_cross(n, s.normal, across);
+      const double sine = s.parallel ? v3_norm(across) : 1.0;
+      add_to_sides(w, c, offsetof(residual, shares), law_of(w, c) * press * sine * s.unlike);
+    }
+  }
+}
+
 void world_set_friction_reach(world *w, double reach) {
   w->friction_reach = reach;
 }
@@ -222,6 +274,9 @@ void world_acted(const world *w, const double *impulse, world_growth *grown) {
     }
   }
 }
+
+/* Without one of these, bodies have fewer axes. */
+static const unsigned locking = EFFECT_ROTATION | EFFECT_SPATIAL;
 
 /* ---- the whole -------------------------------------------------------------------------------- */
 
@@ -307,6 +362,7 @@ static void judge_body(const world *w, int i, unsigned effects, bool still, bool
   raise(to, omitted & EFFECT_FRICTION, r->rub / b->mass, can_turn ? not_held * reach : 0.0);
   raise(to, omitted & (EFFECT_ROLLING | EFFECT_TORSION), 0.0, r->resist * reach);
   raise(to, omitted & EFFECT_RESTITUTION, r->bounce, r->bounce);
+  raise(to, omitted & locking, r->shares / b->mass, 0.0);
 }
 
 static bool all_firm(const world *w, const world_growth *grown) {
@@ -322,7 +378,7 @@ static bool any_law(const world *w) {
   bool any = false;
   for (int i = 0; i < w->n_body; i++) {
     const residual *r = world_residual(w, i);
-    any = any || r->rub > 0.0 || r->resist > 0.0 || r->bounce > 0.0;
+    any = any || r->rub > 0.0 || r->resist > 0.0 || r->bounce > 0.0 || r->shares > 0.0;
   }
   return any;
 }
@@ -339,13 +395,16 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
     return;
   }
   memset(w->residual, 0, (size_t)w->n_body * sizeof(residual));
-  const bool locks = (omitted & (EFFECT_ROTATION | EFFECT_SPATIAL)) != 0;
+  const bool locks = (omitted & locking) != 0;
   const bool slide = resists(w, effects, impulse) && slides(w, effects, v_next, impulse, least);
   for (int i = 0; i < w->set.n_contact; i++) {
     const double press = impulse[w->store.row_start[i]];
     if (press > 0.0) {
       add_laws(w, omitted, slide && (w->effects & EFFECT_FRICTION) != 0, i, v_next, press);
     }
+  }
+  if (locks && (w->effects & EFFECT_FRICTION) != 0) {
+    add_shares(w, v_next, impulse, least);
   }
   const bool acts = deviates || any_law(w);
   if (!locks && !acts) {

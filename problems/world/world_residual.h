@@ -14,6 +14,7 @@ typedef struct residual {
   double other[AXES];
   double rest[AXES];  /* what the contacts bring, on top of that */
   double rub, resist; /* friction left out [N s]; rolling and torsion left out [N m s] */
+  double shares; /* what friction changes by the load that bodies may take off each other [N s] */
   double
       yaw; /* of that friction about the normals, which feet do not hold; HUGE_VAL: not known [N m s] */
   double bounce; /* velocity that restitution left out may return [m/s] */

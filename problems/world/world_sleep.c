@@ -107,10 +107,15 @@ static double load_of(const world *w, int i) {
   return v3_norm(w->store.wrench + AXES * (ptrdiff_t)i);
 }
 
-/* The speed at which a body lies still [m/s]. */
-static double least_speed(const world *w, int i) {
-  const double g = world_has(w, EFFECT_GRAVITY) ? v3_norm(w->spec.gravity) : 0.0;
-  return rest * w->h * fmax(g, load_of(w, i) / w->body[i].mass);
+/* The speed that gravity gives in the step [m/s]. */
+static double fall_of(const world *w) {
+  return w->h * (world_has(w, EFFECT_GRAVITY) ? v3_norm(w->spec.gravity) : 0.0);
+}
+
+/* The speed at which body i lies still [m/s]. */
+static double least_speed(const world *w, int i, double fall) {
+  const bool loads = world_has(w, EFFECT_LOADS);
+  return rest * (loads ? fmax(fall, w->h * load_of(w, i) / w->body[i].mass) : fall);
 }
 
 static void note_still(body *b, double speed, double least) {
@@ -121,11 +126,12 @@ static void note_still(body *b, double speed, double least) {
 }
 
 bool world_count_still(world *w, const double *shift) {
+  const double fall = fall_of(w);
   bool some = false;
   for (int i = 0; w->model == NULL && i < w->n_body; i++) {
     body *b = &w->body[i];
     if (b->n_dof > 0) {
-      note_still(b, speed_of(b, shift), least_speed(w, i));
+      note_still(b, speed_of(b, shift), least_speed(w, i, fall));
       some = some || b->still == STILL_STEPS;
     } else if (b->sleeps != 0) {
       b->still = ASLEEP;

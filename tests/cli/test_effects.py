@@ -233,6 +233,24 @@ def what_spins_on_its_floor_needs_friction(d):
     assert dropped == [True, False], dropped
 
 
+def load_may_be_taken_off_a_face(d):
+    """Two boxes slide face to face, the one in front on the rougher floor: how much of its load the
+    other takes by its face is not told without what turns them, or holds them in the plane."""
+    cube = {"shape": {"type": "box", "half": [0.1] * 3}, "mass": 1, "vel": [2, 0, 0]}
+    scene = {"id": "pair", "dim": 3, "T": 0.3, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene["static"] = [{"name": "floor", "normal": [0, 0, 1], "offset": 0}]
+    scene["bodies"] = [cube | {"name": n, "pos": [x, 0, 0.1]} for n, x in (("a", 0), ("b", 0.2))]
+    scene["observe"] = ["a.vx"]
+    path = d / "pair.json"
+    for rough, kept in ((0.5, True), (0.1, False)):
+        scene["friction"] = {"default": 0.1, "pairs": [["b", "floor", rough]]}
+        path.write_text(json.dumps(scene))
+        whole, auto = simulate(path, "declared"), simulate(path, "auto:1e-4")
+        assert (auto["effects_auto"]["dropped"] == "") == kept, (rough, auto["effects_auto"])
+        ends = [r["observables"]["a.vx"]["value"] for r in (whole, auto)]
+        assert abs(ends[0] - ends[1]) < 1e-4, (rough, ends)
+
+
 def a_deviation_passes_over_an_impact(d):
     """Every contact is hit, stays or opens by more than what friction can have done before: only
     rotation comes in, in the step of the impact, and nothing before it is done again."""
@@ -369,6 +387,7 @@ tap(
         what_an_impact_called_in_leaves_behind_it,
         what_an_impact_takes_alone_leaves_while_bodies_tip,
         what_spins_on_its_floor_needs_friction,
+        load_may_be_taken_off_a_face,
         a_deviation_passes_over_an_impact,
         nothing_given_is_lost_on_the_way,
         effects_change_in_the_run,

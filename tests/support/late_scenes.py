@@ -260,3 +260,40 @@ def settled_scene(rng: random.Random) -> dict:
     scene["bodies"] = bodies
     scene["observe"] = ["a0.x"]
     return scene
+
+
+def queue_scene(rng: random.Random) -> dict:
+    """Two to four boxes in a row, face to face or apart, that slide with one velocity or two, each
+    with a coefficient of friction of its own with the floor: a slope, a belt, or neither, with a
+    wall at its end or not. What holds a box by its face may take load off it."""
+    dim = rng.choice([3, 3, 2])
+    up, end, speed = dim - 1, 0.0, rng.choice([0.0, 1.0, 2.0])
+    bodies: list[dict] = []
+    pairs: list[list] = []
+    for k in range(rng.randint(2, 4)):
+        half = rng.choice([0.05, 0.1, 0.1, 0.15])
+        high = half * rng.choice([1.0, 1.0, 1.5, 0.7])
+        gap = rng.choice([0.0, 0.0, 0.0, 0.02, 0.1]) if k else 0.0
+        sides = [half, high] if dim == 2 else [half, rng.choice([half, 0.1]), high]
+        own = speed if k and gap == 0.0 else rng.choice([0.0, speed, 1.5 * speed])
+        body = {"name": f"b{k}", "shape": {"type": "box", "half": sides}}
+        body["pos"] = [end + gap + (half if k else 0.0)] + [0.0] * (dim - 2) + [high]
+        body["mass"], body["vel"] = rng.choice([1.0, 1.0, 2.0, 0.5]), [own] + [0.0] * up
+        bodies.append(body)
+        end = body["pos"][0] + half
+        mu = rng.choice([None, 0.0, 0.05, 0.3, 0.5, 0.8])
+        pairs += [[body["name"], "floor", mu]] if mu is not None else []
+    slope = rng.choice([0.0, 0.0, 0.2, 0.4])
+    scene = {"id": "queue", "dim": dim, "T": rng.choice([0.3, 0.5]), "hs": [0.01]}
+    scene["gravity"] = [9.81 * math.sin(slope)] + [0.0] * (dim - 2) + [-9.81 * math.cos(slope)]
+    scene["static"] = [{"name": "floor", "normal": [0] * up + [1], "offset": 0}]
+    if rng.random() < 0.25:
+        scene["static"][0]["surface_velocity"] = [rng.choice([-1, 1])] + [0] * up
+    if rng.random() < 0.4:
+        stop = end + rng.choice([0.0, 0.1, 0.3])
+        scene["static"].append({"name": "wall", "normal": [-1] + [0] * up, "offset": -stop})
+    scene["friction"] = {"default": rng.choice([0.1, 0.3]), "pairs": pairs}
+    scene["restitution"] = {"default": rng.choice([0.0, 0.0, 0.3])}
+    scene["bodies"] = bodies
+    scene["observe"] = ["b0.x"]
+    return scene
