@@ -521,10 +521,11 @@ def rival_words(r: dict) -> str:
         if r["both"] > 1
         else "on the one scene that both reach"
     )
-    tie = 1 / r["noise"] <= r["ratio"] <= r["noise"] or r["both"] > 1 and r["low"] <= 1 <= r["high"]
-    takes = (
-        "takes the same time, to the spread," if tie else f"takes {r['ratio']:.2g} times as long"
-    )
+    takes = f"takes {r['ratio']:.2g} times as long"
+    if 1 / r["noise"] <= r["ratio"] <= r["noise"]:
+        takes = "takes the same time, to the noise,"
+    elif r["both"] > 1 and r["low"] <= 1 <= r["high"]:
+        takes += f" [{r['low']:.2g}, {r['high']:.2g}], which leaves open who is faster,"
     return f"{r['name']} {takes} {on}{fewer}"
 
 

@@ -109,6 +109,27 @@ def price_of_tuning(cells: pd.DataFrame, start: str, level: float) -> tuple[floa
     return tuple(float(np.median(x)) if x else math.nan for x in (spent, gained))
 
 
+def ran(group: pd.DataFrame) -> set[str]:
+    """The formulations that were measured on a scene."""
+    tried = ~group["status"].isin(["unsupported", "skipped"])
+    return set(group[tried]["formulation"])
+
+
+def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
+    """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival."""
+    out = []
+    for start in STARTS:
+        found = scenes_of(own, start, "default")
+        all_ran = [(p, g) for p, g in found if set(forms) <= ran(g)]
+        if not found or not (own["start"] == start).any():
+            continue
+        fair = read(all_ran, accuracy.LEVEL)
+        first = ", ".join(f"`{f}` {told(fair, f)}" for f in forms if told(fair, f))
+        where = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
+        out.append(where + (f", where the cheapest are {first}" if first else ""))
+    return out
+
+
 def told(reading: Reading, formulation: str) -> str:
     """'10', '10 + 3 tied', or nothing."""
     alone, tied = reading.alone[formulation], reading.tied[formulation]
@@ -152,13 +173,14 @@ def table(cells: pd.DataFrame) -> Table | None:
 def words(cells: pd.DataFrame) -> str:
     """Who is first in every reading, or that nobody is; and what tuning costs."""
     own = accuracy.own(cells)
-    leaders, out, n = set(), [], 0
+    leaders, won, out, n = set(), set(), [], 0
     for start in STARTS:
         for name in SETTINGS:
             reading = read(scenes_of(own, start, name), accuracy.LEVEL)
             if reading.reached and (own["start"] == start).any():
                 n += 1
                 leaders.add(reading.leader())
+                won |= {f for f in (*reading.alone, *reading.tied) if registry.uses_solver(f)}
     if len(leaders) == 1 and None not in leaders:
         which = "every reading" if n == READINGS else f"the {n} of {READINGS} measured readings"
         out.append(f"`{next(iter(leaders))}` leads in {which} at {accuracy.LEVEL:g}.")
@@ -166,6 +188,13 @@ def words(cells: pd.DataFrame) -> str:
         out.append(
             f"Nobody leads beyond the ties in all of the {n} measured readings at"
             f" {accuracy.LEVEL:g}."
+        )
+    forms = registry.by_formulation(won)
+    if len(forms) > 1:
+        names = ", ".join(f"`{f}`" for f in forms)
+        out.append(
+            f"Not each of {names} was run on every scene, so a win may lack its rival"
+            f" ({'; '.join(fair_words(own, forms))})."
         )
     for start in STARTS:
         spent, gained = price_of_tuning(own, start, accuracy.LEVEL)

@@ -3,6 +3,7 @@ them with any of its solvers, and what a step takes. The answers of the accuracy
 small scenes; this is the table that could turn them round."""
 
 import collections
+import dataclasses
 
 import pandas as pd
 
@@ -53,15 +54,32 @@ def told(g: pd.DataFrame, best: float) -> Cell:
     return Cell(f"{si(took, 's')} by {first['solver']}", mark, sort=took)
 
 
-def grid(cells: pd.DataFrame) -> list[tuple[str, float, dict[str, pd.DataFrame]]]:
-    """[(scene, contacts, {formulation: cells})], the scenes by their contacts."""
+@dataclasses.dataclass
+class Case:
+    """A scene, for how long and by which steps, and who was asked."""
+
+    scene: str
+    contacts: float
+    step: float  # s
+    end: float  # s
+    by: dict[str, pd.DataFrame]  # formulation: its cells
+
+
+def grid(cells: pd.DataFrame) -> list[Case]:
+    """By their contacts."""
     some = own(cells)
     names = names_of(some)
     found = [
-        (scene(problem), float(g["p"].max()), {name: g[g["asked"] == name] for name in names})
-        for problem, g in some.groupby("problem")
+        Case(
+            scene(problem),
+            float(g["p"].max()),
+            step,
+            end,
+            {name: g[g["asked"] == name] for name in names},
+        )
+        for (problem, step, end), g in some.groupby(["problem", "step_s", "duration_s"])
     ]
-    return sorted(found, key=lambda one: (one[1], one[0]))
+    return sorted(found, key=lambda c: (c.contacts, c.scene, c.end, -c.step))
 
 
 def best_of(by: dict[str, pd.DataFrame]) -> dict[str, pd.Series]:
@@ -84,17 +102,19 @@ def table(cells: pd.DataFrame) -> Table | None:
     found = grid(cells)
     if not found:
         return None
-    names = list(found[0][2])
+    names = list(found[0].by)
     body = []
-    for name, contacts, by in found:
-        times = [c["t_total_step_s"] for c in best_of(by).values()]
+    for c in found:
+        times = [one["t_total_step_s"] for one in best_of(c.by).values()]
         best = min(times, default=0.0)
-        body.append([name, f"{contacts:.0f}", *(told(by[n], best) for n in names)])
+        setting = [f"{1e3 * c.step:g}", f"{c.end:g}"]
+        body.append([c.scene, f"{c.contacts:.0f}", *setting, *(told(c.by[n], best) for n in names)])
     return Table(
         "moving",
         "Time of a step by the fastest solver of each formulation that solves and verifies every"
-        " step; the step is the same for all, and each begins from the last one.",
-        ["scene", "contacts", *names],
+        " step; the step is the same for all, and each begins from the last one. A scene that"
+        " stands twice goes on for longer, or has shorter steps.",
+        ["scene", "contacts", "step [ms]", "to [s]", *names],
         body,
     )
 
@@ -102,13 +122,15 @@ def table(cells: pd.DataFrame) -> Table | None:
 def words(cells: pd.DataFrame, mark: str = "") -> str:
     """Who solves every scene, and who is fastest on how many; mark: what names stand in."""
     found = grid(cells)
-    names = list(found[0][2])
-    solved = {n: sum(fastest(by[n]) is not None for _, _, by in found) for n in names}
+    names = list(found[0].by)
+    solved = {n: sum(fastest(c.by[n]) is not None for c in found) for n in names}
     alone, tied = collections.Counter(), collections.Counter()
-    for _, _, by in found:
-        first = ties(by)
+    for c in found:
+        first = ties(c.by)
         (alone if len(first) == 1 else tied).update(first)
-    low, high = found[0][1], found[-1][1]
+    low, high = found[0].contacts, found[-1].contacts
+    n = len({c.scene for c in found})
+    settings = f", {len(found)} settings" if len(found) > n else ""
     won = ", ".join(
         f"{mark}{n}{mark} on {alone[n]}" + (f" and {tied[n]} tied" if tied[n] else "")
         for n in names
@@ -116,8 +138,9 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
     )
     counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
     return (
-        f"Where {low:.0f} to {high:.0f} contacts move ({len(found)} scenes), every step from the"
-        f" last one: scenes of which each step is solved and verified: {counts}."
+        f"Where {low:.0f} to {high:.0f} contacts move ({n} scene{'s' * (n > 1)}{settings}), every step from the"
+        f" last one: {'settings' if settings else 'scenes'} of which each step is solved and"
+        f" verified: {counts}."
         f" The fastest: {won}."
     )
 

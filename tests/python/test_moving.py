@@ -21,6 +21,8 @@ BASE = {
     "good": True,
     "noise": 1.05,
     "p": 49.0,
+    "step_s": 0.005,
+    "duration_s": 0.2,
     "t_total_step_s": 1e-3,
 }
 
@@ -68,6 +70,16 @@ class Moving(unittest.TestCase):
         self.assertEqual([r[0] for r in made.rows], ["granular_column:columns=4", "ramp"])
         self.assertEqual(text(made, 1)["regularized"], "not asked")
         self.assertIn("Where 49 to 1600 contacts move (2 scenes)", moving.words(some))
+
+    def test_one_scene_by_other_settings_is_another_row(self):
+        longer = {"campaign": "moving_settled", "duration_s": 0.5}
+        some = cells({}, OURS, {**longer, **LATE}, {**OURS, **longer})
+        made = moving.table(some)
+        self.assertEqual([r[2:4] for r in made.rows], [["5", "0.2"], ["5", "0.5"]])
+        self.assertEqual(text(made, 1)["velocity:facets=4"], "not solved: lemke timeout")
+        said = moving.words(some)
+        self.assertIn("(1 scene, 2 settings)", said)
+        self.assertIn("velocity:facets=4 1, regularized 2", said)
 
     def test_other_campaigns_and_undefined_cells_are_left_out(self):
         self.assertIsNone(moving.table(cells({"campaign": "accuracy"}, {"status": "unsupported"})))
