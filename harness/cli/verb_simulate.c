@@ -534,8 +534,8 @@ static const arg_option options[] = {
         "formulation with its options behind a colon, or A/STEPS:B (B after so many steps); with "
         "--error it is chosen where it and --solver are missing"),
     ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
-        "solver with its options behind a colon, or A/STEPS:B; formulations without a problem need "
-        "none"),
+        "solver with its options behind a colon, or A/STEPS:B; a formulation without a problem asks "
+        "it nothing"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
         .unit = "s", .above = true),
     ARG(simulate_options, t.error, "--error", ARG_TEXT, "E",
@@ -549,7 +549,7 @@ static const arg_option options[] = {
     ARG(simulate_options, t.rows, "--rows", ARG_TEXT, "FILE|DIR",
         "measured errors (choices.tsv) that formulation and solver are chosen from"),
     ARG(simulate_options, f.steps, "--write-steps", ARG_OUTPUT, "FILE",
-        "the steps found by --error, for --steps"),
+        "the steps found by --error, or taken, for --steps"),
     ARG(simulate_options, t.duration, "--duration", ARG_TEXT, "T",
         "duration instead of the scene's", .unit = "s", .above = true),
     ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
@@ -586,12 +586,27 @@ static const arg_table args = {
     1,       1,
     "SCENE", "scene with its parameters, or scene file; - is standard input"};
 
+/* What is not defined never ran: its reason is a message, too. */
+static void tell_unsupported(const json_t *o) {
+  const char *status = json_string_value(json_object_get(o, "status"));
+  const char *note = json_string_value(json_object_get(o, "note"));
+  base_error err = {0};
+  if (status != NULL && note != NULL && strcmp(status, run_status_name(RUN_UNSUPPORTED)) == 0) {
+    (void)BASE_FAIL(&err, BASE_EUNSUPPORTED, "%s", note);
+    (void)cli_report(&err);
+  }
+}
+
 static int run(int argc, char **argv) {
   simulate_options o = {0};
   int n_positional;
   base_error err = {0};
   if (args_parse(&args, &o, argc, argv, &o.t.scene, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
+  }
+  if (o.t.error == NULL) {
+    o.t.work = args_typed("--work", o.t.work);
+    o.t.time_limit = args_typed("--time-limit", o.t.time_limit);
   }
   simulation s;
   simulate_report report = {0};
@@ -617,6 +632,9 @@ static int run(int argc, char **argv) {
     return cli_report(&err);
   }
   FILE *to = args_take_stdout(&args, &o) ? stderr : stdout;
+  if (to == stdout) {
+    tell_unsupported(report.object);
+  }
   report.code = (stop_requested() != 0 && report.code != CLI_OK) ? cli_stopped() : report.code;
   return json_out_print(report.object, to) ? report.code : CLI_INTERNAL;
 }

@@ -165,6 +165,12 @@ static void variable_of(const char *option, char *name, size_t cap) {
   name[used] = '\0';
 }
 
+const char *args_typed(const char *option, const char *value) {
+  char name[64];
+  variable_of(option, name, sizeof name);
+  return (value != getenv(name)) ? value : NULL;
+}
+
 static base_status take_environment(const arg_table *t, void *options, base_error *err) {
   for (int i = 0; i < t->n_option; i++) {
     char name[64];

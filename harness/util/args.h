@@ -67,6 +67,10 @@ const arg_option *args_at(const arg_table *t, int i); /* 0 <= i < args_count(t) 
 base_status args_parse(const arg_table *t, void *options, int argc, char **argv,
                        const char **positional, int *n_positional, base_error *err);
 
+/* The value of an option, NULL where it is only that of its environment variable: of one that has no use without another, which then may be
+ * missing. */
+const char *args_typed(const char *option, const char *value);
+
 /* Does an option of the table write to standard output? What would stand there goes to stderr. */
 bool args_take_stdout(const arg_table *t, const void *options);
 

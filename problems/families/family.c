@@ -50,7 +50,7 @@ base_status lcp_family_unknown(const char *name, base_error *err) {
   }
   return BASE_FAIL(err, BASE_EINVAL,
                    "unknown problem '%.100s': need one of `lcpbench list problems` or a file .dat, "
-                   ".mtx, .hdf5%s",
+                   ".mtx, .npz, .hdf5%s",
                    name, base_nearest_hint(&near, hint));
 }
 

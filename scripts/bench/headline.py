@@ -118,15 +118,23 @@ def ran(group: pd.DataFrame) -> set[str]:
 def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
     """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival."""
     out = []
+
+    def wins(reading: Reading, form: str) -> tuple[int, int]:
+        return reading.alone[form], reading.tied[form]
+
     for start in STARTS:
         found = scenes_of(own, start, "default")
         all_ran = [(p, g) for p, g in found if set(forms) <= ran(g)]
         if not found or not (own["start"] == start).any():
             continue
         fair = read(all_ran, accuracy.LEVEL)
-        first = ", ".join(f"`{f}` {told(fair, f)}" for f in forms if told(fair, f))
+        order = sorted(forms, key=lambda f: wins(fair, f), reverse=True)
+        first = ", ".join(f"`{f}` {told(fair, f)}" for f in order if told(fair, f))
         where = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
         out.append(where + (f", where the cheapest are {first}" if first else ""))
+        leader, fairly = read(found, accuracy.LEVEL).leader(), fair.leader()
+        if leader not in (None, fairly):
+            out[-1] += f": there {f'`{fairly}` leads' if fairly else 'nobody leads'}"
     return out
 
 
@@ -183,7 +191,9 @@ def words(cells: pd.DataFrame) -> str:
                 won |= {f for f in (*reading.alone, *reading.tied) if registry.uses_solver(f)}
     if len(leaders) == 1 and None not in leaders:
         which = "every reading" if n == READINGS else f"the {n} of {READINGS} measured readings"
-        out.append(f"`{next(iter(leaders))}` leads in {which} at {accuracy.LEVEL:g}.")
+        out.append(
+            f"`{next(iter(leaders))}` leads in {which} at {accuracy.LEVEL:g}, of what was run."
+        )
     elif leaders:
         out.append(
             f"Nobody leads beyond the ties in all of the {n} measured readings at"

@@ -1,5 +1,7 @@
 """recommend DIR --scene S --error E [--yardstick Y]"""
 
+import argparse
+import difflib
 import fnmatch
 import pathlib
 import sys
@@ -37,9 +39,14 @@ def error_of(text: str) -> tuple[float, bool]:
     """'1%' -> (0.01, True): of the scene's scale; '0.01' -> (0.01, False): in the unit of its
     quantity."""
     share = text.endswith("%")
-    value = float(text.removesuffix("%")) / (100 if share else 1)
+    try:
+        value = float(text.removesuffix("%")) / (100 if share else 1)
+    except ValueError:
+        value = -1.0
     if not 0 <= value < float("inf"):
-        raise ValueError(text)
+        raise argparse.ArgumentTypeError(
+            f"{text}: need a number of at least 0 in the unit of the scene's quantity, or 1%"
+        )
     return value, share
 
 
@@ -90,11 +97,10 @@ def main() -> int:
     ]
     found = cells[match]
     if found.empty:
-        print(
-            f"--scene {args.scene}: no such scene in the rows; there are:"
-            f" {', '.join(sorted(set(cells['problem_family'])))}",
-            file=sys.stderr,
-        )
+        known = sorted(set(cells["problem_family"]))
+        near = difflib.get_close_matches(args.scene, known, 1)
+        hint = f"did you mean '{near[0]}'?" if near else f"there are {len(known)} families of them"
+        say.complain(f"--scene {args.scene}: no such scene in the rows; {hint}")
         return 2
     status = 3
     for problem, group in found.groupby("problem"):

@@ -70,8 +70,12 @@ def read(path: pathlib.Path) -> pd.DataFrame:
         data = pd.read_csv(
             path, dtype={"kind": str, "name": str, "word": str}, keep_default_na=False
         )
-    except (OSError, ValueError) as error:
+    except OSError as error:
         raise BadTrajectory(f"{path}: {str(error).splitlines()[0]}") from None
+    except ValueError:
+        raise BadTrajectory(
+            f"{path}: not a trajectory: need the CSV of simulate --trajectory"
+        ) from None
     if list(data.columns) != COLUMNS:
         raise BadTrajectory(f"{path}: not a trajectory: its columns must be {', '.join(COLUMNS)}")
     numbers = data[["t_s", *COLUMNS[4:]]]

@@ -22,4 +22,5 @@ def complain(text: object) -> None:
 
 class Arguments(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
-        super().error(plain(message))
+        """One line, and code 2; --help has the usage."""
+        self.exit(2, f"{self.prog}: {plain(message)}\n")

@@ -104,6 +104,17 @@ class Readings(unittest.TestCase):
         said = headline.words(cells(*once, *other))
         self.assertIn("`velocity` leads in every reading", said)
 
+    def test_a_win_without_its_rival_is_told(self):
+        """Velocity alone ran on two of three scenes, and is slower on the third: it leads in what was
+        run, and nowhere where both were asked."""
+        some = [row("velocity", "facets=8", 3.0), row("coulomb", "", 2.0)]
+        for scene in ("spin", "tip"):
+            some += [row("velocity", "facets=8", c, problem=scene) for c in (1.0, 1.5)]
+        said = headline.words(cells(*some))
+        self.assertIn("`velocity` leads in the 2 of 4 measured readings at 0.01, of what", said)
+        self.assertIn("all ran on 1 of 3, where the cheapest are `coulomb` 1", said)
+        self.assertIn("there `coulomb` leads", said)
+
     def test_ties_could_turn_a_lead_round(self):
         def leader(alone, tied):
             Counter = headline.collections.Counter
