@@ -7,8 +7,8 @@
 static const char *const ending =
     "A FILE to be written may be -, standard output; what else would stand there goes to stderr.\n"
     "A PROBLEM or SCENE that is - is read from standard input. Behind -- there are no options.\n"
-    "An option that is not given is taken from the environment: --time-limit from\n"
-    "LCPBENCH_TIME_LIMIT.";
+    "An option that is not given is taken from the environment: --memory-limit from\n"
+    "LCPBENCH_MEMORY_LIMIT.";
 
 static const struct exit_words {
   int code;

@@ -534,7 +534,8 @@ static const arg_option options[] = {
         "formulation with its options behind a colon, or A/STEPS:B (B after so many steps); with "
         "--error it is chosen where it and --solver are missing"),
     ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
-        "solver with its options behind a colon, or A/STEPS:B; a formulation without a problem asks "
+        "solver with its options behind a colon, or A/STEPS:B; a formulation without a problem "
+        "asks "
         "it nothing"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
         .unit = "s", .above = true),
@@ -604,7 +605,7 @@ static int run(int argc, char **argv) {
   if (args_parse(&args, &o, argc, argv, &o.t.scene, &n_positional, &err) != BASE_OK) {
     return cli_report(&err);
   }
-  if (o.t.error == NULL) {
+  if (o.t.error == NULL || o.t.error[0] == '\0') {
     o.t.work = args_typed("--work", o.t.work);
     o.t.time_limit = args_typed("--time-limit", o.t.time_limit);
   }

@@ -512,4 +512,5 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
 void error_result_close(error_result *r) {
   free(r->quantity);
   r->quantity = NULL;
+  r->n_quantity = 0;
 }

@@ -31,6 +31,8 @@
  * the next one, in every step however short. Where it does, the step is tried again with contacts that turn within it
  * (world_contacts_turned), and so are those behind it until others carry.
  *
+ * A step may meet what neither of its ends tells of: step_sight.c.
+ *
  * Impacts on one body that follow each other more closely than gaps are known (by what all steps so far are off by, and a step may sink)
  * are taken as they come, one by one or in one solve, and what goes with that is told (`doubt`): the part of the speed of one that is
  * taken by the other, or its friction where that turns with the slip that the other leaves. Resting contacts, impacts that come at once

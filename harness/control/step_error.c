@@ -143,13 +143,6 @@ double step_shallow(const controlled *c) {
   return fmin(0.5 * step_tolerance(c) * event_share / lever(c), most * c->places->size);
 }
 
-double step_to_impact(const controlled *c, double h) {
-  static const double most = 1.8; /* of when it closes */
-  const sim_closing *closing = &c->pair.coarse.closing;
-  const bool met = c->rule->extrapolate && closing->at < HUGE_VAL;
-  return met ? fmin(closing->at + step_shallow(c) / closing->speed, most * closing->at) : h;
-}
-
 bool step_is_foreseen(const controlled *c, double h) {
   const step_end *coarse = &c->pair.coarse;
   const double share = step_tolerance(c) * step_share(c, h);

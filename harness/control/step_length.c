@@ -4,6 +4,22 @@
 /* PI control of a step whose error for a share that grows with it is of first order (Gustafsson 1991). */
 static const double safety = 0.9, integral = 0.7, proportional = 0.4, shrink = 0.2, grow = 4.0;
 
+double step_beside_growth(const world *w) {
+  static const double part = 0.25;
+  return part / world_growth_rate(w);
+}
+
+double step_longest(const controlled *c) {
+  return fmin(1.0, 2.0 * sqrt(step_tolerance(c) / step_way(c))) * step_beside_growth(c->run.w);
+}
+
+double step_to_impact(const controlled *c, double h) {
+  static const double most = 1.8; /* of when it closes */
+  const sim_closing *closing = &c->pair.coarse.closing;
+  const bool met = c->rule->extrapolate && closing->at < HUGE_VAL;
+  return met ? fmin(closing->at + step_shallow(c) / closing->speed, most * closing->at) : h;
+}
+
 /* Does the solver find the mode of a contact that takes all of its friction when its slip is at an end, and may hold as well? Sweeps do not. */
 static bool decides(const controlled *c) {
   const lcp_solver *solver = c->run.q->solver->solver;

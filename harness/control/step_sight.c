@@ -1,19 +1,14 @@
 /* step_sight.c - what happens in a step and neither of its ends tells of.
  *
  * A side may come to another that no contact at the start of a step has told of, or that opens again within it: how much deeper bodies
- * are in each other at its end counts as what changes; where two come near each other and are gone at the end (world_first_touch), it is
- * tried again up to there; and where two come into each other and part again in a step of even acceleration, so that no solve gave an
+ * are in each other at its end counts as what changes; where two come near each other and are gone at the end (world_first_touch), the
+ * step is tried again up to there; and where two come into each other and part again in a step of even acceleration, so that no solve gave an
  * impact, twice the speed at which they do counts, as long as velocities last, and as `jump`.
  *
  * A side of a body may end under another within a step, which both of its ways see only from the next step on. Where bodies carry each
  * other whose sides end, a step behind the one just tried tells: it is halved until what velocities do otherwise there makes no
  * difference. */
 #include "harness/control/step_state.h"
-
-double step_beside_growth(const world *w) {
-  static const double part = 0.25;
-  return part / world_growth_rate(w);
-}
 
 /* Is the step just tried one of an even acceleration, so that two sides that come into each other at this speed and part again do so without an
  * impact? What contacts give at once would show. Of the first step nothing was known before. */
@@ -46,10 +41,6 @@ static base_status look_back(controlled *c, double h, double *e, double *at, bas
   c->located = fmax(c->located, deeper);
   *e = fmax(*e, deeper / share / step_tolerance(c));
   return BASE_OK;
-}
-
-double step_longest(const controlled *c) {
-  return fmin(1.0, 2.0 * sqrt(step_tolerance(c) / step_way(c))) * step_beside_growth(c->run.w);
 }
 
 /* The length of a step in the place of one of h behind which a steady turning is so much faster that what is off it has grown by more than a

@@ -1,4 +1,4 @@
-/* harness/control/step_state.h - what the parts of the step control share: the run, and the step just tried. Private to step_control.c, which
+/* harness/control/step_state.h - what the parts of the step control share: the run, and the step just tried. Private to four files: step_control.c
  * drives the run; step_error.c says what a step is off by, step_sight.c what happens in it unseen, and step_length.c how long the next one is.
  * step_control.h has the rules. */
 #pragma once
@@ -26,7 +26,7 @@ typedef struct controlled {
   step_pair pair, ahead; /* its ways, and those of the step behind it */
   bool smooth;           /* both of its ways together are better than the fine one */
   double off, plain;     /* what it is off by, and would be if it were not extrapolated [m] */
-  double located;        /* of that, what changes in it [m] */
+  double located;        /* what it meets, and where contacts change, is off by [m] */
   double passed;         /* that an impact which none of its solves saw would change [m/s] */
   double slipped;        /* what a slip that begins or turns in it is off by at its end [m/s] */
   double late_speed;     /* what slips at once in it is late by, see unseen_for [m/s] */
@@ -70,10 +70,6 @@ bool step_modes_differ(const controlled *c);
 /* Half of what a step may sink; no side of a body is missed by it [m]. */
 double step_shallow(const controlled *c);
 
-/* The length of a step in the place of one of h in which a gap closes: to just behind that, so deep as step_shallow, and so that the gap is
- * open yet at half of it, where the fine way would meet it. h: none does. */
-double step_to_impact(const controlled *c, double h);
-
 /* Does the coarse way over h tell that the step is too long: what closes in it sinks by more than its share? */
 bool step_is_foreseen(const controlled *c, double h);
 
@@ -81,10 +77,6 @@ bool step_is_foreseen(const controlled *c, double h);
 double step_error(controlled *c, double h);
 
 /* ---- step_sight.c ---------------------------------------------------------------------------- */
-
-/* The longest step beside what grows off a steady turning, which no step sees: a share of it is off by as much as the steps of the run are
- * of what they see [s]. */
-double step_longest(const controlled *c);
 
 /* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where loads do not change it opens as bodies
  * move, and how these do keeps the steps short. In a step with an impact, what contacts press with tells nothing. */
@@ -95,6 +87,14 @@ double step_opens(const controlled *c, double h);
 base_status step_look(controlled *c, double h, aim aimed, double *e, double *at, base_error *err);
 
 /* ---- step_length.c --------------------------------------------------------------------------- */
+
+/* The longest step beside what grows off a steady turning, which no step sees: a share of it is off by as much as the steps of the run are
+ * of what they see [s]. */
+double step_longest(const controlled *c);
+
+/* The length of a step in the place of one of h in which a gap closes: to just behind that, so deep as step_shallow, and so that the gap is
+ * open yet at half of it, where the fine way would meet it. h: none does. */
+double step_to_impact(const controlled *c, double h);
 
 /* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for.
  * *aimed: at what. */

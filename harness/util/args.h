@@ -1,5 +1,5 @@
 /* harness/util/args.h - command-line options by table. An option given neither on the command line
- * nor in the table's default may come from the environment: --time-limit is LCPBENCH_TIME_LIMIT; a flag
+ * nor in the table's default may come from the environment: --memory-limit is LCPBENCH_MEMORY_LIMIT; a flag
  * is 1 or 0 there, a list is taken only where it is needed, as one item. */
 #pragma once
 
@@ -67,8 +67,8 @@ const arg_option *args_at(const arg_table *t, int i); /* 0 <= i < args_count(t) 
 base_status args_parse(const arg_table *t, void *options, int argc, char **argv,
                        const char **positional, int *n_positional, base_error *err);
 
-/* The value of an option, NULL where it is only that of its environment variable: of one that has no use without another, which then may be
- * missing. */
+/* The value that args_parse gave an option; NULL where that came from the environment. For an option that needs another one: on the command
+ * line it is refused without that, in the environment it is for the commands that have both. */
 const char *args_typed(const char *option, const char *value);
 
 /* Does an option of the table write to standard output? What would stand there goes to stderr. */

@@ -153,7 +153,9 @@ typedef struct world_deviation {
 /* What the effects that the world leaves out of `effects` would do in the step from its last set to v_next with these
  * impulses (n_row), before world_advance: for each the largest change of velocity of any point of a body that it could bring [m/s], an
  * upper bound; up to `least` it is none. 0: the step is one of the whole scene too. Friction, rolling, torsion and restitution at contacts
- * with a normal impulse; rotation and spatial as axes that are locked without them. Not seen: damping and gyroscopic without rotation.
+ * with a normal impulse; rotation and spatial as axes that are locked without them, and by what friction that slides changes by load that
+ * bodies may take off each other (at the press of the step; contacts that are about to slide do not count). Not seen: damping and gyroscopic
+ * without rotation.
  * grown[n_body]: the same by bodies, and what the step makes of deviations before it (`deviates`: some may, or would); nothing where
  * nothing changes and none deviates, which is not asked then. */
 void world_omitted(const world *w, unsigned effects, bool deviates, double least,

@@ -73,7 +73,7 @@ typedef enum world_unit {
   PER_COUNT
 } world_unit;
 
-enum { WORLD_RESIDUAL = 32 }; /* numbers of what acts on a body without the effects left out */
+enum { WORLD_RESIDUAL = 40 }; /* numbers of what acts on a body without the effects left out */
 
 /* Every array of a world has one line here, X(element, name, unit, elements for one unit). The line declares the
  * array, and world_memory.c grows and frees it. */

@@ -2,7 +2,8 @@
  *
  * The step without an effect is one with it where the force that the effect would add is zero. So each effect has a
  * residual: along axes that are locked the impulse that contacts, joints and loads leave over; at contacts without
- * friction (rolling, torsion) what Coulomb's law could exert at the velocity there. */
+ * friction (rolling, torsion) what Coulomb's law could exert at the velocity there. And where axes are locked, what friction makes of
+ * the load that bodies may take off each other, of which the step has one share of many. */
 #include "problems/vec.h"
 #include "problems/world/world_residual.h"
 
@@ -24,6 +25,10 @@ static void add_to_sides(const world *w, const contact_item *c, size_t field, do
       *(double *)(void *)((char *)world_residual(w, side[k]) + field) += value;
     }
   }
+}
+
+static bool parallel(const double *n, const double *d) {
+  return fabs(v3_dot(n, d)) > 1.0 - 1e-9;
 }
 
 /* No force exceeds mu p, nor what stops the sliding: u over the mobility of the two sides. What does not slide needs none, though the
@@ -197,17 +202,29 @@ static void add_laws(const world *w, unsigned omitted, bool slide, int i, const 
   }
 }
 
-/* How friction slides in the step: along one direction, by one coefficient, or not. */
-typedef struct sliding {
-  bool some, parallel; /* contacts slide; their normals are parallel */
-  double first[3], normal[3];
-  double unlike; /* the most that two of them differ by in friction over their load, a vector [1] */
-} sliding;
+/* ---- load that bodies take off each other ------------------------------------------------------ */
 
-static sliding sliding_of(const world *w, const double *v_next, const double *impulse,
-                          double least) {
-  sliding s = {.parallel = true};
+/* Notes of a side the friction on it of a contact that slides, sign f over its load, and the normal n. */
+static void note_slide(const world *w, int side, const double *f, double sign, const double *n) {
+  double own[3], apart[3];
+  if (side >= w->n_body) {
+    return;
+  }
+  residual *r = world_residual(w, side);
+  v3_scale(sign, f, own);
+  if (r->slides == 0.0) {
+    r->slides = 1.0;
+    v3_copy(own, r->rubs);
+    v3_copy(n, r->plane);
+  }
+  v3_sub(own, r->rubs, apart);
+  r->unlike = fmax(r->unlike, v3_norm(apart));
+  r->slides = parallel(n, r->plane) ? r->slides : 2.0;
+}
+
+static void note_slides(const world *w, const double *v_next, const double *impulse, double least) {
   for (int i = 0; i < w->set.n_contact; i++) {
+    const contact_item *c = item_of(w, i);
     const double *n = w->store.frame + 9 * (ptrdiff_t)i;
     double u[3], spin[3];
     if (!(impulse[w->store.row_start[i]] > 0.0)) {
@@ -215,37 +232,44 @@ static sliding sliding_of(const world *w, const double *v_next, const double *im
     }
     relative_motion(w, i, v_next, u, spin);
     const double speed = v3_norm(u);
-    if (!(speed > least)) {
-      continue;
+    if (speed > least) {
+      v3_scale(-law_of(w, c) / speed, u, u);
+      note_slide(w, c->a, u, 1.0, n);
+      note_slide(w, c->b, u, -1.0, n);
     }
-    v3_scale(law_of(w, item_of(w, i)) / speed, u, u);
-    if (!s.some) {
-      s.some = true;
-      v3_copy(u, s.first);
-      v3_copy(n, s.normal);
-    }
-    v3_sub(u, s.first, u);
-    s.unlike = fmax(s.unlike, 2.0 * v3_norm(u));
-    s.parallel = s.parallel && fabs(v3_dot(n, s.normal)) > 1.0 - 1e-9;
   }
-  return s;
 }
 
-/* Two bodies that hold each other by friction may take load off each other, by all that it can hold along the normals of what slides. Where that
- * slides in unlike directions or with unlike coefficients, the motion goes with it, and the full run takes another of these shares than one of
- * fewer axes, or of fewer contacts in the plane. */
-static void add_shares(const world *w, const double *v_next, const double *impulse, double least) {
-  const sliding s = sliding_of(w, v_next, impulse, least);
-  for (int i = 0; i < w->set.n_contact && s.unlike > 0.0; i++) {
-    const contact_item *c = item_of(w, i);
-    const double press = impulse[w->store.row_start[i]];
-    const double *n = w->store.frame + 9 * (ptrdiff_t)i;
-    double across[3];
-    if (press > 0.0 && inverse_mass(w, c->a) > 0.0 && inverse_mass(w, c->b) > 0.0) {
-      v3_cross(n, s.normal, across);
-      const double sine = s.parallel ? v3_norm(across) : 1.0;
-      add_to_sides(w, c, offsetof(residual, shares), law_of(w, c) * press * sine * s.unlike);
-    }
+/* What friction on the sides of contact i, which presses with `press`, changes by the load that one takes off the other. */
+static void add_taken(const world *w, int i, double press) {
+  static const double rounding = 1e-9; /* of two directions that are one */
+  const contact_item *c = item_of(w, i);
+  const double *n = w->store.frame + 9 * (ptrdiff_t)i;
+  if (!(press > 0.0) || !(inverse_mass(w, c->a) > 0.0) || !(inverse_mass(w, c->b) > 0.0)) {
+    return;
+  }
+  const residual *a = world_residual(w, c->a), *b = world_residual(w, c->b);
+  const double *plane = (a->slides > 0.0) ? a->plane : b->plane;
+  const bool one = fmax(a->slides, b->slides) <= 1.0 &&
+                   (a->slides == 0.0 || b->slides == 0.0 || parallel(a->plane, b->plane));
+  double apart[3], across[3];
+  v3_sub(a->rubs, b->rubs, apart);
+  v3_cross(n, plane, across);
+  const double unlike = v3_norm(apart) + a->unlike + b->unlike;
+  if (unlike > rounding) {
+    const double held = law_of(w, c) * press * (one ? v3_norm(across) : 1.0);
+    add_to_sides(w, c, offsetof(residual, taken), held * unlike);
+  }
+}
+
+/* Two bodies that hold each other by friction may take load off each other, by all that it can hold along the normals of what slides, at the
+ * press of the step. Where one of them slides otherwise than the other, or does not, their motion goes with it, and the full run takes
+ * another share than one of fewer axes, or of fewer contacts in the plane. */
+static void add_all_taken(const world *w, const double *v_next, const double *impulse,
+                          double least) {
+  note_slides(w, v_next, impulse, least);
+  for (int i = 0; i < w->set.n_contact; i++) {
+    add_taken(w, i, impulse[w->store.row_start[i]]);
   }
 }
 
@@ -362,7 +386,7 @@ static void judge_body(const world *w, int i, unsigned effects, bool still, bool
   raise(to, omitted & EFFECT_FRICTION, r->rub / b->mass, can_turn ? not_held * reach : 0.0);
   raise(to, omitted & (EFFECT_ROLLING | EFFECT_TORSION), 0.0, r->resist * reach);
   raise(to, omitted & EFFECT_RESTITUTION, r->bounce, r->bounce);
-  raise(to, omitted & locking, r->shares / b->mass, 0.0);
+  raise(to, omitted & locking, r->taken / b->mass, 0.0);
 }
 
 static bool all_firm(const world *w, const world_growth *grown) {
@@ -378,7 +402,7 @@ static bool any_law(const world *w) {
   bool any = false;
   for (int i = 0; i < w->n_body; i++) {
     const residual *r = world_residual(w, i);
-    any = any || r->rub > 0.0 || r->resist > 0.0 || r->bounce > 0.0 || r->shares > 0.0;
+    any = any || r->rub > 0.0 || r->resist > 0.0 || r->bounce > 0.0 || r->taken > 0.0;
   }
   return any;
 }
@@ -404,7 +428,7 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
     }
   }
   if (locks && (w->effects & EFFECT_FRICTION) != 0) {
-    add_shares(w, v_next, impulse, least);
+    add_all_taken(w, v_next, impulse, least);
   }
   const bool acts = deviates || any_law(w);
   if (!locks && !acts) {
@@ -412,13 +436,13 @@ void world_omitted(const world *w, unsigned effects, bool deviates, double least
   }
   world_add_wrenches(w, impulse);
   const bool pulls = locks && any_moment(w, effects, impulse);
-  const bool shares = pulls && !slide;
-  bool still = shares && !acts && world_stands(w, effects, impulse);
+  const bool sharing = pulls && !slide;
+  bool still = sharing && !acts && world_stands(w, effects, impulse);
   const bool asks = acts || (pulls && !still);
   if (asks) {
     world_grown(w, effects, v_next, impulse, grown);
   }
-  still = still || (shares && acts && (all_firm(w, grown) || world_stands(w, effects, impulse)));
+  still = still || (sharing && acts && (all_firm(w, grown) || world_stands(w, effects, impulse)));
   for (int i = 0; i < w->n_body; i++) {
     const change_of to = {least, change, &grown[i]};
     judge_body(w, i, effects, still, asks && !grown[i].turned, &to);

@@ -14,13 +14,16 @@ typedef struct residual {
   double other[AXES];
   double rest[AXES];  /* what the contacts bring, on top of that */
   double rub, resist; /* friction left out [N s]; rolling and torsion left out [N m s] */
-  double shares; /* what friction changes by the load that bodies may take off each other [N s] */
   double
       yaw; /* of that friction about the normals, which feet do not hold; HUGE_VAL: not known [N m s] */
   double bounce; /* velocity that restitution left out may return [m/s] */
   double turn;   /* [rad/s]; 0: it does not, or is a ball */
   double press;  /* of its contacts, as far as it, or its moment, goes with places [N s] */
   double bends;  /* of these, as far as the force does [N s] */
+  double slides; /* contacts of it do: 0 none, 1 on one plane, 2 on several */
+  double rubs[3], plane[3]; /* of one of them: its friction on the body over its load [1]; normal */
+  double unlike; /* by how much the friction of others differs from that over their load [1] */
+  double taken;  /* what friction changes by the load that bodies may take off it [N s] */
 } residual;
 _Static_assert(sizeof(residual) == WORLD_RESIDUAL * sizeof(double), "as the array is laid out");
 

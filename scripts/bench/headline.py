@@ -109,33 +109,37 @@ def price_of_tuning(cells: pd.DataFrame, start: str, level: float) -> tuple[floa
     return tuple(float(np.median(x)) if x else math.nan for x in (spent, gained))
 
 
-def ran(group: pd.DataFrame) -> set[str]:
-    """The formulations that were measured on a scene."""
-    tried = ~group["status"].isin(["unsupported", "skipped"])
-    return set(group[tried]["formulation"])
+def ran(cells: pd.DataFrame, problem: str) -> set[str]:
+    """The formulations that were measured on a scene, whatever became of it."""
+    tried = ~cells["status"].isin(["unsupported", "skipped"])
+    return set(cells[tried & (cells["problem"] == problem)]["formulation"])
 
 
 def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
-    """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival."""
-    out = []
+    """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival.
+    Nothing where all of them ran everywhere."""
+    out, lacks = [], False
 
     def wins(reading: Reading, form: str) -> tuple[int, int]:
         return reading.alone[form], reading.tied[form]
 
     for start in STARTS:
-        found = scenes_of(own, start, "default")
-        all_ran = [(p, g) for p, g in found if set(forms) <= ran(g)]
+        asked = setting(started(own, start), "default")
+        found = accuracy.scenes(asked)
+        all_ran = [(p, g) for p, g in found if set(forms) <= ran(asked, p)]
         if not found or not (own["start"] == start).any():
             continue
+        lacks = lacks or len(all_ran) < len(found)
         fair = read(all_ran, accuracy.LEVEL)
         order = sorted(forms, key=lambda f: wins(fair, f), reverse=True)
         first = ", ".join(f"`{f}` {told(fair, f)}" for f in order if told(fair, f))
-        where = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
-        out.append(where + (f", where the cheapest are {first}" if first else ""))
+        said = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
+        said += f", where the cheapest are {first}" if first else ""
         leader, fairly = read(found, accuracy.LEVEL).leader(), fair.leader()
-        if leader not in (None, fairly):
-            out[-1] += f": there {f'`{fairly}` leads' if fairly else 'nobody leads'}"
-    return out
+        if first and leader not in (None, fairly):
+            said += f": there {f'`{fairly}` leads' if fairly else 'nobody leads'}"
+        out.append(said)
+    return out if lacks else []
 
 
 def told(reading: Reading, formulation: str) -> str:
@@ -200,11 +204,11 @@ def words(cells: pd.DataFrame) -> str:
             f" {accuracy.LEVEL:g}."
         )
     forms = registry.by_formulation(won)
-    if len(forms) > 1:
+    if fair := fair_words(own, forms):
         names = ", ".join(f"`{f}`" for f in forms)
         out.append(
             f"Not each of {names} was run on every scene, so a win may lack its rival"
-            f" ({'; '.join(fair_words(own, forms))})."
+            f" ({'; '.join(fair)})."
         )
     for start in STARTS:
         spent, gained = price_of_tuning(own, start, accuracy.LEVEL)

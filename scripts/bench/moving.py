@@ -112,8 +112,8 @@ def table(cells: pd.DataFrame) -> Table | None:
     return Table(
         "moving",
         "Time of a step by the fastest solver of each formulation that solves and verifies every"
-        " step; the step is the same for all, and each begins from the last one. A scene that"
-        " stands twice goes on for longer, or has shorter steps.",
+        " step; the step is the same for all of a row, and each begins from the last one. A scene"
+        " that stands twice goes on for longer, or has shorter steps.",
         ["scene", "contacts", "step [ms]", "to [s]", *names],
         body,
     )

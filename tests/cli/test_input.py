@@ -775,6 +775,8 @@ def moments_are_refused_where_they_are_not_simulated(d: pathlib.Path) -> None:
         assert o["status"] == "unsupported", o["note"]
         assert o["claimed"] == "unsupported" and o["verified"] is False, o
         assert "does not simulate rolling torsion" in o["note"], o["note"]
+        said = run(*ball, code=3).stderr
+        assert said.count("\n") == 1 and o["note"] in said, said
         free = (*ball, "--duration", "0.01", "--effects=-rolling,-torsion")
         o = run_json(*free, code=None)  # asked for: the ball without them
         assert o["status"] == "ok", o["note"]
@@ -812,6 +814,10 @@ def what_is_not_computed_is_empty(d):
 
 
 def environment_gives_options(d):
+    way = ("simulate", "slide", "--formulation", "velocity", "--solver", "lemke")
+    for name in ("LCPBENCH_TIME_LIMIT", "LCPBENCH_WORK"):  # of commands that ask for an error
+        run(*way, code=0, **{name: "1"})
+        run(*way, "--error", "1%", code=3, **{name: "1e-9" if "TIME" in name else "1"})
     o = run_json("solve", problem(d), LCPBENCH_SOLVER="lemke")
     assert o["solver"] == "lemke"
     plan = ("run", "families", "--dry-run", "--out", d / "o")

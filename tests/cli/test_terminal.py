@@ -472,6 +472,12 @@ def a_profile_from_packed_rows(d):
     one_line_error("profile", d / "nowhere", names=["nowhere"], timeout=60)
     done = run("recommend", REFERENCE / "accuracy", "--scene", "incline", "--error", "0.01")
     assert "lcpbench simulate" in done.stdout
+    asked = ("recommend", REFERENCE / "accuracy", "--scene")
+    one_line_error(*asked, "inclin", "--error", "1%", names=["inclin", "incline"], timeout=60)
+    one_line_error(*asked, "incline", "--error", "2cm", names=["--error", "2cm"], timeout=60)
+    one_line_error(*asked, "incline", names=["--error"], timeout=60)
+    (d / "scene.yaml").write_text("id: a\nbodies: [b, c, d]\n")
+    one_line_error("render", d / "scene.yaml", names=["scene.yaml", "trajectory"], timeout=60)
 
 
 if __name__ == "__main__":

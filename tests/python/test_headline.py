@@ -103,6 +103,7 @@ class Readings(unittest.TestCase):
         other = [{**r, **slow, "t_total_s_low": 9.0} for r in once]
         said = headline.words(cells(*once, *other))
         self.assertIn("`velocity` leads in every reading", said)
+        self.assertNotIn("lack its rival", said)  # both ran on the one scene
 
     def test_a_win_without_its_rival_is_told(self):
         """Velocity alone ran on two of three scenes, and is slower on the third: it leads in what was

@@ -601,7 +601,12 @@ class Judged(unittest.TestCase):
             " on 3 of 5",
         )
         close = accuracy.rival(won, "event", {"a": {"cost": 2.0, "noise": 2.1}}, 1)
-        self.assertIn("takes the same time, to the spread", accuracy.rival_words(close))
+        self.assertIn("takes the same time, to the noise", accuracy.rival_words(close))
+        open_ = {"ratio": 1.6, "low": 0.9, "high": 2.6, "noise": 1.1, "both": 7}
+        self.assertIn(
+            "takes 1.6 times as long [0.9, 2.6], which leaves open who is faster,",
+            accuracy.rival_words({**close, **open_}),
+        )
         apart = accuracy.rival(won, "event", {"d": {"cost": 1.0, "noise": 1.05}}, 1)
         self.assertEqual(
             accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same"

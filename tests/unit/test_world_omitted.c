@@ -170,6 +170,59 @@ static void rolling_shifts_what_rubs(void **state) {
   }
 }
 
+/* Two cubes that push each other with 1 N s, side by side or one on the other, a step without rotation: `first` stands first in the scene. What
+ * that may change of the velocity of either. */
+static double taken_off(bool stacked, const char *first, const double speed[2], double rough) {
+  static const double push = 1.0;
+  scene_spec s;
+  world *w;
+  contact_set c;
+  world_growth grown[2];
+  double change[EFFECT_COUNT], impulse[64] = {0}, v[6] = {0};
+  spec_init(&s);
+  s.dim = 3;
+  s.duration = 1.0;
+  s.gravity[2] = -g;
+  s.friction.dflt = 0.1;
+  for (int k = 0; k < 2; k++) {
+    const bool front = (k == 0) == (strcmp(first, "front") == 0);
+    spec_body *b = add_body(&s, front ? "front" : "back", SPEC_BOX, 0.1);
+    b->pos[0] = (front && !stacked) ? 0.2 : 0.0;
+    b->pos[2] = (front && stacked) ? 0.3 : 0.1;
+    b->vel[0] = speed[front];
+  }
+  add_floor(&s, 3);
+  check_ok(spec_add_pair(&s.friction, "front", "floor", rough, &err), &err);
+  check_ok(spec_check_all(&s, &err), &err);
+  check_ok(world_open(&w, &s, s.present & ~(unsigned)EFFECT_ROTATION, &err), &err);
+  check_ok(world_contacts(w, h, -1.0, &c, &err), &err);
+  assert_true(c.n_row <= 64 && c.n_dof == 6 && c.n_contact == (stacked ? 8 : 12));
+  for (int i = 0; i < c.n_contact; i++) {
+    impulse[c.row_start[i]] = push / 4.0;
+  }
+  memcpy(v, c.v, sizeof v);
+  world_omitted(w, s.present, false, 0.0, v, impulse, change, grown);
+  world_close(w);
+  spec_free(&s);
+  return change[EFFECT_ROTATION_BIT];
+}
+
+/* A face holds up to mu times what presses on it. By so much of its load friction on the floor is another where that is of another coefficient,
+ * or direction, or where one of them does not slide. */
+static void load_is_taken_off_by_a_face(void **state) {
+  (void)state;
+  static const double together[] = {1.0, 1.0}, apart[] = {1.0, -1.0}, one[] = {1.0, 0.0};
+  const double held = 0.1 / 2.0; /* over the mass */
+  static const char *const first[] = {"front", "back"};
+  for (int k = 0; k < 2; k++) {
+    check_close(taken_off(false, first[k], together, 0.5), held * 0.4, 1e-12);
+    check_close(taken_off(false, first[k], apart, 0.1), held * 0.2, 1e-12);
+    check_close(taken_off(false, first[k], one, 0.1), held * 0.1, 1e-12);
+    check_close(taken_off(false, first[k], together, 0.1), 0.0, 1e-15);
+    check_close(taken_off(true, first[k], together, 0.5), 0.0, 1e-15);
+  }
+}
+
 static void a_force_across_needs_space(void **state) {
   (void)state;
   scene_spec s;
@@ -289,6 +342,7 @@ int main(void) {
       cmocka_unit_test(a_moment_needs_rotation),
       cmocka_unit_test(what_acted_is_told),
       cmocka_unit_test(rolling_shifts_what_rubs),
+      cmocka_unit_test(load_is_taken_off_by_a_face),
       cmocka_unit_test(a_force_across_needs_space),
       cmocka_unit_test(an_impact_needs_restitution),
       cmocka_unit_test(motion_at_the_start_is_seen),
