@@ -130,6 +130,7 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
         (alone if len(first) == 1 else tied).update(first)
     low, high = found[0].contacts, found[-1].contacts
     n = len({c.scene for c in found})
+    scenes = f"{n} scene{'s' * (n > 1)}"
     settings = f", {len(found)} settings" if len(found) > n else ""
     won = ", ".join(
         f"{mark}{n}{mark} on {alone[n]}" + (f" and {tied[n]} tied" if tied[n] else "")
@@ -138,7 +139,7 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
     )
     counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
     return (
-        f"Where {low:.0f} to {high:.0f} contacts move ({n} scene{'s' * (n > 1)}{settings}), every step from the"
+        f"Where {low:.0f} to {high:.0f} contacts move ({scenes}{settings}), every step from the"
         f" last one: {'settings' if settings else 'scenes'} of which each step is solved and"
         f" verified: {counts}."
         f" The fastest: {won}."

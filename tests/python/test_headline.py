@@ -106,8 +106,8 @@ class Readings(unittest.TestCase):
         self.assertNotIn("lack its rival", said)  # both ran on the one scene
 
     def test_a_win_without_its_rival_is_told(self):
-        """Velocity alone ran on two of three scenes, and is slower on the third: it leads in what was
-        run, and nowhere where both were asked."""
+        """Velocity alone ran on two of three scenes, and is slower on the third: it leads in what
+        was run, and nowhere where both were asked."""
         some = [row("velocity", "facets=8", 3.0), row("coulomb", "", 2.0)]
         for scene in ("spin", "tip"):
             some += [row("velocity", "facets=8", c, problem=scene) for c in (1.0, 1.5)]
