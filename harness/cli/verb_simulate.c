@@ -534,9 +534,8 @@ static const arg_option options[] = {
         "formulation with its options behind a colon, or A/STEPS:B (B after so many steps); with "
         "--error it is chosen where it and --solver are missing"),
     ARG(simulate_options, t.solver, "--solver", ARG_TEXT, "SOLVER",
-        "solver with its options behind a colon, or A/STEPS:B; a formulation without a problem "
-        "asks "
-        "it nothing"),
+        "solver with its options behind a colon, or A/STEPS:B; what poses no problem does not "
+        "ask it"),
     ARG(simulate_options, t.step, "--step", ARG_TEXT, "H", "step instead of the scene's",
         .unit = "s", .above = true),
     ARG(simulate_options, t.error, "--error", ARG_TEXT, "E",

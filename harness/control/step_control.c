@@ -124,7 +124,8 @@ static base_status both_ways(controlled *c, double h, bool *too_long, base_error
 /* The same with contacts that turn in the steps from the first time on that it matters, until others carry. */
 static base_status try_pair(controlled *c, double h, bool *too_long, base_error *err) {
   sim *s = &c->run;
-  s->near = c->account->off + step_tolerance(c) * step_share(c, 0.0) /* of the shortest */;
+  /* a gap is known as all steps so far are, and to the share of a step however short */
+  s->near = c->account->off + step_tolerance(c) * step_share(c, 0.0);
   BASE_TRY(both_ways(c, h, too_long, err));
   if (!*too_long && mixed(c, h) && c->pair.solved + 3 <= c->rule->limit) {
     BASE_TRY(step_pair_undo(&c->pair, s, c->record, err));

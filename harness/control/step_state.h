@@ -26,7 +26,7 @@ typedef struct controlled {
   step_pair pair, ahead; /* its ways, and those of the step behind it */
   bool smooth;           /* both of its ways together are better than the fine one */
   double off, plain;     /* what it is off by, and would be if it were not extrapolated [m] */
-  double located;        /* what it meets, and where contacts change, is off by [m] */
+  double located;        /* what of that is by impacts, slips, contacts that change [m] */
   double passed;         /* that an impact which none of its solves saw would change [m/s] */
   double slipped;        /* what a slip that begins or turns in it is off by at its end [m/s] */
   double late_speed;     /* what slips at once in it is late by, see unseen_for [m/s] */

@@ -222,7 +222,9 @@ static void note_slide(const world *w, int side, const double *f, double sign, c
   r->slides = parallel(n, r->plane) ? r->slides : 2.0;
 }
 
-static void note_slides(const world *w, const double *v_next, const double *impulse, double least) {
+/* Does anything slide? */
+static bool note_slides(const world *w, const double *v_next, const double *impulse, double least) {
+  bool some = false;
   for (int i = 0; i < w->set.n_contact; i++) {
     const contact_item *c = item_of(w, i);
     const double *n = w->store.frame + 9 * (ptrdiff_t)i;
@@ -233,11 +235,13 @@ static void note_slides(const world *w, const double *v_next, const double *impu
     relative_motion(w, i, v_next, u, spin);
     const double speed = v3_norm(u);
     if (speed > least) {
+      some = true;
       v3_scale(-law_of(w, c) / speed, u, u);
       note_slide(w, c->a, u, 1.0, n);
       note_slide(w, c->b, u, -1.0, n);
     }
   }
+  return some;
 }
 
 /* What friction on the sides of contact i, which presses with `press`, changes by the load that one takes off the other. */
@@ -263,11 +267,13 @@ static void add_taken(const world *w, int i, double press) {
 }
 
 /* Two bodies that hold each other by friction may take load off each other, by all that it can hold along the normals of what slides, at the
- * press of the step. Where one of them slides otherwise than the other, or does not, their motion goes with it, and the full run takes
+ * press of the step. Those that slide alike go on alike, as far as the face holds them together. Where one of them slides otherwise than the other, or does not, their motion goes with it, and the full run takes
  * another share than one of fewer axes, or of fewer contacts in the plane. */
 static void add_all_taken(const world *w, const double *v_next, const double *impulse,
                           double least) {
-  note_slides(w, v_next, impulse, least);
+  if (!note_slides(w, v_next, impulse, least)) {
+    return;
+  }
   for (int i = 0; i < w->set.n_contact; i++) {
     add_taken(w, i, impulse[w->store.row_start[i]]);
   }

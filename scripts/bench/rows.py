@@ -3,6 +3,7 @@ up."""
 
 import json
 import pathlib
+from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -280,13 +281,14 @@ def combination(form: str, form_opts: str, solver: str, solver_opts: str) -> str
     return f"{one(form, form_opts)} + {one(solver, solver_opts)}"
 
 
-def sizes(cells: pd.DataFrame) -> pd.Series:
+def sizes(cells: pd.DataFrame, by: Sequence[str] = ("problem",)) -> pd.Series:
     """Contacts of each problem: the median over its good cells of the contacts posed at most, so
     that a run that fell apart (and touched elsewhere) stands at the size of its problem."""
+    keys = [cells[name] for name in by]
     posed = cells["n_active"].where(cells["n_active"] > 0, cells["n_contacts"])
     good = posed.where(cells["good"])
-    by = good.groupby(cells["problem"]).transform("median")
-    return by.fillna(posed.groupby(cells["problem"]).transform("median"))
+    found = good.groupby(keys).transform("median")
+    return found.fillna(posed.groupby(keys).transform("median"))
 
 
 def cells(rows: pd.DataFrame) -> pd.DataFrame:

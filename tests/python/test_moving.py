@@ -20,7 +20,8 @@ BASE = {
     "status": "ok",
     "good": True,
     "noise": 1.05,
-    "p": 49.0,
+    "n_active": 49.0,
+    "n_contacts": 60.0,
     "step_s": 0.005,
     "duration_s": 0.2,
     "t_total_step_s": 1e-3,
@@ -65,17 +66,17 @@ class Moving(unittest.TestCase):
         self.assertIn("velocity:facets=4 on 0 and 1 tied, regularized on 0 and 1 tied", said)
 
     def test_scenes_stand_by_their_contacts(self):
-        some = cells({"problem": "folder/ramp.json", "p": 1600.0}, {}, OURS)
+        some = cells({"problem": "folder/ramp.json", "n_active": 1600.0}, {}, OURS)
         made = moving.table(some)
         self.assertEqual([r[0] for r in made.rows], ["granular_column:columns=4", "ramp"])
         self.assertEqual(text(made, 1)["regularized"], "not asked")
         self.assertIn("Where 49 to 1600 contacts move (2 scenes)", moving.words(some))
 
     def test_one_scene_by_other_settings_is_another_row(self):
-        longer = {"campaign": "moving_settled", "duration_s": 0.5}
+        longer = {"campaign": "moving_settled", "duration_s": 0.5, "n_active": 70.0}
         some = cells({}, OURS, {**longer, **LATE}, {**OURS, **longer})
         made = moving.table(some)
-        self.assertEqual([r[2:4] for r in made.rows], [["5", "0.2"], ["5", "0.5"]])
+        self.assertEqual([r[1:4] for r in made.rows], [["49", "5", "0.2"], ["70", "5", "0.5"]])
         self.assertEqual(text(made, 1)["velocity:facets=4"], "not solved: lemke timeout")
         said = moving.words(some)
         self.assertIn("(1 scene, 2 settings)", said)

@@ -170,9 +170,10 @@ static void rolling_shifts_what_rubs(void **state) {
   }
 }
 
-/* Two cubes that push each other with 1 N s, side by side or one on the other, a step without rotation: `first` stands first in the scene. What
- * that may change of the velocity of either. */
-static double taken_off(bool stacked, const char *first, const double speed[2], double rough) {
+/* Two cubes that push each other with 1 N s, side by side or one on the other, a step without rotation: `first` stands first in the scene;
+ * speed along x, and `aside` of the back one along their face. What that may change of the velocity of either. */
+static double taken_off(bool stacked, const char *first, const double speed[2], double aside,
+                        double rough) {
   static const double push = 1.0;
   scene_spec s;
   world *w;
@@ -190,6 +191,7 @@ static double taken_off(bool stacked, const char *first, const double speed[2], 
     b->pos[0] = (front && !stacked) ? 0.2 : 0.0;
     b->pos[2] = (front && stacked) ? 0.3 : 0.1;
     b->vel[0] = speed[front];
+    b->vel[1] = front ? 0.0 : aside;
   }
   add_floor(&s, 3);
   check_ok(spec_add_pair(&s.friction, "front", "floor", rough, &err), &err);
@@ -215,11 +217,15 @@ static void load_is_taken_off_by_a_face(void **state) {
   const double held = 0.1 / 2.0; /* over the mass */
   static const char *const first[] = {"front", "back"};
   for (int k = 0; k < 2; k++) {
-    check_close(taken_off(false, first[k], together, 0.5), held * 0.4, 1e-12);
-    check_close(taken_off(false, first[k], apart, 0.1), held * 0.2, 1e-12);
-    check_close(taken_off(false, first[k], one, 0.1), held * 0.1, 1e-12);
-    check_close(taken_off(false, first[k], together, 0.1), 0.0, 1e-15);
-    check_close(taken_off(true, first[k], together, 0.5), 0.0, 1e-15);
+    check_close(taken_off(false, first[k], together, 0.0, 0.5), held * 0.4, 1e-12);
+    check_close(taken_off(false, first[k], apart, 0.0, 0.1), held * 0.2, 1e-12);
+    check_close(taken_off(false, first[k], one, 0.0, 0.1), held * 0.1, 1e-12);
+    check_close(taken_off(false, first[k], together, 0.0, 0.1), 0.0, 1e-15);
+    check_close(taken_off(true, first[k], together, 0.0, 0.5), 0.0, 1e-15);
+    /* The back one slides along the face, too: the friction of that on both, -0.1 and 0.1 along y, is 0.2 apart, and each of them is another than
+     * that of the floor on the same body, which slides along (1, 1) and (1, 0). */
+    const double side = 0.1 * (2.0 + sqrt(2.0 - sqrt(2.0)) + sqrt(2.0));
+    check_close(taken_off(false, first[k], together, 1.0, 0.1), held * side, 1e-12);
   }
 }
 
