@@ -142,10 +142,3 @@ double step_shallow(const controlled *c) {
   static const double most = 0.02; /* of the smallest body */
   return fmin(0.5 * step_tolerance(c) * event_share / lever(c), most * c->places->size);
 }
-
-bool step_is_foreseen(const controlled *c, double h) {
-  const step_end *coarse = &c->pair.coarse;
-  const double share = step_tolerance(c) * step_share(c, h);
-  return coarse->good && h > c->rule->least && step_to_impact(c, h) < 0.9 * h &&
-         coarse->closing.deep > share;
-}

@@ -20,6 +20,17 @@ double step_to_impact(const controlled *c, double h) {
   return met ? fmin(closing->at + step_shallow(c) / closing->speed, most * closing->at) : h;
 }
 
+bool step_is_foreseen(const controlled *c, double h) {
+  const step_end *coarse = &c->pair.coarse;
+  const double share = step_tolerance(c) * step_share(c, h);
+  return coarse->good && h > c->rule->least && step_to_impact(c, h) < 0.9 * h &&
+         coarse->closing.deep > share;
+}
+
+double step_opens(const controlled *c, double h) {
+  return (c->opening.asked && !step_changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
+}
+
 /* Does the solver find the mode of a contact that takes all of its friction when its slip is at an end, and may hold as well? Sweeps do not. */
 static bool decides(const controlled *c) {
   const lcp_solver *solver = c->run.q->solver->solver;

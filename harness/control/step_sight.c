@@ -90,10 +90,6 @@ static base_status look_ahead(controlled *c, double h, double *at, base_error *e
   return BASE_OK;
 }
 
-double step_opens(const controlled *c, double h) {
-  return (c->opening.asked && !step_changes(c)) ? opening_in(c->pair.load, h).at : HUGE_VAL;
-}
-
 /* Does the step of h just tried end where friction gives way or a contact opens, as near as is known? What slips in its second half did so
  * before that, at a time which only a step before it tells. */
 static bool has_aimed(const controlled *c, double h, aim aimed) {

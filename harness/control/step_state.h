@@ -70,21 +70,8 @@ bool step_modes_differ(const controlled *c);
 /* Half of what a step may sink; no side of a body is missed by it [m]. */
 double step_shallow(const controlled *c);
 
-/* Does the coarse way over h tell that the step is too long: what closes in it sinks by more than its share? */
-bool step_is_foreseen(const controlled *c, double h);
-
 /* Error over the share that the step of h just tried may take [1]; notes what of it is of what. HUGE_VAL: a way failed. */
 double step_error(controlled *c, double h);
-
-/* ---- step_sight.c ---------------------------------------------------------------------------- */
-
-/* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where loads do not change it opens as bodies
- * move, and how these do keeps the steps short. In a step with an impact, what contacts press with tells nothing. */
-double step_opens(const controlled *c, double h);
-
-/* Looks for what happens in the step of h just tried and neither of its ends tells of, where *e, its error over its share, is at most 1; may
- * raise *e. *at: when it does, h or more: nothing does. Errors: BASE_ENOMEM. */
-base_status step_look(controlled *c, double h, aim aimed, double *e, double *at, base_error *err);
 
 /* ---- step_length.c --------------------------------------------------------------------------- */
 
@@ -96,6 +83,13 @@ double step_longest(const controlled *c);
  * open yet at half of it, where the fine way would meet it. h: none does. */
 double step_to_impact(const controlled *c, double h);
 
+/* Does the coarse way over h tell that the step is too long: what closes in it sinks by more than its share? */
+bool step_is_foreseen(const controlled *c, double h);
+
+/* When a contact opens in the step of h just tried because loads change; HUGE_VAL: none does. Where loads do not change it opens as bodies
+ * move, and how these do keeps the steps short. In a step with an impact, what contacts press with tells nothing. */
+double step_opens(const controlled *c, double h);
+
 /* The length to try in the place of h: `at` where nothing but what happens there is against it (e 0), otherwise what its error e asks for.
  * *aimed: at what. */
 double step_retried(const controlled *c, double h, double e, double at, aim *aimed);
@@ -106,3 +100,9 @@ double step_next(controlled *c, double h, double e);
 /* A longer step that met something, where a shorter one did not, is tried again after 2, 4, 8... steps: until what it met is passed, or
  * for good where it is the length that meets it. */
 bool step_may_grow(controlled *c, bool met);
+
+/* ---- step_sight.c ---------------------------------------------------------------------------- */
+
+/* Looks for what happens in the step of h just tried and neither of its ends tells of, where *e, its error over its share, is at most 1; may
+ * raise *e. *at: when it does, h or more: nothing does. Errors: BASE_ENOMEM. */
+base_status step_look(controlled *c, double h, aim aimed, double *e, double *at, base_error *err);

@@ -245,7 +245,7 @@ static bool note_slides(const world *w, const double *v_next, const double *impu
 }
 
 /* What friction on the sides of contact i, which presses with `press`, changes by the load that one takes off the other. */
-static void add_taken(const world *w, int i, double press) {
+static void add_taken(const world *w, int i, double press, double least) {
   static const double rounding = 1e-9; /* of two directions that are one */
   const contact_item *c = item_of(w, i);
   const double *n = w->store.frame + 9 * (ptrdiff_t)i;
@@ -259,7 +259,9 @@ static void add_taken(const world *w, int i, double press) {
   double apart[3], across[3];
   v3_sub(a->rubs, b->rubs, apart);
   v3_cross(n, plane, across);
-  const double unlike = v3_norm(apart) + a->unlike + b->unlike;
+  const double alone = fmax(v3_norm(a->rubs), v3_norm(b->rubs));
+  const bool meet = w->store.u_before[w->store.row_start[i]] < -least; /* and may part again */
+  const double unlike = fmax(v3_norm(apart), meet ? alone : 0.0) + a->unlike + b->unlike;
   if (unlike > rounding) {
     const double held = law_of(w, c) * press * (one ? v3_norm(across) : 1.0);
     add_to_sides(w, c, offsetof(residual, taken), held * unlike);
@@ -267,15 +269,15 @@ static void add_taken(const world *w, int i, double press) {
 }
 
 /* Two bodies that hold each other by friction may take load off each other, by all that it can hold along the normals of what slides, at the
- * press of the step. Those that slide alike go on alike, as far as the face holds them together. Where one of them slides otherwise than the other, or does not, their motion goes with it, and the full run takes
- * another share than one of fewer axes, or of fewer contacts in the plane. */
+ * press of the step. Those that slide alike go on alike, unless they meet in the step. Where one of them slides otherwise than the other, or
+ * does not, their motion goes with it, and the full run takes another share than one of fewer axes, or of fewer contacts in the plane. */
 static void add_all_taken(const world *w, const double *v_next, const double *impulse,
                           double least) {
   if (!note_slides(w, v_next, impulse, least)) {
     return;
   }
   for (int i = 0; i < w->set.n_contact; i++) {
-    add_taken(w, i, impulse[w->store.row_start[i]]);
+    add_taken(w, i, impulse[w->store.row_start[i]], least);
   }
 }
 

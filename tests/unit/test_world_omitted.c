@@ -214,13 +214,15 @@ static double taken_off(bool stacked, const char *first, const double speed[2], 
 static void load_is_taken_off_by_a_face(void **state) {
   (void)state;
   static const double together[] = {1.0, 1.0}, apart[] = {1.0, -1.0}, one[] = {1.0, 0.0};
-  const double held = 0.1 / 2.0; /* over the mass */
+  static const double meeting[] = {2.0, 1.0}; /* and may part again, each by its own friction */
+  const double held = 0.1 / 2.0;              /* over the mass */
   static const char *const first[] = {"front", "back"};
   for (int k = 0; k < 2; k++) {
     check_close(taken_off(false, first[k], together, 0.0, 0.5), held * 0.4, 1e-12);
     check_close(taken_off(false, first[k], apart, 0.0, 0.1), held * 0.2, 1e-12);
     check_close(taken_off(false, first[k], one, 0.0, 0.1), held * 0.1, 1e-12);
     check_close(taken_off(false, first[k], together, 0.0, 0.1), 0.0, 1e-15);
+    check_close(taken_off(false, first[k], meeting, 0.0, 0.1), held * 0.1, 1e-12);
     check_close(taken_off(true, first[k], together, 0.0, 0.5), 0.0, 1e-15);
     /* The back one slides along the face, too: the friction of that on both, -0.1 and 0.1 along y, is 0.2 apart, and each of them is another than
      * that of the floor on the same body, which slides along (1, 1) and (1, 0). */
