@@ -3,6 +3,7 @@
 #pragma once
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 static inline double v3_dot(const double *a, const double *b) {
@@ -42,6 +43,11 @@ static inline void v3_copy(const double *a, double *c) {
 
 static inline double v3_norm(const double *a) {
   return sqrt(v3_dot(a, a));
+}
+
+/* Is a along the unit vector n, either way, but for `slack` of its length? */
+static inline bool v3_along(const double *a, const double *n, double slack) {
+  return fabs(v3_dot(n, a)) > (1.0 - slack) * v3_norm(a);
 }
 
 /* A unit vector at right angles to the unit vector d: across the x axis, or y where d is near x. */

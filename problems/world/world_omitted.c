@@ -27,10 +27,6 @@ static void add_to_sides(const world *w, const contact_item *c, size_t field, do
   }
 }
 
-static bool parallel(const double *n, const double *d) {
-  return fabs(v3_dot(n, d)) > 1.0 - 1e-9;
-}
-
 /* No force exceeds mu p, nor what stops the sliding: u over the mobility of the two sides. What does not slide needs none, though the
  * axes along which it could are locked. */
 static double most_of(double coefficient, double press, double speed, double mobility) {
@@ -204,6 +200,8 @@ static void add_laws(const world *w, unsigned omitted, bool slide, int i, const 
 
 /* ---- load that bodies take off each other ------------------------------------------------------ */
 
+static const double one_plane = 1e-9; /* of the length of its normal */
+
 /* Notes of a side the friction on it of a contact that slides, sign f over its load, and the normal n. */
 static void note_slide(const world *w, int side, const double *f, double sign, const double *n) {
   double own[3], apart[3];
@@ -219,7 +217,7 @@ static void note_slide(const world *w, int side, const double *f, double sign, c
   }
   v3_sub(own, r->rubs, apart);
   r->unlike = fmax(r->unlike, v3_norm(apart));
-  r->slides = parallel(n, r->plane) ? r->slides : 2.0;
+  r->slides = v3_along(n, r->plane, one_plane) ? r->slides : 2.0;
 }
 
 /* Does anything slide? */
@@ -254,8 +252,8 @@ static void add_taken(const world *w, int i, double press, double least) {
   }
   const residual *a = world_residual(w, c->a), *b = world_residual(w, c->b);
   const double *plane = (a->slides > 0.0) ? a->plane : b->plane;
-  const bool one = fmax(a->slides, b->slides) <= 1.0 &&
-                   (a->slides == 0.0 || b->slides == 0.0 || parallel(a->plane, b->plane));
+  const bool one = fmax(a->slides, b->slides) <= 1.0 && (a->slides == 0.0 || b->slides == 0.0 ||
+                                                         v3_along(a->plane, b->plane, one_plane));
   double apart[3], across[3];
   v3_sub(a->rubs, b->rubs, apart);
   v3_cross(n, plane, across);

@@ -64,10 +64,6 @@ static void note_turn(const world *w, int i, int floor, unsigned effects, const 
   r->turn = (b->bound * most > counts) ? most : 0.0;
 }
 
-static bool parallel(const double *n, const double *d) {
-  return fabs(v3_dot(n, d)) > (1.0 - 1e-12) * v3_norm(d);
-}
-
 /* Is n the normal of a face of the piece, whose body is at `at`? */
 static bool is_face_of(const piece *p, const pose *at, const double *n) {
   bool face = false;
@@ -75,7 +71,7 @@ static bool is_face_of(const piece *p, const pose *at, const double *n) {
   m3_mul(at->R, p->rot, R);
   for (int k = 0; k < 3 && p->kind == PIECE_BOX && !face; k++) {
     const double axis[3] = {R[k], R[3 + k], R[6 + k]};
-    face = parallel(n, axis);
+    face = v3_along(axis, n, 1e-12);
   }
   for (int k = 0; k < p->n_vertex && p->kind == PIECE_POLYGON && !face; k++) {
     v3_sub(p->vertex + 3 * (ptrdiff_t)((k + 1) % p->n_vertex), p->vertex + 3 * (ptrdiff_t)k, edge);
