@@ -65,15 +65,23 @@ void poly_close(void *state) {
   free(s->mem);
   free(s->val_mem);
   free(s->jac_mem);
+  poly_shape **shape = &s->shape[0][0][0];
+  for (size_t k = 0; k < sizeof s->shape / sizeof *shape; k++) {
+    free(shape[k]);
+  }
 }
 
+/* NULL: there is no memory for it. */
 static const poly_shape *shape_for(polyhedral *s, contact_rows rows) {
-  poly_shape *shape = &s->shape[rows.tangent][rows.torsion][rows.rolling];
-  if (shape->n_column == 0) {
+  poly_shape **shape = &s->shape[rows.tangent][rows.torsion][rows.rolling];
+  if (*shape == NULL) {
     const bool three = s->opt.planar == POLY_THREE && s->a.set->dim == 2;
-    poly_shape_build(shape, rows, s->opt.facets, three);
+    *shape = malloc(sizeof **shape);
+    if (*shape != NULL) {
+      poly_shape_build(*shape, rows, s->opt.facets, three);
+    }
   }
-  return shape;
+  return *shape;
 }
 
 /* Friction coefficient of active contact i: the kinetic one where it slipped a step ago. */
@@ -119,12 +127,15 @@ static void describe_facets(const polyhedral *s, int i, lcp_block *block) {
 }
 
 /* rubs: false for normal impulses alone. */
-static void number_unknowns(polyhedral *s, bool rubs) {
+static base_status number_unknowns(polyhedral *s, bool rubs, base_error *err) {
   const form_assembly *a = &s->a;
   s->first[0] = 0;
   for (int i = 0; i < a->n_group; i++) {
     const bool contact = i < a->n_contact;
     s->shape_of[i] = contact ? shape_for(s, rubs ? a->rows[i] : (contact_rows){0}) : &s->joint;
+    if (s->shape_of[i] == NULL) {
+      return BASE_FAIL(err, BASE_ENOMEM, "polyhedral LCP: no memory for the facets");
+    }
     if (contact) {
       set_parts(s, i);
     }
@@ -137,6 +148,7 @@ static void number_unknowns(polyhedral *s, bool rubs) {
     }
   }
   s->n = s->first[a->n_group];
+  return BASE_OK;
 }
 
 static poly_storage storage_of(const polyhedral *s, size_t nnz) {
@@ -259,7 +271,7 @@ base_status poly_begin(polyhedral *s, const contact_set *c, const poly_options *
     s->cap_row = base_room(c->n_row);
     BASE_TRY(form_memory(&s->mem, layout_groups, s, err));
   }
-  number_unknowns(s, true);
+  BASE_TRY(number_unknowns(s, true, err));
   BASE_TRY(fill_matrix(s, err));
   memset(s->base, 0, (size_t)s->a.n_row * sizeof *s->base);
   poly_pushes_begin(s);
@@ -385,7 +397,7 @@ static void note_modes(polyhedral *s, const double *z) {
 }
 
 static base_status begin_push(polyhedral *s, base_error *err) {
-  number_unknowns(s, false);
+  BASE_TRY(number_unknowns(s, false, err));
   return fill_matrix(s, err);
 }
 

@@ -81,8 +81,8 @@ typedef enum poly_phase {
 typedef struct polyhedral {
   form_assembly a;
   contact_memory memory;
-  poly_shape shape[3][2][3]; /* by tangent, torsion, rolling rows; built when first met */
-  poly_shape joint;          /* the identity */
+  poly_shape *shape[3][2][3]; /* by tangent, torsion, rolling rows; owned, built when first met */
+  poly_shape joint;           /* the identity */
 
   poly_options opt;
   form_rows rows;

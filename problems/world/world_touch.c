@@ -123,16 +123,24 @@ static double touch(world *w, const meeting *m, double near, double most) {
   return fmin(s, most);
 }
 
-/* When the gap is least between two parts of the step that it falls and rises once in. */
+/* When the gap is least between two parts of the step that it falls and rises once in: by the golden section, a look for each of its steps. */
 static double deepest(world *w, const meeting *m, double from, double to) {
   static const double golden = 0.6180339887498949;
+  double early = to - golden * (to - from), late = from + golden * (to - from);
+  double gap_early = gap_at(w, m, early), gap_late = gap_at(w, m, late);
   while (to - from > 1e-7) {
-    const double early = to - golden * (to - from);
-    const double late = from + golden * (to - from);
-    if (gap_at(w, m, early) < gap_at(w, m, late)) {
+    if (gap_early < gap_late) {
       to = late;
+      late = early;
+      gap_late = gap_early;
+      early = to - golden * (to - from);
+      gap_early = gap_at(w, m, early);
     } else {
       from = early;
+      early = late;
+      gap_early = gap_late;
+      late = from + golden * (to - from);
+      gap_late = gap_at(w, m, late);
     }
   }
   return 0.5 * (from + to);
