@@ -196,16 +196,17 @@ class Judged(unittest.TestCase):
     def test_an_error_that_was_asked_for_is_held_against_the_one_got(self):
         names = "problem error chosen sure promised err_estimate err_got t_chosen_s t_best_s"
         rows = (
-            "fall 0.01 a+b 1 1 0.005 0.004 2e-3 1e-3 1e-3 4e-3 0.005",  # promised, kept
-            "spin 0.01 a+b 1 1 0.005 0.02 4e-3 1e-3 1e-3 4e-3 0.02",  # promised, not kept
-            "ball 0.01 a+b 1 0 0.5 0.5 9e-3 1e-3 1e-3 4e-3 nan",  # not promised
+            "fall 0.01 a+b 1 1 0.005 0.004 2e-3 1e-3 1e-3 4e-3 0.005 1.4e-3",  # promised, kept
+            "spin 0.01 a+b 1 1 0.005 0.02 4e-3 1e-3 1e-3 4e-3 0.02 nan",  # promised, not kept
+            "ball 0.01 a+b 1 0 0.5 0.5 9e-3 1e-3 1e-3 4e-3 nan 1e-3",  # not promised
         )
         path = pathlib.Path(self.tmp.name) / "table.tsv"
-        lines = [f"{names} t_even_s t_hand_s hand_got", *rows]
+        lines = [f"{names} t_even_s t_hand_s hand_got t_checked_s", *rows]
         path.write_text("\n".join(line.replace(" ", "\t") for line in lines) + "\n")
         made = asked.section(asked.read(path))
         self.assertIn("Of 3 runs 2 promise the error asked for, and 1 of these keep it", made.lead)
         self.assertIn(" 3 times (median)", made.lead)
+        self.assertIn("that they keep E, is within 1.5 times in 1 of 2.", made.lead)
         self.assertIn("takes 1.5 times as long (median), and 1 of 2 miss E", made.lead)
         self.assertEqual(made.charts[0].panels[0].lines[1].y, [0.004, 0.02])
         told = [getattr(cell, "text", cell) for cell in made.tables[0].rows[0]]
