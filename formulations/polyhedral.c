@@ -65,15 +65,14 @@ void poly_close(void *state) {
   free(s->mem);
   free(s->val_mem);
   free(s->jac_mem);
-  poly_shape **shape = &s->shape[0][0][0];
-  for (size_t k = 0; k < sizeof s->shape / sizeof *shape; k++) {
-    free(shape[k]);
+  for (int k = 0; k < POLY_SHAPES; k++) {
+    free(s->shape[k]);
   }
 }
 
 /* NULL: there is no memory for it. */
 static const poly_shape *shape_for(polyhedral *s, contact_rows rows) {
-  poly_shape **shape = &s->shape[rows.tangent][rows.torsion][rows.rolling];
+  poly_shape **shape = &s->shape[(rows.tangent * 2 + rows.torsion) * 3 + rows.rolling];
   if (*shape == NULL) {
     const bool three = s->opt.planar == POLY_THREE && s->a.set->dim == 2;
     *shape = malloc(sizeof **shape);

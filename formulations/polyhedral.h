@@ -19,6 +19,7 @@
 
 enum { POLY_FACETS_MAX = 64, POLY_PARTS = 3 };
 enum { POLY_COLUMNS = 1 + 2 * POLY_FACETS_MAX + 2 };
+enum { POLY_SHAPES = 3 * 2 * 3 }; /* 0 to 2 tangents, torsion or not, 0 to 2 rolling rows */
 
 /* What a memory entry has of its own: how many unknowns the block had, and these. */
 enum { POLY_PAST_WIDTH, POLY_PAST_Z };
@@ -81,8 +82,8 @@ typedef enum poly_phase {
 typedef struct polyhedral {
   form_assembly a;
   contact_memory memory;
-  poly_shape *shape[3][2][3]; /* by tangent, torsion, rolling rows; owned, built when first met */
-  poly_shape joint;           /* the identity */
+  poly_shape *shape[POLY_SHAPES]; /* by rows; owned, built when met */
+  poly_shape joint;               /* the identity */
 
   poly_options opt;
   form_rows rows;
