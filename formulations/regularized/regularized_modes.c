@@ -178,7 +178,7 @@ static bool takes_secants(regularized *s, double residual) {
   return !c->trial;
 }
 
-/* The law's mode at the present iterate. A slip that its own friction has turned round would rather hold: it sticks in the next solve. */
+/* The law's mode at the present iterate. What slipped, or was a secant, and has turned round would rather hold: it sticks in the next solve. */
 static void choose_mode(regularized *s, reg_part *p, bool secant) {
   const unsigned char was = p->mode;
   const double tau = p->size;
@@ -187,7 +187,7 @@ static void choose_mode(regularized *s, reg_part *p, bool secant) {
   if (p->next_r < 1 && tau > 0) {
     const double d[2] = {p->tau[0] / tau, p->tau[1] / tau};
     const bool turned = was != REG_STICK && d[0] * p->d[0] + d[1] * p->d[1] < 0;
-    const bool stays = turned && (s->opt.modes == REG_NEWTON || s->opt.turned == REG_TURNED_STICKS);
+    const bool stays = turned && s->opt.turned == REG_TURNED_STICKS;
     p->mode = secant ? REG_SECANT : stays ? REG_STICK : REG_SLIP;
     p->d[0] = d[0];
     p->d[1] = d[1];

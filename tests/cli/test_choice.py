@@ -172,7 +172,7 @@ def choose_predicts_and_measures(d):
 def measured_rows_are_read(d):
     """scripts/bench_error on two scenes: the program chooses from its rows."""
     if SANITIZED:
-        raise Skip("a hundred runs of the program, and a table made by Python")
+        raise Skip("more than a thousand runs of the program, and a table made by Python")
     done = subprocess.run(
         [TESTS.parent / "scripts" / "bench_error", "--out", d, "--limit", "2", "impact", "ledge"],
         env=dict(os.environ, LCPBENCH=LCPBENCH),

@@ -206,7 +206,7 @@ class Judged(unittest.TestCase):
         made = asked.section(asked.read(path))
         self.assertIn("Of 3 runs 2 promise the error asked for, and 1 of these keep it", made.lead)
         self.assertIn(" 3 times (median)", made.lead)
-        self.assertIn("that they keep E, is within 1.5 times in 1 of 2.", made.lead)
+        self.assertIn("that these keep E, differ by no more than E in 1 of 2.", made.lead)
         self.assertIn("takes 1.5 times as long (median), and 1 of 2 miss E", made.lead)
         self.assertEqual(made.charts[0].panels[0].lines[1].y, [0.004, 0.02])
         told = [getattr(cell, "text", cell) for cell in made.tables[0].rows[0]]
