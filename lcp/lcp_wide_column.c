@@ -5,15 +5,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Entries of J of the group that has most, its rows padded. */
+/* Entries of J, its rows padded, of as many groups between the same two bodies as one part of the work may have. */
 static int largest_jac(const lcp_factored *f) {
-  int most = 0;
+  int rows = 0, dof = 0, longest = 0, run = 0;
   for (int g = 0; g < f->n_group; g++) {
-    const int rows = f->row_start[g + 1] - f->row_start[g];
-    const int here = (f->jac_start[g + 1] - f->jac_start[g]) / rows * lcp_wide_padded(rows);
-    most = (here > most) ? here : most;
+    const int *body = f->body + 2 * (ptrdiff_t)g;
+    const int here = f->row_start[g + 1] - f->row_start[g];
+    const int both = lcp_factored_dof(f, g, 0) + lcp_factored_dof(f, g, 1);
+    run = (g > 0 && body[0] == body[-2] && body[1] == body[-1]) ? run + 1 : 1;
+    longest = (run > longest && run <= LCP_WIDE_SHARE) ? run : longest;
+    rows = (here > rows) ? here : rows;
+    dof = (both > dof) ? both : dof;
   }
-  return most;
+  return dof * lcp_wide_padded(longest * rows);
 }
 
 static void carve(lcp_wide_columns *c, base_arena *a) {

@@ -9,13 +9,16 @@ typedef struct lcp_wide_neighbour {
   const double *jac[2];
 } lcp_wide_neighbour;
 
-/* Where one group is summed. */
+/* Where groups between the same two bodies are summed. */
 typedef struct lcp_wide_scratch {
   double *entry, *weighed;  /* per row; W J' */
   lcp_wide_neighbour *near; /* n_group: the groups at its bodies */
 } lcp_wide_scratch;
 
-enum { LCP_WIDE_LANES = 4 }; /* columns that are summed side by side */
+enum {
+  LCP_WIDE_LANES = 4,  /* columns that are summed side by side, at least */
+  LCP_WIDE_SHARE = 64, /* bodies or groups of one part of the work */
+};
 
 static inline int lcp_wide_padded(int rows) {
   return (rows + LCP_WIDE_LANES - 1) / LCP_WIDE_LANES * LCP_WIDE_LANES;

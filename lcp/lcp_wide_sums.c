@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { LANES = LCP_WIDE_LANES, SHARE = 64 /* bodies or groups of one part of the work */ };
+enum { LANES = LCP_WIDE_LANES, SHARE = LCP_WIDE_SHARE };
 
 static int dofs(const lcp_factored *f, int b) {
   return (b < 0) ? 0 : f->dof_start[b + 1] - f->dof_start[b];
@@ -139,16 +139,16 @@ static double dot(const double *x, const double *y, int n) {
   return sum;
 }
 
-/* W J' of the stored rows of group g, padded with zeros: dofs of both sides x rows, row-major. */
-static void weigh_group(const lcp_factored *f, int g, double *out) {
-  const int rows = lcp_factored_stored(f, g), stride = lcp_wide_padded(rows);
+/* W J' of the stored rows of group g, to columns of `out`, which has `stride` of them: dofs of both sides x rows, row-major. */
+static void weigh_group(const lcp_factored *f, int g, int stride, double *out) {
+  const int rows = lcp_factored_stored(f, g);
   for (int side = 0; side < 2; side++) {
     const int b = f->body[2 * (ptrdiff_t)g + side], n = dofs(f, b);
     const double *J = (b >= 0) ? lcp_wide_stored_on(f, g, b) : NULL;
     const double *W = (b >= 0) ? f->weight + f->weight_start[b] : NULL;
     for (int k = 0; k < n; k++, out += stride) {
-      for (int j = 0; j < stride; j++) {
-        out[j] = (j < rows) ? dot(W + (ptrdiff_t)k * n, J + (ptrdiff_t)j * n, n) : 0;
+      for (int j = 0; j < rows; j++) {
+        out[j] = dot(W + (ptrdiff_t)k * n, J + (ptrdiff_t)j * n, n);
       }
     }
   }
@@ -255,30 +255,75 @@ BASE_INLINE void add_mixed(const mixed_rows *m, const double entry[LANES], const
 _Static_assert((int)LCP_STORED_MAX <= (int)LANES,
                "stored rows of a group that is mixed lie side by side");
 
-/* size_j += |M_ji| x_i over the rows j of group g and the rows i of a neighbour, J W J' being symmetric; S is added inside a
+/* Groups that lie between the same two bodies and are summed together; first of their rows, and how many with zeros behind them. */
+typedef struct together {
+  int group, end, first, stride;
+} together;
+
+/* Entries side by side; as a type of its own they stay in registers. */
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double))));
+typedef double lanes_at __attribute__((vector_size(LANES * sizeof(double)), aligned(8), may_alias));
+
+/* The rows of a neighbour on one of their bodies, with W J' of what is summed there. */
+typedef struct side_rows {
+  const double *jac, *weighed;
+  int dof; /* 0: it is not there */
+} side_rows;
+
+/* sum += row r of a side over LANES columns from `at` on. */
+BASE_INLINE void add_lanes(const side_rows *s, int r, int at, int stride, lanes *sum) {
+  const double *row = s->jac + (ptrdiff_t)r * s->dof, *wj = s->weighed + at;
+  for (int k = 0; k < s->dof; k++, wj += stride) {
+    *sum += row[k] * *(const lanes_at *)wj;
+  }
+}
+
+/* size_j += |M_ji| x_i for the rows j of such groups and the rows i of a neighbour, J W J' being symmetric; S is added inside a
  * group, where all of it is. Rows that are not mixed, */
-static void add_sizes(const lcp_wide_columns *c, int g, const lcp_wide_neighbour *near,
-                      const double *weighed, double *restrict size) {
-  const lcp_factored *f = c->M->factored;
-  const int first = f->row_start[g], stride = lcp_wide_padded(f->row_start[g + 1] - first);
-  const int n[2] = {lcp_factored_dof(f, g, 0), lcp_factored_dof(f, g, 1)};
-  const bool own = f->shift != NULL && near->first == first;
-  for (int i = 0; i < near->rows; i++) {
-    for (int from = 0; from < stride && c->x[near->first + i] != 0; from += LANES) {
-      double entry[LANES] = {0};
-      const double *wj = weighed + from;
-      for (int side = 0; side < 2; side++, wj += (ptrdiff_t)n[0] * stride) {
-        if (near->jac[side] != NULL) {
-          add_entries(near->jac[side] + (ptrdiff_t)i * n[side], wj, n[side], stride, entry);
-        }
-      }
-      if (own) {
-        add_shift(f->shift, near->first + i, first + from, entry);
+BASE_INLINE void add_rows(const together *of, const lcp_wide_neighbour *near, side_rows one,
+                          side_rows two, const lcp_csc *S, const double *x, double *size) {
+  for (int r = 0; r < near->rows; r++) {
+    const int i = near->first + r;
+    for (int at = 0; at < of->stride && x[i] != 0; at += LANES) {
+      lanes sum = {0};
+      add_lanes(&one, r, at, of->stride, &sum);
+      add_lanes(&two, r, at, of->stride, &sum);
+      double entry[LANES];
+      memcpy(entry, &sum, sizeof entry);
+      if (S != NULL) {
+        add_shift(S, i, of->first + at, entry);
       }
       for (int j = 0; j < LANES; j++) {
-        size[from + j] += fabs(entry[j]) * c->x[near->first + i];
+        size[at + j] += fabs(entry[j]) * x[i];
       }
     }
+  }
+}
+
+BASE_CLONES static void add_sizes(const lcp_wide_columns *c, const together *of,
+                                  const lcp_wide_neighbour *near, const double *weighed,
+                                  double *size) {
+  const lcp_factored *f = c->M->factored;
+  const bool inside = near->group >= of->group && near->group < of->end;
+  const lcp_csc *S = inside ? f->shift : NULL;
+  side_rows on[2] = {{0}, {0}};
+  for (int side = 0, bodies = 0; side < 2; side++) {
+    const int n = lcp_factored_dof(f, of->group, side);
+    if (near->jac[side] != NULL) {
+      on[bodies++] = (side_rows){near->jac[side], weighed, n};
+    }
+    weighed += (ptrdiff_t)n * of->stride;
+  }
+  if (on[0].dof == 6 &&
+      on[1].dof == 0) { /* the two commonest, in which the compiler knows how many */
+    on[0].dof = 6;
+    on[1].dof = 0;
+    add_rows(of, near, on[0], on[1], S, c->x, size);
+  } else if (on[0].dof == 6 && on[1].dof == 6) {
+    on[0].dof = on[1].dof = 6;
+    add_rows(of, near, on[0], on[1], S, c->x, size);
+  } else {
+    add_rows(of, near, on[0], on[1], S, c->x, size);
   }
 }
 
@@ -330,26 +375,43 @@ static bool fits(const lcp_wide_columns *c, const long double *x, int j) {
   return fit;
 }
 
+/* The groups from g on, up to `end`, that lie between the same two bodies; those with mixed rows are taken one by one. */
+static together beside(const lcp_factored *f, int g, int end) {
+  const int *body = f->body + 2 * (ptrdiff_t)g;
+  int to = g + 1;
+  while (to < end && f->mixture == NULL && (body[0] >= 0 || body[1] >= 0) &&
+         f->body[2 * (ptrdiff_t)to] == body[0] && f->body[2 * (ptrdiff_t)to + 1] == body[1]) {
+    to++;
+  }
+  const int rows = (to == g + 1) ? lcp_factored_stored(f, g) : f->row_start[to] - f->row_start[g];
+  return (together){g, to, f->row_start[g], lcp_wide_padded(rows)};
+}
+
 /* Groups from .. end-1. */
 BASE_CLONES static void sizes_by_groups(const lcp_wide_columns *c, const lcp_wide_scratch *own,
                                         int from, int end, long double *size) {
   const lcp_factored *f = c->M->factored;
-  for (int g = from; g < end; g++) {
-    const int first = f->row_start[g], rows = f->row_start[g + 1] - first;
+  for (int g = from; g < end;) {
+    const together of = beside(f, g, end);
+    const int rows = f->row_start[of.end] - of.first;
     const int count = neighbours(c, g, own->near);
+    const int dof = lcp_factored_dof(f, g, 0) + lcp_factored_dof(f, g, 1);
     mixed_rows mixed;
     turn_mixture(lcp_mixture_of(f, g), &mixed);
-    weigh_group(f, g, own->weighed);
+    memset(own->weighed, 0, (size_t)dof * (size_t)of.stride * sizeof *own->weighed);
+    for (; g < of.end; g++) {
+      weigh_group(f, g, of.stride, own->weighed + (f->row_start[g] - of.first));
+    }
     memset(own->entry, 0, (size_t)lcp_wide_padded(rows) * sizeof *own->entry);
     for (int k = 0; k < count; k++) {
       if (f->mixture == NULL) {
-        add_sizes(c, g, &own->near[k], own->weighed, own->entry);
+        add_sizes(c, &of, &own->near[k], own->weighed, own->entry);
       } else {
-        add_mixed_sizes(c, g, &own->near[k], own->weighed, &mixed, own->entry);
+        add_mixed_sizes(c, of.group, &own->near[k], own->weighed, &mixed, own->entry);
       }
     }
     for (int j = 0; j < rows; j++) {
-      size[first + j] += own->entry[j];
+      size[of.first + j] += own->entry[j];
     }
   }
 }
