@@ -24,17 +24,25 @@ static const char *plugin_of(const cell *c) {
   return (f != NULL) ? f->path : "";
 }
 
-/* The solver as the cell names it, and the limit it was told where that is lower than its own. */
+/* The solver as the cell names it, and the limit it was told in the place of its own where that is higher. */
 static void solver_text(const cell *c, const campaign_limits *l, char *buf, size_t cap) {
+  static const char limit[] = "max_seconds=";
   solver_choice s;
-  char number[32];
-  (void)snprintf(buf, cap, "%s", c->solver);
-  if (solver_choose(c->solver, &s, NULL) == BASE_OK &&
-      solver_choice_limit(&s, plan_solver_limit(l))) {
-    const size_t used = strlen(buf);
+  if (solver_choose(c->solver, &s, NULL) != BASE_OK ||
+      !solver_choice_limit(&s, plan_solver_limit(l))) {
+    (void)snprintf(buf, cap, "%s", c->solver);
+  } else {
+    const char *own = strstr(c->solver, limit);
+    char number[32];
     base_real_print(plan_solver_limit(l), number, sizeof number);
-    (void)snprintf(buf + used, cap - used, "%smax_seconds=%s",
-                   strchr(c->solver, ':') != NULL ? "," : ":", number); /* the last one counts */
+    if (own != NULL) {
+      own += sizeof limit - 1;
+      (void)snprintf(buf, cap, "%.*s%s%s", (int)(own - c->solver), c->solver, number,
+                     own + strcspn(own, ","));
+    } else {
+      (void)snprintf(buf, cap, "%s%s%s%s", c->solver, strchr(c->solver, ':') != NULL ? "," : ":",
+                     limit, number);
+    }
   }
   solver_choice_free(&s);
 }

@@ -202,6 +202,18 @@ static base_status unknown_option(const arg_table *t, const char *text, size_t l
                    base_nearest_hint(&near, hint));
 }
 
+/* Is the option, which is no flag or list, among the first n words already? */
+static bool given_before(const arg_table *t, const arg_option *o, int n, char **argv) {
+  bool given = false;
+  for (int i = 0; i < n && !given && o->kind != ARG_FLAG && o->kind != ARG_LIST; i++) {
+    const size_t len = strcspn(argv[i], "=");
+    const arg_option *one = find(t, argv[i], len);
+    given = one == o;
+    i += one != NULL && one->kind != ARG_FLAG && argv[i][len] == '\0'; /* its value */
+  }
+  return given;
+}
+
 static base_status take_option(const arg_table *t, void *options, int argc, char **argv, int *i,
                                base_error *err) {
   const char *text = argv[*i];
@@ -209,6 +221,9 @@ static base_status take_option(const arg_table *t, void *options, int argc, char
   const arg_option *o = find(t, text, len);
   if (o == NULL) {
     return unknown_option(t, text, len, err);
+  }
+  if (given_before(t, o, *i, argv)) {
+    return BASE_FAIL(err, BASE_EINVAL, "%s: need it once, it is given twice", o->name);
   }
   const char *value = (text[len] == '=') ? text + len + 1 : NULL;
   if (o->kind == ARG_FLAG) {

@@ -63,7 +63,7 @@ const arg_option *args_at(const arg_table *t, int i); /* 0 <= i < args_count(t) 
 /* Fills the options (a struct of the type the table was made for, with the defaults in it) and up to
  * max_positional positional arguments (views into argv). Behind a -- all are positional. BASE_EINVAL names the
  * culprit, and the option that it was probably meant for; also where a number is out of its range, where a needed
- * option is missing, and where two options write to the same place. */
+ * option is missing, where one that is no flag or list is given twice, and where two options write to the same place. */
 base_status args_parse(const arg_table *t, void *options, int argc, char **argv,
                        const char **positional, int *n_positional, base_error *err);
 

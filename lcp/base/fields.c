@@ -157,6 +157,16 @@ static bool is_preset(const base_field *f, int nf, const char *name) {
   return false;
 }
 
+/* Does an item from `first` to `text` have this name? */
+static bool named_before(const char *first, const char *text, const char *name) {
+  const size_t len = strlen(name);
+  bool found = false;
+  for (const char *item = first; item < text && !found; item += strcspn(item, ",") + 1) {
+    found = strncmp(item, name, len) == 0 && item[len] == '=';
+  }
+  return found;
+}
+
 base_status base_fields_parse(const base_field *f, int nf, void *opt, const char *text,
                               base_error *err) {
   const char *const first = text;
@@ -182,6 +192,9 @@ base_status base_fields_parse(const base_field *f, int nf, void *opt, const char
     if (text != first && is_preset(f, nf, name)) {
       return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need it first, it sets other options", name,
                        value);
+    }
+    if (named_before(first, text, name)) {
+      return BASE_FAIL(err, BASE_EINVAL, "%s=%s: need it once, it is given twice", name, value);
     }
     BASE_TRY(base_fields_set(f, nf, opt, name, value, err));
     text += len + (text[len] == ',');

@@ -57,7 +57,8 @@ void base_fields_default(const base_field *f, int nf, void *opt);
 base_status base_fields_set(const base_field *f, int nf, void *opt, const char *name,
                             const char *text, base_error *err);
 
-/* Parses "name=value,name=value" (empty or NULL: nothing to do); the first may be the word of a preset alone. */
+/* Parses "name=value,name=value" (empty or NULL: nothing to do); the first may be the word of a preset alone. A name given twice
+ * is refused. */
 base_status base_fields_parse(const base_field *f, int nf, void *opt, const char *text,
                               base_error *err);
 

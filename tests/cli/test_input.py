@@ -204,6 +204,10 @@ def options_without_a_meaning_are_refused(d):
         (("verify", m, "--certificate", d / "c", "--rerun"), ["--rerun"]),
         (("compare", d, d, "--noise", -1), ["--noise"]),
         (("compare", d, d, "--column", "rho"), ["--column", "rho"]),
+        # nor one of two
+        (("solve", "murty:n=4,n=5", "--solver", "lemke"), ["murty", "n=5", "twice"]),
+        (("solve", "murty:n=4", "--solver", "pgs:omega=1,omega=1"), ["pgs", "omega=1", "twice"]),
+        ((*solve, "--tol", 1e-9, "--start=cold", "--tol=1e-8"), ["--tol", "twice"]),
     ):
         one_line_error(*words, names=names)
     lcp = pathlib.Path(__file__).resolve().parents[1] / "fuzz" / "seeds" / "lcp.dat"

@@ -343,9 +343,13 @@ def long_runs_keep_their_first_time(d):
     r = got["faulty_patient"]
     assert r["status"] == "time_limit" and 1.2 <= float(r["t_solve_s"]) < 1.5, r
     # and the row says so: its command, without the campaign, ends as the row did
-    assert "max_seconds=1.2" in r["solver_config"].split(",") and r["solver_options"] == "", r
-    o = json.loads(run(*shlex.split(r["command"])[1:], exe=FAULTY, code=3, timeout=10).stdout)
-    assert o["status"] == "time_limit" and 1.2 <= o["t_solve_s"] < 2.0, o
+    (d / "own").mkdir()
+    (own,) = measured(d / "own", "['faulty_patient:max_seconds=7']", limit="1.5s")
+    for r, option in ((r, ""), (own, "max_seconds=7")):
+        assert "max_seconds=1.2" in r["solver_config"].split(","), r
+        assert r["solver_options"] == option and r["command"].count("max_seconds") == 1, r
+        o = json.loads(run(*shlex.split(r["command"])[1:], exe=FAULTY, code=3, timeout=10).stdout)
+        assert o["status"] == "time_limit" and 1.2 <= o["t_solve_s"] < 2.0, o
 
 
 one_of(

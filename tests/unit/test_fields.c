@@ -49,6 +49,7 @@ static void names_culprit_and_rule(void **state) {
   refuses("rule=least", "lexicographic|least_index");
   refuses("relax=1", "unknown option 'relax': known are omega, sweeps, rule");
   refuses("omega", "need name=value");
+  refuses("omega=1,sweeps=3,omega=1", "omega=1: need it once, it is given twice");
 }
 
 static void shortest_number_that_reads_back(void **state) {
