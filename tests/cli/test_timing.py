@@ -345,7 +345,7 @@ def long_runs_keep_their_first_time(d):
     # and the row says so: its command, without the campaign, ends as the row did
     (d / "own").mkdir()
     (own,) = measured(d / "own", "['faulty_patient:max_seconds=7']", limit="1.5s")
-    for r, option in ((r, ""), (own, "max_seconds=7")):
+    for r, option in ((got["faulty_patient"], ""), (own, "max_seconds=7")):
         assert "max_seconds=1.2" in r["solver_config"].split(","), r
         assert r["solver_options"] == option and r["command"].count("max_seconds") == 1, r
         o = json.loads(run(*shlex.split(r["command"])[1:], exe=FAULTY, code=3, timeout=10).stdout)
