@@ -269,10 +269,22 @@ static base_status go_on(row_form *s, const double *z, bool solved, base_error *
   set_bounds(s); /* those of the answer, which say what stands where */
   BASE_TRY(boxed_bounds_next(&s->bounds, s, z, solved, err));
   set_bounds(s);
-  if (s->start == FORM_PREVIOUS && solved) {
+  if (s->bounds.anew) { /* the way from zero ends elsewhere within the tolerance */
+    memset(s->z0, 0, (size_t)s->a.n_row * sizeof *s->z0);
+  } else if (s->start == FORM_PREVIOUS && solved) {
     memcpy(s->z0, z, (size_t)s->a.n_row * sizeof *z);
   }
   return BASE_OK;
+}
+
+/* Did the solver give its start back, under the bounds of that? It stops at its tolerance, which may be looser than the loop's: then
+ * nothing changes any more. */
+static bool given_back(const row_form *s, const double *z) {
+  bool same = s->start == FORM_PREVIOUS;
+  for (int i = 0; i < s->a.n_contact && same; i++) {
+    same = s->move[i] == 0;
+  }
+  return same && memcmp(s->z0, z, (size_t)s->a.n_row * sizeof *z) == 0;
 }
 
 static base_status recover(void *state, const double *z, lcp_outcome claimed, base_error *err) {
@@ -292,6 +304,7 @@ static base_status recover(void *state, const double *z, lcp_outcome claimed, ba
     finish(s, z, solved && (settled || s->opt.outer == 1));
     return BASE_OK;
   }
+  s->bounds.anew = s->bounds.anew || (solved && given_back(s, z));
   return go_on(s, z, solved, err);
 }
 

@@ -46,6 +46,7 @@ base_status boxed_bounds_begin(boxed_bounds *b, int n_contact, base_error *err) 
   b->taken = 0;
   b->first = true;
   b->trial = false;
+  b->anew = false;
   b->filled = false;
   if (b->mem == NULL || n_contact > b->cap_contact) {
     b->cap_contact = base_room(n_contact) + 4;

@@ -16,9 +16,10 @@ typedef struct row_form row_form;
 
 typedef struct boxed_bounds {
   anderson mixing;
-  int taken;                    /* solves of this round of the loop */
-  bool first;                   /* round of this step */
-  bool trial;                   /* the last bounds were Newton's */
+  int taken;  /* solves of this round of the loop */
+  bool first; /* round of this step */
+  bool trial; /* the last bounds were Newton's */
+  bool anew;  /* a solve gave its start back; those of the step begin at zero since */
   double *base, *share, *moved; /* n_contact: the safeguarded point, its shares and last moves */
   int cap_contact;
   bool filled;   /* M is that of this step */

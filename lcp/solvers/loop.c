@@ -5,13 +5,17 @@
 #include "lcp/solvers/data_test.h"
 #include "lcp/solvers/sets.h"
 
+#include <float.h>
 #include <string.h>
+
+enum { TRIES = 8 }; /* of other numbers of zeros */
 
 void lcp_loop_layout(lcp_loop *s, const lcp_capacity *cap, base_arena *a) {
   s->scale = BASE_ARRAY(a, double, cap->n);
   lcp_stop_layout(&s->stop, cap, a);
   lcp_rho_factored_layout(&s->factored, cap, a); /* what is seldom touched lies together */
   s->seen = BASE_ARRAY(a, double, cap->n);
+  s->small = BASE_ARRAY(a, double, cap->n);
 }
 
 void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
@@ -22,6 +26,14 @@ void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless) {
   s->next = 1;
   s->memoryless = memoryless;
   s->q_size = lcp_data_size(p, s->scale);
+  s->tried = 0;
+  s->tries = 0;
+  s->failed = 0;
+  s->due = 1;
+  s->homogeneous = false;
+  for (int i = 0; i < p->M.n && !s->homogeneous; i++) {
+    s->homogeneous = p->q[i] == 0.0;
+  }
 }
 
 static bool believable(const lcp_loop *s, const lcp_stop *stop, const lcp_problem *p,
@@ -168,6 +180,65 @@ static bool cycles(lcp_loop *s, const lcp_problem *p, const double *z, lcp_resul
   return cycle;
 }
 
+/* Are there entries of rows with q = 0 that are within `share` of the largest? They go to s->small. Their number. */
+static int find_small(lcp_loop *s, const lcp_problem *p, double share, const double *z) {
+  double top = 0.0;
+  int count = 0;
+  for (int i = 0; i < p->M.n; i++) {
+    top = fmax(top, fabs(z[i]) / s->scale[i]);
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    const bool is = p->q[i] == 0.0 && z[i] != 0.0 && fabs(z[i]) / s->scale[i] <= share * top;
+    s->small[i] = is ? z[i] : 0.0;
+    count += is;
+  }
+  return count;
+}
+
+/* Does z pass with zeros in their place? If not, it is as before. */
+static bool passes_without(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
+                           lcp_result *res) {
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = (s->small[i] != 0.0) ? 0.0 : z[i];
+  }
+  (void)lcp_stop_met(&s->stop, stop->tol, p, z, res);
+  if (settle(s, stop, p, z, res)) {
+    return true;
+  }
+  for (int i = 0; i < p->M.n; i++) {
+    z[i] = (s->small[i] != 0.0) ? s->small[i] : z[i];
+  }
+  return false;
+}
+
+/* Tried where another number of entries is small than before, and after 1, 2, 4, ... tests: first all within rounding of the largest,
+ * then those beyond even that of rounding, as an answer may be small and not zero. Where none pass, s->stop.w is that of z again. */
+static bool passes_with_zeros(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
+                              lcp_result *res) {
+  if (!s->homogeneous) {
+    return false;
+  }
+  const int count = find_small(s, p, DBL_EPSILON, z);
+  const bool due = ++s->failed >= s->due;
+  if (count == 0 || !(due || (count != s->tried && s->tries < TRIES))) {
+    return false;
+  }
+  const double residual = res->residual;
+  s->due = due ? 2 * s->failed : s->due;
+  s->tries += count != s->tried;
+  s->tried = count;
+  if (passes_without(s, stop, p, z, res)) {
+    return true;
+  }
+  const int fewer = find_small(s, p, DBL_EPSILON * DBL_EPSILON, z);
+  if (fewer > 0 && fewer < count && passes_without(s, stop, p, z, res)) {
+    return true;
+  }
+  (void)lcp_stop_met(&s->stop, stop->tol, p, z, res);
+  res->residual = residual;
+  return false;
+}
+
 static bool spent(const lcp_loop *s, lcp_result *res, bool *fresh) {
   if (fresh != NULL) {
     *fresh = res->work.iterations == 0;
@@ -179,7 +250,7 @@ static bool spent(const lcp_loop *s, lcp_result *res, bool *fresh) {
   return false;
 }
 
-bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
                     lcp_trace *trace, lcp_result *res, bool *fresh) {
   if (s->budget > 0) {
     return spent(s, res, fresh);
@@ -197,7 +268,7 @@ bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, con
   if (ended && res->outcome != LCP_SOLVED && res->outcome != LCP_MAX_ITER) {
     return true;
   }
-  if (settle(s, stop, p, z, res)) {
+  if (settle(s, stop, p, z, res) || passes_with_zeros(s, stop, p, z, res)) {
     res->outcome = LCP_SOLVED;
     return true;
   }
@@ -226,7 +297,7 @@ long lcp_loop_until_test(const lcp_loop *s, const lcp_stop *stop, const lcp_resu
   return (due < left) ? due : left;
 }
 
-void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
                          lcp_trace *trace, lcp_result *res) {
   const lcp_stop now = {stop->tol, stop->max_iter, 1, stop->max_seconds};
   if (!lcp_loop_ended(s, &now, p, z, trace, res, NULL)) {

@@ -4,7 +4,9 @@
  * z runs away and drags rho below any tolerance although w never gets feasible, so "solved" is
  * claimed here only if the violation is small against the data as well (data_test.h).
  * A deterministic iteration whose iterate returns bit for bit can never end: it is `stalled`
- * (Brent 1980, cycle finding with one stored iterate). */
+ * (Brent 1980, cycle finding with one stored iterate).
+ * Where q is zero and nothing couples a row with others, its answer is zero, and what an iteration makes smaller and smaller never is
+ * small against the row's own terms. Such entries are tried as zero once they are within rounding of the largest. */
 #pragma once
 
 #include "lcp/lcp_rho_factored.h"
@@ -20,8 +22,12 @@
 typedef struct lcp_loop {
   lcp_stop_state stop;
   lcp_rho_factored factored;
-  double *scale; /* n, r */
-  double *seen;  /* n, an earlier iterate */
+  double *scale;    /* n, r */
+  double *seen;     /* n, an earlier iterate */
+  double *small;    /* n, what is tried as zero */
+  bool homogeneous; /* some entry of q is zero */
+  int tried, tries; /* entries that were tried last, and how often their number was another */
+  long failed, due; /* tests, and at which of them zeros are tried */
   long tests, next;
   double q_size;   /* max r |q| */
   bool memoryless; /* the next iterate depends on z alone */
@@ -36,8 +42,8 @@ void lcp_loop_begin(lcp_loop *s, const lcp_problem *p, bool memoryless);
 /* Once per iteration, before it. True when the loop must end. Evaluates only when
  * work.iterations is a multiple of check_every or has reached max_iter; after an evaluation
  * s->stop.w holds M z + q and *fresh (may be NULL) is set. With a budget it only counts: true when that is spent, *fresh
- * before the first iteration. */
-bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+ * before the first iteration. z changes only where it is `solved` with zeros for entries within rounding. */
+bool lcp_loop_ended(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
                     lcp_trace *trace, lcp_result *res, bool *fresh);
 
 /* Iterations from one that was tested to the next that is. */
@@ -49,7 +55,7 @@ bool lcp_loop_put_off(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, c
                       lcp_result *res);
 
 /* For a method that cannot move z any more: tests it out of turn; `stalled` where it does not pass. */
-void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, const double *z,
+void lcp_loop_stationary(lcp_loop *s, const lcp_stop *stop, const lcp_problem *p, double *z,
                          lcp_trace *trace, lcp_result *res);
 
 /* Does z meet tol? Sets res->residual: of factors by the entries of M where the bound of lcp_stop_test does not tell. For a

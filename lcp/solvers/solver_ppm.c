@@ -252,8 +252,7 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
 
 /* The test of an iterative method: rho alone says nothing of a basis that is regular by rounding (data_test.h), and of
  * rows of factors whose terms cancel only their entries tell how large those were. */
-static bool passes(ppm *s, const lcp_problem *p, const lcp_stop *stop, const double *z,
-                   lcp_result *res) {
+static bool passes(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z, lcp_result *res) {
   lcp_loop_stationary(&s->loop, stop, p, z, NULL, res);
   return res->outcome == LCP_SOLVED;
 }

@@ -1,12 +1,13 @@
 """Steps from the last one: a method that pivots begins from a basis of its own, not from the answer
-chosen among redundant ones, whose active rows are none."""
+chosen among redundant ones, whose active rows are none; and nothing that is solved from zero is
+left unsolved from there."""
 
 from support import SANITIZED, run_json, tap
 
 
-def of(scene, formulation, *words, duration):
-    solver = ("--formulation", formulation, "--solver", "lemke", "--duration", duration)
-    return run_json("simulate", scene, *solver, *words)
+def of(scene, formulation, *words, duration, solver="lemke", code=0):
+    way = ("--formulation", formulation, "--solver", solver, "--duration", duration)
+    return run_json("simulate", scene, *way, *words, code=code)
 
 
 def redundant_contacts_need_no_cold_start(_):
@@ -32,4 +33,27 @@ def a_slide_keeps_its_basis(_):
     assert warm["status"] == "ok" and warm["n_pivot"] <= 12, warm["n_pivot"]
 
 
-tap([redundant_contacts_need_no_cold_start, a_slide_keeps_its_basis])
+def sweeps_that_give_their_start_back_are_no_end(_):
+    """A solver stops at its tolerance, looser than that of the loop over the bounds of `boxed`: it
+    gave its own start back up to a hundred times a step, and the step was `stalled`."""
+    for scene in ("capstan", "card_house", "conveyor", "tablecloth"):
+        warm = of(scene, "boxed", "--start", "previous", duration=0.2, solver="pgs")
+        assert warm["status"] == "ok" and warm["n_solves"] < 10 * warm["steps"], (scene, warm)
+
+
+def what_shrinks_without_end_is_zero(_):
+    """Friction of the last step where nothing is to be held: q is 0 there, and the impulse was
+    halved and halved (4.9e-324 was still no answer)."""
+    for solver in ("newton", "pgs", "apgd", "ppm"):
+        warm = of("billiard", "boxed", "--start", "previous", duration=1.7, solver=solver)
+        assert warm["status"] == "ok" and warm["n_iter"] < 10000, (solver, warm)
+
+
+tap(
+    [
+        redundant_contacts_need_no_cold_start,
+        a_slide_keeps_its_basis,
+        sweeps_that_give_their_start_back_are_no_end,
+        what_shrinks_without_end_is_zero,
+    ]
+)

@@ -282,6 +282,57 @@ static void grows_and_refuses_misuse(void **state) {
   }
 }
 
+/* Rows with q = 0 that nothing else moves: their answer is zero, and what only comes nearer to zero never is small against the rows'
+ * own terms. From zero, and from a start that is not. */
+static void ends_where_q_is_zero(void **state) {
+  (void)state;
+  static const double M[] = {2, 0, 0, 0, 2, 1, 0, 1, 2}, q[] = {-1, 0, 0};
+  static const double lo[] = {0, -1, -1}, hi[] = {HUGE_VAL, 1, 1};
+  static const lcp_block boxes[] = {{.start = 0, .size = 1, .set = LCP_ORTHANT},
+                                    {.start = 1, .size = 2, .set = LCP_BOX}};
+  const lcp_problem all[] = {
+      {.M = {.storage = LCP_DENSE, .n = 3, .val = M}, .q = q, .traits = LCP_SYMMETRIC | LCP_PD},
+      {.M = {.storage = LCP_DENSE, .n = 3, .val = M},
+       .q = q,
+       .lo = lo,
+       .hi = hi,
+       .block = boxes,
+       .n_block = 2,
+       .traits = LCP_SYMMETRIC | LCP_PD}};
+  int ns;
+  const lcp_solver *const *s = lcp_solvers(&ns);
+  for (int i = 0; i < ns; i++) {
+    for (int j = 0; j < BASE_COUNT(all); j++) {
+      base_error err = {0};
+      if (s[i]->peer || lcp_solver_admits(s[i], &all[j], NULL) != BASE_OK) {
+        continue;
+      }
+      _Alignas(16) unsigned char opt[OPT_MAX] = {0};
+      base_fields_default(s[i]->fields, s[i]->n_fields, opt);
+      const lcp_capacity cap = lcp_problem_capacity(&all[j]);
+      lcp_instance *k;
+      check_ok(lcp_instance_open(&k, s[i], &cap, opt, &err), &err);
+      check_ok(lcp_instance_prepare(k, &all[j], &err), &err);
+      const bool rough = strcmp(s[i]->name, "sqp") ==
+                         0; /* ends where its objective is within rounding: at the root of that */
+      for (int warm = 0; warm <= (s[i]->warm && !rough ? 1 : 0); warm++) {
+        run r = {.z = {0.4 * warm, 0.3 * warm, 0.2 * warm}};
+        lcp_verdict v;
+        solve_from(k, s[i], &r);
+        if (r.res.outcome != LCP_SOLVED) {
+          fail_msg("%s, problem %d, %s: %s after %ld", s[i]->name, j, warm ? "warm" : "cold",
+                   lcp_outcome_name(r.res.outcome), r.res.work.iterations);
+        }
+        check_ok(lcp_judge(&all[j], r.z, &v, &err), &err);
+        check_close(v.rho, 0.0, s[i]->exact ? LCP_VERIFY_EXACT : LCP_VERIFY_ITERATIVE);
+        check_close(r.z[0], 0.5, 1e-6);
+        check_close(r.z[1], 0.0, 1e-12);
+      }
+      lcp_instance_close(k);
+    }
+  }
+}
+
 static void says_what_it_is(void **state) {
   (void)state;
   int n;
@@ -303,7 +354,7 @@ int main(int argc, char **argv) {
     return 2;
   }
   static pair pairs[CASE_MAX];
-  static struct CMUnitTest tests[CASE_MAX + 5]; /* unused entries are skipped by cmocka */
+  static struct CMUnitTest tests[CASE_MAX + 6]; /* unused entries are skipped by cmocka */
   int ns;
   int ng;
   int nt = 0;
@@ -325,6 +376,7 @@ int main(int argc, char **argv) {
   tests[nt++] =
       (struct CMUnitTest)cmocka_unit_test(prepare_and_solve_survive_every_failed_allocation);
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(grows_and_refuses_misuse);
+  tests[nt++] = (struct CMUnitTest)cmocka_unit_test(ends_where_q_is_zero);
   tests[nt++] = (struct CMUnitTest)cmocka_unit_test(says_what_it_is);
   return cmocka_run_group_tests_name("solvers", tests, NULL, NULL);
 }
