@@ -162,6 +162,9 @@ base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp
   if (!k->ready) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: solve without a successful prepare", k->solver->name);
   }
+  if (!k->solver->warm) {
+    memset(z, 0, (size_t)k->p.M.n * sizeof *z);
+  }
   const double started = now(k);
   const base_status s = k->solver->solve(k->state, &k->p, k->opt, trace, z, res);
   k->times.solve = now(k) - started;
