@@ -13,7 +13,8 @@ typedef struct body {
   double v[6];  /* velocity of the centre of mass, angular velocity; all axes */
   double mass;
   double inertia[3]; /* principal moments; planar: the last one about z [kg m^2] */
-  double bound;      /* radius about the centre of mass that contains every piece [m] */
+  double bound;      /* radius about the centre of mass that contains every piece; of a point that
+                        turns its radius of gyration [m] */
   int first_piece, n_piece;
   int index; /* among the bodies with dofs, -1 */
   int dof;   /* first dof */

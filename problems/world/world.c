@@ -62,6 +62,17 @@ static bool is_centred_ball(const piece *p) {
          p->vertex[2] == 0.0;
 }
 
+/* Of a point that may turn: its inertia has a size, where it has none. */
+static double gyration_of(const world *w, const spec_body *s) {
+  const bool turns =
+      (w->spec.effects & EFFECT_ROTATION) != 0 && (~s->lock & (unsigned)SPEC_ROT) != 0;
+  double most = 0.0;
+  for (int k = 0; k < ((w->dim == 3) ? 3 : 1); k++) {
+    most = fmax(most, s->inertia[k]);
+  }
+  return (turns && s->mass > 0.0) ? sqrt(most / s->mass) : 0.0;
+}
+
 static base_status open_pieces(world *w, base_error *err) {
   int n_vertex = 0;
   w->n_piece = 0;
@@ -83,6 +94,7 @@ static base_status open_pieces(world *w, base_error *err) {
     for (int k = 0; k < b->n_piece; k++) {
       b->bound = fmax(b->bound, piece_bound(&w->piece[first + k]));
     }
+    b->bound = (b->bound > 0.0) ? b->bound : gyration_of(w, &w->spec.body[i]);
     first += b->n_piece;
   }
   return BASE_OK;

@@ -14,6 +14,7 @@ from unseen_scenes import (
     much_asked,
     passed_by,
     peaked,
+    point_turns,
     poked,
     pushed_over,
     rolled_out,
@@ -206,6 +207,7 @@ def a_turn_is_not_measured_by_the_way(d):
     """An impact is small beside 360 m, and all of the turning (330 E)."""
     for speed in (600.0, 20.0):
         keeps(d, tossed(speed), ("1e-1", "1e-2"))
+    keeps(d, point_turns())
 
 
 def friction_that_is_too_small_is_said(d):

@@ -342,6 +342,14 @@ def tossed(speed: float) -> tuple[Scene, dict[str, float]]:
 # ---- for --effects: the scene, the formulation and the solver ----------------------------------
 
 
+def point_turns() -> tuple[Scene, dict[str, float]]:
+    """A point with an inertia on a torsion spring: what turns has no radius."""
+    point = body("b", {"type": "point"}, [0, 0], inertia=0.02, angle=1.0)
+    s = scene("point_turns", 2, 2.0, [point], observe=["b.angle"])
+    s |= {"loads": [{"type": "torsion_spring", "body": "b", "k": 2}]}
+    return s, {"b.angle": math.cos(20.0)}
+
+
 def cube(**more: Any) -> Scene:
     return box("a", [0.1, 0.1, 0.1], [0, 0, 0.1], **more)
 
@@ -378,6 +386,9 @@ def left_out_by_mistake() -> list[tuple[Scene, str, str]]:
     column = on_floor("column", 0.0, [box("a", [0.02, 0.02, 0.1], [0, 0, 2])], gravity=[0, 0, 0])
     column["joints"] = [{"type": "ball", "body": "a", "anchor": [0, 1e-8, 1.9]}]
     column["loads"] = [{"type": "constant_force", "body": "a", "force": [0, 0, -100]}]
+    hung = scene("hung", 3, 1.0, [body("a", {"type": "point"}, [1, 0, 0], inertia=[0.5] * 3)])
+    hung |= {"gravity": [0, 0, -G], "observe": ["a.x", "a.z"]}
+    hung["joints"] = [{"type": "ball", "body": "a", "anchor": [0, 0, 0]}]
     slid = scene(
         "slid",
         2,
@@ -411,6 +422,7 @@ def left_out_by_mistake() -> list[tuple[Scene, str, str]]:
         (on_floor("polygon", 0.3, [cube(vel=[1, 0, 0])]), "velocity:facets=5", "lemke"),
         (overlap, "position", "lemke"),
         (column, "velocity", "lemke"),
+        (hung, "velocity", "lemke"),
         (slid, "velocity", "lemke"),
         (turning, "velocity", "lemke"),
         (on_floor("bristle", 0.4, [cube(vel=[0.2, 0, 0])]), "regularized", "lemke"),
