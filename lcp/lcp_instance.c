@@ -155,6 +155,21 @@ base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_err
   return BASE_OK;
 }
 
+/* q = 0, and every box holds zero: so zero is an answer. */
+static bool is_homogeneous(const lcp_problem *p) {
+  bool is = true;
+  for (int i = 0; i < p->M.n && is; i++) {
+    is = p->q[i] == 0.0;
+  }
+  for (int b = 0; p->block != NULL && b < p->n_block && is; b++) {
+    const lcp_block *k = &p->block[b];
+    for (int i = k->start; k->set == LCP_BOX && i < k->start + k->size && is; i++) {
+      is = p->lo[i] <= 0.0 && p->hi[i] >= 0.0;
+    }
+  }
+  return is;
+}
+
 base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp_result *res,
                                base_error *err) {
   *res =
@@ -162,7 +177,7 @@ base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp
   if (!k->ready) {
     return BASE_FAIL(err, BASE_EINVAL, "%s: solve without a successful prepare", k->solver->name);
   }
-  if (!k->solver->warm) {
+  if (is_homogeneous(&k->p)) {
     memset(z, 0, (size_t)k->p.M.n * sizeof *z);
   }
   const double started = now(k);

@@ -20,7 +20,8 @@ base_status lcp_instance_open(lcp_instance **out, const lcp_solver *s, const lcp
  * the next prepare. */
 base_status lcp_instance_prepare(lcp_instance *k, const lcp_problem *p, base_error *err);
 
-/* Solves the problem last prepared, from the z given where the solver is `warm`, otherwise from zero. Never allocates unless the solver declares `allocates`. */
+/* Solves the problem last prepared; where q is zero, and every box holds zero, from z = 0, which is an answer. Never allocates
+ * unless the solver declares `allocates`. */
 base_status lcp_instance_solve(lcp_instance *k, lcp_trace *trace, double *z, lcp_result *res,
                                base_error *err);
 

@@ -9,6 +9,7 @@
 #include "lcp/lcp_cone.h"
 #include "lcp/lcp_wide_column.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,7 +18,9 @@ typedef struct judge {
   const double *z;
   lcp_wide_columns columns;    /* of M, in long double; a factored M is never formed */
   long double *w, *tau, *zref; /* n; tau and zref of tiny entries leave the range of double */
+  long double *tau0;           /* n */
   double *d;                   /* n */
+  double *r;                   /* n, r_i^2 M_ii = 1 */
 } judge;
 
 static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
@@ -26,8 +29,11 @@ static bool judge_open(judge *j, const lcp_problem *p, const double *z) {
   j->w = calloc(n, sizeof *j->w);
   j->tau = calloc(n, sizeof *j->tau);
   j->zref = calloc(n, sizeof *j->zref);
+  j->tau0 = calloc(n, sizeof *j->tau0);
   j->d = calloc(n, sizeof *j->d);
-  return j->w != NULL && j->tau != NULL && j->zref != NULL && j->d != NULL;
+  j->r = calloc(n, sizeof *j->r);
+  return j->w != NULL && j->tau != NULL && j->zref != NULL && j->tau0 != NULL && j->d != NULL &&
+         j->r != NULL;
 }
 
 static void judge_close(judge *j) {
@@ -35,7 +41,9 @@ static void judge_close(judge *j) {
   free(j->w);
   free(j->tau);
   free(j->zref);
+  free(j->tau0);
   free(j->d);
+  free(j->r);
 }
 
 /* w += M z, tau += |M| |z|, the diagonal. */
@@ -87,6 +95,37 @@ static void begin_sizes(judge *j) {
   }
 }
 
+static void raise_top(judge *j, int i, int k, long double entry) {
+  if (!(j->d[i] > 0.0) && j->d[k] > 0.0) {
+    j->r[i] = fmax(j->r[i], (double)fabsl(entry) / sqrt(j->d[k]));
+  }
+}
+
+/* r_i = 1 / sqrt(M_ii); where that gives no unit, from the largest |M_ij| / sqrt(M_jj) of row and column i, or 1. Of factors a zero on
+ * the diagonal is a zero row of J W J': S alone counts there. */
+static void set_units(judge *j) {
+  const int n = j->p->M.n;
+  bool all = true;
+  for (int i = 0; i < n; i++) {
+    j->r[i] = 0.0;
+    all = all && j->d[i] > 0.0;
+  }
+  for (int c = 0; c < n && !all; c++) {
+    if (j->p->M.storage == LCP_FACTORED && j->d[c] > 0.0) {
+      continue;
+    }
+    const lcp_wide_column col = lcp_wide_columns_at(&j->columns, c);
+    for (int k = 0; k < col.count; k++) {
+      raise_top(j, col.row[k], c, col.val[k]);
+      raise_top(j, c, col.row[k], col.val[k]);
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    const double top = (j->d[i] > 0.0) ? sqrt(j->d[i]) : j->r[i];
+    j->r[i] = (top > 0.0) ? 1.0 / top : 1.0;
+  }
+}
+
 /* w = M z + q, the diagonal, zref, tau = |M| zref + |q|: two passes over M. */
 static void measure(judge *j) {
   const int n = j->p->M.n;
@@ -96,8 +135,10 @@ static void measure(judge *j) {
   begin_sizes(j);
   add_products(j);
   for (int c = 0; c < n; c++) {
+    j->tau0[c] = j->tau[c];
     j->zref[c] = reference(j, c);
   }
+  set_units(j);
   begin_sizes(j);
   if (j->p->M.storage == LCP_FACTORED) {
     lcp_wide_factored_sizes(&j->columns, j->zref, j->tau);
@@ -142,6 +183,13 @@ static void note_natural(lcp_verdict *v, double map, int row) {
   }
 }
 
+/* Of a row or a cone whose map is `seen`, in velocities. */
+static void note_defect(lcp_verdict *v, double r, double seen, long double tau0) {
+  const double noise = (double)(32 * (long double)DBL_EPSILON * r * tau0);
+  v->noise = fmax(v->noise, noise);
+  v->defect = fmax(v->defect, r * seen - noise);
+}
+
 static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
   const double z = j->z[i], w = (double)j->w[i];
   const long double zref = j->zref[i], tau = j->tau[i];
@@ -151,6 +199,8 @@ static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
   v->rho =
       fmax(v->rho, row_map(set, ratio(z, zref), ratio(w, tau), ratio(lo, zref), ratio(hi, zref)));
   note_natural(v, row_map(set, d * z, w, d * lo, d * hi), i);
+  const double r = j->r[i], own = 1.0 / r / r;
+  note_defect(v, r, row_map(set, own * z, w, own * lo, own * hi), j->tau0[i]);
   v->min_map = fmax(v->min_map, row_map(set, z, w, lo, hi));
   if (set == LCP_FREE) {
     v->infeasible_w = fmax(v->infeasible_w, fabs(w));
@@ -165,13 +215,14 @@ enum { CONE_ROWS_MAX = 1 + 2 * LCP_PARTS_MAX };
 
 static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
   double w[CONE_ROWS_MAX] = {0}, moved[CONE_ROWS_MAX], plain[CONE_ROWS_MAX];
-  double d = 0.0, work = 0.0;
-  long double tau = 0.0L;
+  double d = 0.0, work = 0.0, worst = 0.0;
+  long double tau = 0.0L, tau0 = 0.0L;
   const double *z = j->z + b->start;
   for (int i = 0; i < b->size; i++) {
     w[i] = (double)j->w[b->start + i];
     d += j->d[b->start + i] / b->size;
     tau = fmaxl(tau, j->tau[b->start + i]);
+    tau0 = fmaxl(tau0, j->tau0[b->start + i]);
   }
   v->infeasible_w = fmax(v->infeasible_w, -w[0]);
   w[0] += lcp_cone_shift(b, w);
@@ -184,10 +235,12 @@ static void judge_cone(const judge *j, const lcp_block *b, lcp_verdict *v) {
   lcp_cone_project(b, moved, moved);
   lcp_cone_project(b, plain, plain);
   for (int i = 0; i < b->size; i++) {
+    worst = fmax(worst, fabs(d * z[i] - moved[i]));
     note_natural(v, fabs(d * z[i] - moved[i]), b->start + i);
     v->rho = fmax(v->rho, ratio(fabs(d * z[i] - moved[i]), tau));
     v->min_map = fmax(v->min_map, fabs(z[i] - plain[i]));
   }
+  note_defect(v, 1.0 / sqrt(d), worst, tau0);
   v->infeasible_z = fmax(v->infeasible_z, lcp_cone_violation(b, z));
   v->comp += fabs(work);
 }
@@ -225,10 +278,32 @@ static void share_verdict(void *of, int part, int hand) {
 static void add_verdict(lcp_verdict *v, const lcp_verdict *part) {
   v->rho = fmax(v->rho, part->rho);
   note_natural(v, part->natural, part->natural_row);
+  v->defect = fmax(v->defect, part->defect);
+  v->noise = fmax(v->noise, part->noise);
   v->min_map = fmax(v->min_map, part->min_map);
   v->infeasible_z = fmax(v->infeasible_z, part->infeasible_z);
   v->infeasible_w = fmax(v->infeasible_w, part->infeasible_w);
   v->comp += part->comp;
+}
+
+/* What the data ask for: the largest velocity that is to be stopped, or bound that is to be met, in the units of r. */
+static double size_of(const judge *j) {
+  const lcp_problem *p = j->p;
+  double size = 0.0;
+  for (int i = 0; i < p->M.n; i++) {
+    size = fmax(size, j->r[i] * fabs(p->q[i]));
+  }
+  for (int b = 0; p->block != NULL && b < p->n_block; b++) {
+    const lcp_block *k = &p->block[b];
+    for (int i = k->start; k->set == LCP_BOX && i < k->start + k->size; i++) {
+      size = fmax(size, fabs(clip(0.0, p->lo[i], p->hi[i])) / j->r[i]);
+    }
+  }
+  return size;
+}
+
+bool lcp_judged_small(const lcp_verdict *v, double tol) {
+  return v->noise <= 1e-3 && v->defect <= 10.0 * tol;
 }
 
 static bool judge_all(const judge *j, lcp_verdict *v) {
@@ -248,6 +323,9 @@ static bool judge_all(const judge *j, lcp_verdict *v) {
     q_max = fmax(q_max, fabs(p->q[i]));
   }
   v->natural_rel = v->natural / (1.0 + q_max);
+  const double size = size_of(j);
+  v->defect = (size > 0.0) ? v->defect / size : 0.0;
+  v->noise = (size > 0.0) ? v->noise / size : 0.0;
   return true;
 }
 
@@ -255,6 +333,8 @@ static bool judge_all(const judge *j, lcp_verdict *v) {
  * long double, where fmin and fmax would drop a NaN and call it zero. */
 static const lcp_verdict hopeless = {.rho = HUGE_VAL,
                                      .natural = HUGE_VAL,
+                                     .defect = HUGE_VAL,
+                                     .noise = HUGE_VAL,
                                      .natural_rel = HUGE_VAL,
                                      .min_map = HUGE_VAL,
                                      .infeasible_z = HUGE_VAL,

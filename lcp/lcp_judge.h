@@ -16,27 +16,37 @@
  *                 free rows: |w_i|/tau_i; boxes: the violated half of the same; cones: block
  *                 residual over the largest tau of the block.
  *
- * `verified` means rho <= tol; natural is what plots show.
+ * rho is relative to the terms of M z, and any z passes that is large enough, as on M = [1 -1; -1 1], q = (-1, -1), which has no
+ * solution. So a third one is against the data, RESIDUALS 4: with r_i^2 M_ii = 1 and size = max(r_j |q_j|, distance of a box from zero over r_j)
+ *
+ * defect [1]      max_i (r_i natural_i - noise_i) / size,  noise_i = 32 eps r_i tau0_i: what rounding of z leaves
+ * noise [1]       max_i noise_i / size. Both are 0 where size is: z = 0 is an answer then.
+ *
+ * `verified` means rho <= tol, and small against the data (lcp_judged_small); natural is what plots show.
  */
 #pragma once
 
 #include "lcp/lcp_problem.h"
 
 typedef struct lcp_verdict {
-  double rho;          /* [1] */
-  double natural;      /* [m/s] */
-  int natural_row;     /* of the row that has it; of a cone, of the entry */
-  double natural_rel;  /* natural / (1 + max|q|) [1] */
-  double min_map;      /* max_i |min(z_i, w_i)|, unscaled, the literature's number */
-  double infeasible_z; /* largest violation of z in K [N s] */
-  double infeasible_w; /* largest violation of w in K* [m/s] */
-  double comp;         /* sum |z_i w_i| [J] (cones: |z.w~| per block) */
-  bool finite;         /* no NaN or Inf in z */
+  double rho;           /* [1] */
+  double natural;       /* [m/s] */
+  int natural_row;      /* of the row that has it; of a cone, of the entry */
+  double defect, noise; /* against the data [1] */
+  double natural_rel;   /* natural / (1 + max|q|) [1] */
+  double min_map;       /* max_i |min(z_i, w_i)|, unscaled, the literature's number */
+  double infeasible_z;  /* largest violation of z in K [N s] */
+  double infeasible_w;  /* largest violation of w in K* [m/s] */
+  double comp;          /* sum |z_i w_i| [J] (cones: |z.w~| per block) */
+  bool finite;          /* no NaN or Inf in z */
 } lcp_verdict;
 
 /* Tolerances on rho that "verified" means by default. */
 #define LCP_VERIFY_EXACT     1e-9 /* solvers that declare `exact` */
 #define LCP_VERIFY_ITERATIVE 1e-6 /* the others */
+
+/* Is the violation small against the data at this tolerance, and not hidden by rounding? */
+bool lcp_judged_small(const lcp_verdict *v, double tol);
 
 /* Judges z[n]. Allocates scratch (it is never inside a timed bracket). A point with NaN or Inf
  * has finite = false and all residuals HUGE_VAL; so does, but for finite, one whose w = M z + q leaves the

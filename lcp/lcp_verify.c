@@ -182,110 +182,12 @@ static const char *basis_fault(exact *e, const lcp_problem *p, const unsigned ch
   return fault;
 }
 
-/* What a point is measured with, in long double. */
-typedef struct scaled {
-  lcp_wide_columns columns;
-  long double *w, *tau0, *d; /* n: M z + q, |q| + |M||z|, diag M */
-  long double *top; /* n: where M_ii <= 0, the largest |M_ij|/sqrt(M_jj) of row and column i */
-  void *mem;
-} scaled;
-
-static base_status scaled_open(scaled *s, const lcp_problem *p, base_error *err) {
-  const size_t n = (size_t)p->M.n;
-  *s = (scaled){.mem = calloc(4 * n + 1, sizeof *s->w)};
-  if (s->mem == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "certificate: no memory for %d rows", p->M.n);
-  }
-  s->w = s->mem;
-  s->tau0 = s->w + n;
-  s->d = s->tau0 + n;
-  s->top = s->d + n;
-  return lcp_wide_columns_open(&s->columns, &p->M, err);
-}
-
-static void scaled_close(scaled *s) {
-  lcp_wide_columns_close(&s->columns);
-  free(s->mem);
-}
-
-static void raise_top(scaled *s, int i, int j, long double entry) {
-  if (s->d[i] <= 0 && s->d[j] > 0) {
-    s->top[i] = fmaxl(s->top[i], fabsl(entry) / sqrtl(s->d[j]));
-  }
-}
-
-static void measure(scaled *s, const lcp_problem *p, const double *z) {
-  for (int i = 0; i < p->M.n; i++) {
-    s->w[i] = p->q[i];
-    s->tau0[i] = fabsl((long double)p->q[i]);
-  }
-  for (int j = 0; j < p->M.n; j++) {
-    const lcp_wide_column c = lcp_wide_columns_at(&s->columns, j);
-    for (int k = 0; k < c.count; k++) {
-      s->w[c.row[k]] += c.val[k] * z[j];
-      s->tau0[c.row[k]] += fabsl(c.val[k] * z[j]);
-      s->d[j] = (c.row[k] == j) ? c.val[k] : s->d[j];
-    }
-  }
-  for (int j = 0; j < p->M.n; j++) {
-    const lcp_wide_column c = lcp_wide_columns_at(&s->columns, j);
-    for (int k = 0; k < c.count; k++) {
-      raise_top(s, c.row[k], j, c.val[k]);
-      raise_top(s, j, c.row[k], c.val[k]);
-    }
-  }
-}
-
-/* r_i with r_i^2 M_ii = 1; from `top` where the diagonal gives no unit. */
-static long double unit_of(const scaled *s, int i) {
-  if (s->d[i] > 0) {
-    return 1 / sqrtl(s->d[i]);
-  }
-  return (s->top[i] > 0) ? 1 / s->top[i] : 1;
-}
-
-/* rho is relative to the terms of M z, and any z passes that is large enough. Asked besides: the natural map
- * v_i = |min(w_i, z_i/r_i^2)| (|w_i| in free rows) is small against the data,
- *   r_i v_i <= 10 tol size + 32 eps r_i tau0_i,   size = max r_j |q_j|,
- * and rounding, the second term, could not hide a thousandth of the size. The solvers ask the same of
- * themselves, with code of their own. */
-static bool small_for_data(const scaled *s, const lcp_problem *p, const unsigned char *set,
-                           const double *z) {
-  long double size = 0;
-  for (int i = 0; i < p->M.n; i++) {
-    size = fmaxl(size, unit_of(s, i) * fabsl((long double)p->q[i]));
-  }
-  for (int i = 0; i < p->M.n; i++) {
-    const long double r = unit_of(s, i);
-    const long double moved = is_free(p, set, i) ? s->w[i] : fminl(s->w[i], z[i] / (r * r));
-    const long double noise = 32 * (long double)DBL_EPSILON * r * s->tau0[i];
-    const long double limit = 10 * (long double)LCP_VERIFY_EXACT * size + noise;
-    if (!(noise <= 1e-3L * size && r * fabsl(moved) <= limit)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-static base_status measure_point(const lcp_problem *p, const unsigned char *set, const double *z,
-                                 bool *small, base_error *err) {
-  scaled s;
-  const base_status status = scaled_open(&s, p, err);
-  if (status == BASE_OK) {
-    measure(&s, p, z);
-    *small = small_for_data(&s, p, set, z);
-  }
-  scaled_close(&s);
-  return status;
-}
-
 static base_status verify_basis(const lcp_problem *p, const unsigned char *basis, const double *z,
                                 const unsigned char *set, lcp_certificate_verdict *out,
                                 base_error *err) {
   lcp_verdict v;
   BASE_TRY(lcp_judge(p, z, &v, err));
-  bool small = false;
-  BASE_TRY(measure_point(p, set, z, &small, err));
+  const bool small = lcp_judged_small(&v, LCP_VERIFY_EXACT);
   out->residual = v.rho;
   out->holds = v.rho <= LCP_VERIFY_EXACT && small;
   out->why = small ? "rho of z in extended precision"

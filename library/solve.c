@@ -164,7 +164,7 @@ int lcp_verify(const lcp_problem *p, const double *z, double tolerance, lcp_repo
   }
   if (done == BASE_OK) {
     take_verdict(&r, &v);
-    r.verified = v.finite && v.rho <= tolerance;
+    r.verified = v.finite && v.rho <= tolerance && lcp_judged_small(&v, tolerance);
     r.status = run_status_name(r.verified ? RUN_OK : RUN_UNVERIFIED);
   }
   if (report != NULL) {
@@ -172,6 +172,9 @@ int lcp_verify(const lcp_problem *p, const double *z, double tolerance, lcp_repo
   }
   if (done != BASE_OK) {
     return library_failed(&err);
+  }
+  if (!r.verified && v.finite && v.rho <= tolerance) {
+    return library_unsolved("z is so large that rho means nothing: M z + q is not small against q");
   }
   return r.verified ? LCP_OK : library_unsolved("rho is %.3g: need %g", v.rho, tolerance);
 }

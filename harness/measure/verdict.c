@@ -74,7 +74,9 @@ static bool proved_infeasible(const lcp_problem *p, const lcp_certificate *c) {
 run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
                       const lcp_result *claim, const lcp_verdict *v, bool *verified) {
   const double tol = fmax(verdict_tolerance(s), verdict_asked(s, opt));
-  *verified = v->finite && v->rho <= verdict_tolerance(s);
+  const bool small = lcp_judged_small(v, tol);
+  *verified =
+      v->finite && v->rho <= verdict_tolerance(s) && lcp_judged_small(v, verdict_tolerance(s));
   const run_status word = word_of_claim(claim->outcome);
   if (word == RUN_INFEASIBLE) {
     return proved_infeasible(p, &claim->certificate) ? RUN_INFEASIBLE : RUN_UNVERIFIED;
@@ -85,7 +87,7 @@ run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p
   if (!v->finite) {
     return RUN_NUMERICAL;
   }
-  if (word == RUN_OK && v->rho <= tol) {
+  if (word == RUN_OK && v->rho <= tol && small) {
     return RUN_OK;
   }
   if (v->rho > tol && v->rho < 10 * tol) {

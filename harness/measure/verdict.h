@@ -42,7 +42,8 @@ double verdict_tolerance(const lcp_solver *s);
 double verdict_asked(const lcp_solver *s, const void *opt);
 
 /* The word for one solve. `ok` means claimed, and rho within the larger of the asked tolerance and
- * verdict_tolerance; `verified` is rho <= verdict_tolerance, whatever was claimed or asked;
+ * verdict_tolerance and small against the data there (lcp_judged_small); `verified` is the same at verdict_tolerance, whatever was
+ * claimed or asked;
  * `infeasible` means claimed with a Farkas vector that lcp_certificate_verify finds right. */
 run_status verdict_of(const lcp_solver *s, const void *opt, const lcp_problem *p,
                       const lcp_result *claim, const lcp_verdict *v, bool *verified);

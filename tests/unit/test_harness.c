@@ -141,6 +141,29 @@ static void claims_are_judged(void **state) {
   solver_choice_free(&s);
 }
 
+/* Any z that is large enough has a small rho; M = [1 -1; -1 1] with q = (-1, -1) has no solution. With q = 0 all of (a, a) are. */
+static void a_runaway_is_no_answer(void **state) {
+  (void)state;
+  const double M[] = {1, -1, -1, 1}, q[] = {-1, -1}, none[] = {0, 0};
+  const double far[] = {1e12, 1e12}, near[] = {1, 1};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q};
+  const lcp_problem still = {.M = p.M, .q = none};
+  const lcp_result claim = {.outcome = LCP_SOLVED};
+  solver_choice s;
+  lcp_verdict v;
+  base_error err;
+  bool verified;
+  check_ok(solver_choose("pgs", &s, &err), &err);
+  check_ok(lcp_judge(&p, far, &v, &err), &err);
+  assert_true(v.rho < 1e-12 && v.defect > 0.5);
+  assert_int_equal(verdict_of(s.solver, s.opt, &p, &claim, &v, &verified), RUN_UNVERIFIED);
+  assert_false(verified);
+  check_ok(lcp_judge(&still, near, &v, &err), &err);
+  assert_int_equal(verdict_of(s.solver, s.opt, &still, &claim, &v, &verified), RUN_OK);
+  assert_true(verified);
+  solver_choice_free(&s);
+}
+
 /* Iterative: 1e-6 verifies; asked for less, less is ok but not verified. */
 static void asked_tolerance_decides_ok(void **state) {
   (void)state;
@@ -350,6 +373,7 @@ int main(void) {
       cmocka_unit_test(braces_expand),
       cmocka_unit_test(units_of_time_and_memory),
       cmocka_unit_test(claims_are_judged),
+      cmocka_unit_test(a_runaway_is_no_answer),
       cmocka_unit_test(asked_tolerance_decides_ok),
       cmocka_unit_test(g6_a_changed_solver_invalidates_its_cells),
       cmocka_unit_test(problems_are_hashed_once),
