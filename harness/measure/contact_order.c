@@ -22,13 +22,25 @@ base_status contact_order_parse(const char *text, uint64_t *seed, base_error *er
   return BASE_OK;
 }
 
-/* The finaliser of splitmix64 (Steele, Lea & Flood 2014, fig. 17): one-to-one, so that ids stay
- * different from each other. */
-static uint64_t scramble(uint64_t x, uint64_t seed) {
-  x += seed * 0x9e3779b97f4a7c15u;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
+/* One-to-one on numbers of so many bits, in the manner of the finaliser of splitmix64 (Steele, Lea & Flood 2014, fig. 17): sums,
+ * odd factors and shifts, all modulo a power of two. */
+static uint64_t scramble(uint64_t x, uint64_t seed, int bits) {
+  const uint64_t mask = UINT64_MAX >> (64 - bits);
+  x = (x + seed * 0x9e3779b97f4a7c15u) & mask;
+  x = (x ^ x >> (bits / 2)) * 0xbf58476d1ce4e5b9u & mask;
+  x = (x ^ x >> (bits / 2)) * 0x94d049bb133111ebu & mask;
+  return x ^ x >> (bits / 2);
+}
+
+/* Pairs of shapes in a random order, the features of a pair, and the copies of a contact: what belongs together stays so. */
+static uint64_t another(uint64_t id, uint64_t seed) {
+  enum { LOW = CONTACT_COPY_BITS + CONTACT_FEATURE_BITS };
+  const uint64_t shapes = contact_shapes_of(id);
+  const uint64_t feature = id >> CONTACT_COPY_BITS & ((1u << CONTACT_FEATURE_BITS) - 1);
+  const uint64_t copy = id & ((1u << CONTACT_COPY_BITS) - 1);
+  return scramble(shapes, seed, 64 - LOW) << LOW |
+         scramble(feature, seed + shapes, CONTACT_FEATURE_BITS) << CONTACT_COPY_BITS |
+         scramble(copy, seed + (id >> CONTACT_COPY_BITS), CONTACT_COPY_BITS);
 }
 
 /* ---- memory -----------------------------------------------------------------------------------*/
@@ -110,7 +122,7 @@ static base_status sort_contacts(contact_order *o, const contact_set *c, uint64_
     return BASE_FAIL(err, BASE_ENOMEM, "no memory to reorder %d contacts", c->n_contact);
   }
   for (int i = 0; i < c->n_contact; i++) {
-    p[i] = (place){scramble(c->id[i], o->seed), i};
+    p[i] = (place){another(c->id[i], o->seed), i};
   }
   qsort(p, (size_t)c->n_contact, sizeof *p, by_id);
   for (int i = 0; i < c->n_contact; i++) {

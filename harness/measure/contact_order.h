@@ -3,7 +3,8 @@
  * Sweeps, pivots and the answers of singular problems depend on the order in which contacts are
  * listed, which is an accident of the scene (Acary, Bremond & Huber 2018, section 3.4, for NSGS). Ids
  * are replaced by a one-to-one scramble of them with a seed, and the contacts sorted by what comes
- * out: a random permutation that a contact keeps while it lasts, and a contact set like any other. */
+ * out: a random permutation that a contact keeps while it lasts, and a contact set like any other. Contacts of two shapes stay
+ * together, for formulations ask whether two shapes touch elsewhere: pairs are permuted, and the contacts of each. */
 #pragma once
 
 #include "formulations/formulation.h"

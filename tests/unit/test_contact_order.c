@@ -59,6 +59,12 @@ static void check_permuted(const contact_set *c, contact_order *o, const contact
     assert_memory_equal(p->u_before + p->row_start[at], c->u_before + c->row_start[i],
                         (size_t)(c->row_start[i + 1] - c->row_start[i]) * sizeof *c->u_before);
   }
+  for (int k = 1; k < c->n_contact;
+       k++) { /* what belongs to two shapes does so in this order, too, and stays together */
+    const int i = o->from[k - 1], j = o->from[k];
+    assert_true((contact_shapes_of(c->id[i]) == contact_shapes_of(c->id[j])) ==
+                (contact_shapes_of(p->id[k - 1]) == contact_shapes_of(p->id[k])));
+  }
   free(impulse);
   free(bias);
   free(mode);
