@@ -160,14 +160,29 @@ void contact_memory_way(const contact_set *c, int i, const double *u, double way
   }
 }
 
+/* Does contact i, which was open, slip: by more than what solves leave beside how it closes, or would without contacts? */
+static bool slips_on(const contact_set *c, int i) {
+  static const double left = 1e-6;
+  const double *u = c->u_before + c->row_start[i];
+  double slip = 0;
+  for (int k = 1; k <= c->rows[i].tangent; k++) {
+    slip = hypot(slip, u[k]);
+  }
+  return slip > left * fmax(fabs(u[0]), fabs(contact_free_speed(c, i)));
+}
+
 int contact_memory_slides(const contact_memory *m, const contact_set *c, int i) {
   static const double still = 1e-9;
   const double *past = contact_memory_old(m, i);
   double took = 0, on = 0, way[3];
+  const bool falls = c->mu_kinetic[i] < c->mu_static[i];
+  if (falls && !contact_memory_closed(m, i)) {
+    return slips_on(c, i) ? 1 : 0;
+  }
   if (past == NULL || past[PAST_SLIDES] == 0) {
     return 0;
   }
-  if (!(c->mu_kinetic[i] < c->mu_static[i])) {
+  if (!falls) {
     return 1;
   }
   contact_memory_way(c, i, c->u_before + c->row_start[i], way);

@@ -74,7 +74,7 @@ static double speed(const double *u, int n) {
 }
 
 /* Sliding starts from the velocity before the step; a contact at rest gets the cone, and so does every contact in a step
- * with an impact, in which a direction of sliding does not last. What rounding
+ * with an impact, in which a direction of sliding does not last, though its friction is that of what slides. What rounding
  * leaves of a rest is no direction: it is measured against the largest free contact velocity. */
 static void choose_modes(state *s, const contact_set *c, double stick) {
   double scale = 0.0;
@@ -91,7 +91,7 @@ static void choose_modes(state *s, const contact_set *c, double stick) {
       continue;
     }
     s->p.mu[i] = c->mu_kinetic[g];
-    for (int t = 0; t < nt; t++) {
+    for (int t = 0; t < nt && s->stage == FORCES; t++) {
       s->p.direction[2 * i + t] = u[t] / slip;
     }
   }
@@ -162,9 +162,7 @@ static base_status begin(void *st, const contact_set *c, const void *opt, formul
   BASE_TRY(slip_begin(&s->p, &s->a, o->facets, o->distribution, err));
   BASE_TRY(grow(s, err));
   s->stage = form_has_impact(&s->a, o->repair.rest) ? NEWTON : FORCES;
-  if (s->stage == FORCES) {
-    choose_modes(s, c, o->stick);
-  }
+  choose_modes(s, c, o->stick);
   set_free(s);
   s->rest = o->repair.rest;
   s->may_jump = o->paradox == PARADOX_IMPACT;

@@ -75,11 +75,25 @@ static base_status impact_by_poisson(event_run *s, const contact_set *c, double 
   return BASE_OK;
 }
 
+/* What slips as it is hit has kinetic friction. */
+static void set_friction(event_run *s, const contact_set *c) {
+  for (int i = 0; i < s->space.a.n_contact; i++) {
+    const int g = s->space.a.group[i];
+    const double *u = c->u_before + c->row_start[g];
+    double slip = 0.0;
+    for (int k = 1; k <= c->rows[g].tangent; k++) {
+      slip = hypot(slip, u[k]);
+    }
+    s->p.mu[i] = (slip > s->slow) ? c->mu_kinetic[g] : c->mu_static[g];
+  }
+}
+
 base_status event_impact(event_run *s, const contact_set *c, base_error *err) {
   double *lambda = s->row + s->cap_row;
   bool poisson = s->opt->restitution == EVENT_POISSON;
   BASE_TRY(space_impact(&s->space, c, err));
   BASE_TRY(slip_begin(&s->p, &s->space.a, s->opt->facets, s->opt->distribution, err));
+  set_friction(s, c);
   s->answer.work.fallbacks += count_slow(s, c);
   if (!poisson) {
     BASE_TRY(impact_by_newton(s, c, lambda, err));

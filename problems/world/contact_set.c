@@ -221,8 +221,7 @@ double contact_mobility(const contact_set *c, int i, int k) {
   return contact_coupling(c, i, k, i, k);
 }
 
-/* The normal speed of contact i with the free velocity [m/s], positive when it opens. */
-static double free_normal_speed(const contact_set *c, int i) {
+double contact_free_speed(const contact_set *c, int i) {
   const int rows = c->row_start[i + 1] - c->row_start[i];
   const double *jac = c->jac + c->jac_start[i];
   double u = c->u_drift[c->row_start[i]];
@@ -240,7 +239,7 @@ static double free_normal_speed(const contact_set *c, int i) {
 double contact_approach(const contact_set *c) {
   double farthest = 0.0;
   for (int i = 0; i < c->n_contact; i++) {
-    const double travel = (c->gap[i] > c->tol) ? -c->h * free_normal_speed(c, i) : 0.0;
+    const double travel = (c->gap[i] > c->tol) ? -c->h * contact_free_speed(c, i) : 0.0;
     farthest = (c->gap[i] < travel) ? fmax(farthest, travel) : farthest;
   }
   return farthest;

@@ -93,6 +93,9 @@ bool contact_set_is_ordered(const contact_set *c);
  * contacts that are open and would close in the step. 0 without one. */
 double contact_approach(const contact_set *c);
 
+/* The normal speed of contact i with the free velocity [m/s], positive when it opens. */
+double contact_free_speed(const contact_set *c, int i);
+
 /* u = J v + u_drift (u_drift NULL: J v alone), n_row. */
 void contact_relative_velocity(const contact_set *c, const double *v, const double *u_drift,
                                double *u);

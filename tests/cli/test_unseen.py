@@ -6,6 +6,7 @@ from unseen_scenes import (
     crossed,
     glanced,
     grazed,
+    hit_aslant,
     hopping,
     just_hit,
     left_out_by_mistake,
@@ -219,6 +220,21 @@ def friction_that_is_too_small_is_said(d):
         assert not e["promised"] and why in e["reason"], (way, e)
 
 
+def an_impact_that_slips_has_kinetic_friction(d):
+    """By every formulation: some took the static coefficient, and two of them promised it."""
+    for way in (
+        ("velocity", "lemke"),
+        ("boxed", "newton"),
+        ("coulomb", "nsgs"),
+        ("position", "lemke"),
+        ("acceleration", "lemke"),
+        ("event", "lemke"),
+        ("regularized", "lemke"),
+    ):
+        words = ("--formulation", way[0], "--solver", way[1])
+        keeps(d, hit_aslant(), ("1e-2", "1e-3"), words)
+
+
 def effects_that_no_bound_tells_of_stay_in(d):
     for scene, formulation, solver in left_out_by_mistake():
         path = written(d, scene)
@@ -266,6 +282,7 @@ tap(
         a_load_does_not_turn_a_slide_round_that_friction_holds,
         a_turn_is_not_measured_by_the_way,
         friction_that_is_too_small_is_said,
+        an_impact_that_slips_has_kinetic_friction,
         effects_that_no_bound_tells_of_stay_in,
         what_comes_in_again_and_again_stays_in,
     ]

@@ -342,6 +342,15 @@ def tossed(speed: float) -> tuple[Scene, dict[str, float]]:
 # ---- for --effects: the scene, the formulation and the solver ----------------------------------
 
 
+def hit_aslant() -> tuple[Scene, dict[str, float]]:
+    """A point falls 0.2 m onto a floor as it goes on at 1 m/s, and slides: what slips in an impact has
+    kinetic friction there, 0.1 for 0.2 at rest."""
+    thrown = body("b", {"type": "point"}, [0, 0.2], vel=[1, 0])
+    s = scene("hit_aslant", 2, 0.3, [thrown], gravity=[0, -10], observe=["b.vx"])
+    s |= {"static": [plane("f", [0, 1], 0)], "friction_kinetic": {"default": 0.1}}
+    return s | {"friction": {"default": 0.2}}, {"b.vx": 0.7}
+
+
 def point_turns() -> tuple[Scene, dict[str, float]]:
     """A point with an inertia on a torsion spring: what turns has no radius."""
     point = body("b", {"type": "point"}, [0, 0], inertia=0.02, angle=1.0)
