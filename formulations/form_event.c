@@ -8,7 +8,7 @@
  *           sliding speed comes to rest or turns round. Located by bisection of the substep, each
  *           trial one step of the integrator from the substep's start.
  *   after   impact where something closes: 0 <= l_n _|_ u_n+ + e u_n- >= 0 with the circle's cone; e = 0
- *           below `rest_speed`; what would rise by less than tol persists (MATHEMATICS 2.6.6), which ends
+ *           below `rest_speed` sqrt(a size), a as gravity and loads have it; what would rise by less than tol persists (MATHEMATICS 2.6.6), which ends
  *           Zeno sequences; then forces: slip directions from the motion.
  *
  * Joints are eliminated from arcs and problems, and closed again after every substep (event_space.h).
@@ -31,8 +31,10 @@ static const base_field fields[] = {
     BASE_FIELD(event_options, max_evaluations, BASE_INT, "1", 500000, 1, 2e9,
                "evaluations of the forces in one step, then it fails"),
     FORM_DISTRIBUTION_FIELD(event_options),
-    BASE_FIELD(event_options, rest_speed, BASE_REAL, "m/s", 1e-3, 0, 1e3,
-               "slower impacts do not bounce"),
+    BASE_FIELD(
+        event_options, rest_speed, BASE_REAL, "1", 1e-3, 0, 1e3,
+        "impacts do not bounce that are slower than this times what falls by the size of the "
+        "smallest body"),
     BASE_FIELD(event_options, resolve, BASE_REAL, "1", 10, 1, 1e9,
                "speeds below this many errors of the integrator are none"),
     BASE_FIELD_CHOICE(event_options, restitution, "newton|poisson", EVENT_NEWTON, "law of impact"),
@@ -157,6 +159,8 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   s->err = err;
   s->solved = true;
   s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL};
+  s->rest = s->opt->rest_speed * sqrt(world_most_acceleration(w) * world_size(w));
+  s->arc.step = h;
   s->arc.evaluations = 0;
   s->arc.unshared = 0;
   s->arc.unsettled = 0;

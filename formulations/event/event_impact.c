@@ -22,7 +22,7 @@ static base_status take_impulses(event_run *s, const contact_set *c, const doubl
 /* e of contact i, 0 where it is too slow to bounce. */
 static double restitution_of(const event_run *s, const contact_set *c, int i) {
   const int g = s->space.a.group[i];
-  const bool bounces = c->restitution != NULL && c->u_before[c->row_start[g]] < -s->opt->rest_speed;
+  const bool bounces = c->restitution != NULL && c->u_before[c->row_start[g]] < -s->rest;
   return bounces ? c->restitution[g] : 0.0;
 }
 
@@ -32,8 +32,8 @@ static int count_slow(const event_run *s, const contact_set *c) {
   for (int i = 0; i < s->space.a.n_contact; i++) {
     const int g = s->space.a.group[i];
     const double u = c->u_before[c->row_start[g]];
-    count += c->restitution != NULL && c->restitution[g] > 0.0 && u >= -s->opt->rest_speed &&
-             u < -0.1 * s->slow;
+    count +=
+        c->restitution != NULL && c->restitution[g] > 0.0 && u >= -s->rest && u < -0.1 * s->slow;
   }
   return count;
 }

@@ -150,6 +150,11 @@ static bool complete(error_result *r, const error_level *l, const sim_request *q
                                            : "the limit of work comes first");
     return false;
   }
+  if ((q->form->form->model & FORM_PENALTY) != 0 && l->account.came > 0) {
+    r->other_law = true;
+    refuse(r, "contacts come or go, and how they do is by the formulation's own stiffness");
+    return false;
+  }
   return true;
 }
 

@@ -265,6 +265,7 @@ static base_status run_to(controlled *c, double stop, double *h, bool *limited, 
 static base_status even_step(controlled *c, double h, bool *limited, base_error *err) {
   sim *s = &c->run;
   bool taken;
+  const int before = s->active;
   *limited = c->account->solved >= c->rule->limit || sim_due(&c->run);
   if (*limited || world_time(s->w) >= s->q->duration) {
     return BASE_OK;
@@ -275,6 +276,7 @@ static base_status even_step(controlled *c, double h, bool *limited, base_error 
   if (*limited) {
     return BASE_OK;
   }
+  c->account->came += c->kept->n > 0 && s->active != before;
   BASE_TRY(count(c, h, 0, err));
   c->account->gain = HUGE_VAL; /* nobody looked */
   return BASE_OK;

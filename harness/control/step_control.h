@@ -86,7 +86,8 @@ typedef struct step_account {
       forced;         /* forced: taken at the shortest length though not within its share */
   double least, most; /* of the steps kept [s] */
   double tolerance;   /* that the last step was taken with [m] */
-  long changed;     /* steps kept in which other contacts carry than before, the first one aside */
+  long changed; /* steps kept in which other contacts carry than before, the first one aside */
+  long came; /* even steps in which more or fewer contacts carry than before, the first one aside */
   double off;       /* sum of what the steps kept are off by [m] */
   double plain;     /* and would be if none of them were extrapolated [m] */
   double located;   /* largest error of a step in which the contacts changed [m] */

@@ -76,6 +76,7 @@ static void note_answer(sim *s, const contact_set *set, const formulation_answer
   r->v_slip = fmax(r->v_slip, a->v_slip);
   r->deflection = fmax(r->deflection, a->deflection);
   r->own_residual_max = fmax(r->own_residual_max, a->residual);
+  s->active = a->n_active;
   r->n_active_max = (a->n_active > r->n_active_max) ? a->n_active : r->n_active_max;
   r->lcp_dim_max = (a->lcp_dim > r->lcp_dim_max) ? a->lcp_dim : r->lcp_dim_max;
   if (set != NULL && set->n_contact > r->n_contact_max) {

@@ -105,6 +105,7 @@ typedef struct sim {
   world_growth *grown;          /* and of each body, with what the step makes of deviations */
   bool alike;                   /* contacts act alike with them */
   double h;                     /* of this step [s] */
+  int active;                   /* contacts that carried in the last step */
   sim_carrying carrying;        /* in the last step */
   sim_carrying goes_on;         /* the same less those that fell asleep at its end */
   double *z; /* z_cap of the answer, as many for the solver's own, and of zeros to start from */

@@ -20,6 +20,7 @@ from unseen_scenes import (
     pushed_over,
     rolled_out,
     slid_off,
+    slow,
     spun_up,
     stopped,
     swinging,
@@ -220,6 +221,17 @@ def friction_that_is_too_small_is_said(d):
         assert not e["promised"] and why in e["reason"], (way, e)
 
 
+def no_speed_in_metres_a_second_is_slow(d):
+    """`event` let nothing bounce below 1e-3 m/s, and promised that. What bounces on springs of its
+    own is not promised at all."""
+    for way in ("event", "velocity"):
+        words = ("--formulation", way, "--solver", "lemke")
+        keeps(d, slow(), ("1e-2", "1e-3"), words)
+    words = ("--formulation", "penalty", "--solver", "lemke", "--error", "1%")
+    e = run_json("simulate", written(d, slow()[0]), *words, code=3)["error"]
+    assert not e["promised"] and "stiffness" in e["reason"], e
+
+
 def an_impact_that_slips_has_kinetic_friction(d):
     """By every formulation: some took the static coefficient, and two of them promised it."""
     for way in (
@@ -282,6 +294,7 @@ tap(
         a_load_does_not_turn_a_slide_round_that_friction_holds,
         a_turn_is_not_measured_by_the_way,
         friction_that_is_too_small_is_said,
+        no_speed_in_metres_a_second_is_slow,
         an_impact_that_slips_has_kinetic_friction,
         effects_that_no_bound_tells_of_stay_in,
         what_comes_in_again_and_again_stays_in,

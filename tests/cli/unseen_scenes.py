@@ -343,12 +343,23 @@ def tossed(speed: float) -> tuple[Scene, dict[str, float]]:
 
 
 def hit_aslant() -> tuple[Scene, dict[str, float]]:
-    """A point falls 0.2 m onto a floor as it goes on at 1 m/s, and slides: what slips in an impact has
-    kinetic friction there, 0.1 for 0.2 at rest."""
+    """A point falls 0.2 m onto a floor as it goes on at 1 m/s, and slides: what slips in an impact
+    has kinetic friction there, 0.1 for 0.2 at rest."""
     thrown = body("b", {"type": "point"}, [0, 0.2], vel=[1, 0])
     s = scene("hit_aslant", 2, 0.3, [thrown], gravity=[0, -10], observe=["b.vx"])
     s |= {"static": [plane("f", [0, 1], 0)], "friction_kinetic": {"default": 0.1}}
     return s | {"friction": {"default": 0.2}}, {"b.vx": 0.7}
+
+
+def slow() -> tuple[Scene, dict[str, float]]:
+    """A disc falls 0.1 m in 447 s, and comes back at 0.8 of 4.5e-4 m/s."""
+    s = scene("slow", 2, 3000.0, [disc("b", 0.05, [0, 0.15])], gravity=[0, -1e-6], hs=[10])
+    s |= {"static": [plane("f", [0, 1], 0)], "restitution": {"default": 0.8}}
+    t, v = 3000.0 - math.sqrt(0.2 / 1e-6), math.sqrt(0.2 * 1e-6)
+    while t > 2.0 * (v := 0.8 * v) / 1e-6:
+        t -= 2.0 * v / 1e-6
+    ends = {"b.y": 0.05 + v * t - 0.5e-6 * t * t, "b.vy": v - 1e-6 * t}
+    return s | {"observe": list(ends)}, ends
 
 
 def point_turns() -> tuple[Scene, dict[str, float]]:
