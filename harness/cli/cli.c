@@ -13,6 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/types.h>
+#include <unistd.h>
 
 int cli_report(const base_error *err) {
   char text[4 * sizeof err->text];
@@ -126,9 +128,23 @@ static void quiet_blas(void) {
   }
 }
 
+static pid_t at_work; /* the process whose verb runs; 0: it has ended */
+
+/* A plug-in that calls exit() would end the program as if all were done. */
+static void refuse_exit(void) {
+  if (at_work == getpid()) {
+    (void)fputs("lcpbench: a plug-in or library has called exit()\n", stderr);
+    _exit(CLI_INTERNAL);
+  }
+}
+
 int cli_main(int argc, char **argv) {
   quiet_blas();
+  (void)atexit(refuse_exit);
+  at_work = getpid();
   /* past `ulimit -f` a write then fails with EFBIG, which is reported like a full disk */
   (void)signal(SIGXFSZ, SIG_IGN);
-  return finish(dispatch(argc, argv));
+  const int code = dispatch(argc, argv);
+  at_work = 0;
+  return finish(code);
 }

@@ -611,8 +611,9 @@ static int run(int argc, char **argv) {
   simulation s;
   simulate_report report = {0};
   base_status done = simulation_open(&o.t, &s, &err);
-  if (done == BASE_OK && s.error.E > 0.0) {
-    stop_catch_first_signal(); /* the finest run that came to its end is told */
+  if (done == BASE_OK) {
+    stop_catch_first_signal(); /* the run as far as it came is told; to an error, the finest that came to its end */
+    s.request.until = (s.error.E > 0.0) ? s.request.until : HUGE_VAL;
   }
   if (done == BASE_OK && s.request.least_memory) {
     memory_return_from(1u << 16);

@@ -271,9 +271,14 @@ base_status sim_step(sim *s, series *record, double h, bool *taken, base_error *
 static base_status run_steps(sim *s, series *record, base_error *err) {
   const sim_request *q = s->q;
   const sim_result *r = s->out;
-  for (bool taken = true; taken && r->steps < r->steps_planned && !sim_hopeless(s);) {
+  bool due = false;
+  for (bool taken = true; taken && !due && r->steps < r->steps_planned && !sim_hopeless(s);) {
     BASE_TRY(sim_follow_plans(s, err));
     BASE_TRY(sim_step(s, record, q->step != NULL ? q->step[r->steps] : q->h, &taken, err));
+    due = r->steps < r->steps_planned && sim_due(s);
+  }
+  if (due) {
+    sim_trouble(s, RUN_TIME_LIMIT, "the run was stopped there");
   }
   return BASE_OK;
 }

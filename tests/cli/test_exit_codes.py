@@ -108,9 +108,10 @@ def stopped_is_4_or_130(d):
         '{"id": "s", "dim": 2, "T": 400, "hs": [1e-4], "bodies": [{"name": "b", "mass": 1.0, '
         '"shape": {"type": "disc", "r": 0.1}, "pos": [0, 1]}]}'
     )
-    check = ("check", case, "--formulation", "velocity", "--solver", "lemke")
+    way = ("--formulation", "velocity", "--solver", "lemke")
+    check, plain = ("check", case, *way), ("simulate", case, *way)
     for number, code in ((signal.SIGTERM, 4), (signal.SIGINT, 130)):
-        for words in (("run", c, "--out", d / f"o{code}", "--quiet"), check):
+        for words in (("run", c, "--out", d / f"o{code}", "--quiet"), check, plain):
             assert stopped(words, number) == code, words
             SEEN.add(code)
 
