@@ -53,6 +53,7 @@ typedef struct state {
   lcp_stop_state stop;
   unsigned char *work; /* size bytes, then the guard */
   size_t size;
+  uint64_t seal;   /* of M and q */
   double *lo, *hi; /* n */
   lcp_plugin_block *block;
   double option[MORE_OPTIONS];
@@ -136,18 +137,40 @@ static bool guard_holds(const state *s) {
   return true;
 }
 
+static uint64_t add_bits(uint64_t seal, const double *x, size_t n) {
+  for (size_t i = 0; i < n; i++) {
+    uint64_t bits;
+    memcpy(&bits, &x[i], sizeof bits);
+    seal = (seal ^ bits) * 0x100000001b3u; /* FNV-1a, a word at a time */
+  }
+  return seal;
+}
+
+/* Of the data that a plug-in could write through a cast, as routines do that overwrite what they factor. */
+static uint64_t seal_of(const lcp_problem *p) {
+  const size_t n = (size_t)p->M.n;
+  const bool sparse = p->M.storage == LCP_CSC;
+  const uint64_t M =
+      sparse ? add_bits(1, p->M.csc.val, (size_t)p->M.csc.colptr[n]) : add_bits(1, p->M.val, n * n);
+  return add_bits(M, p->q, n);
+}
+
 static base_status prepare(void *st, const lcp_problem *p, const void *opt, base_error *err) {
   (void)opt;
   state *s = st;
   const lcp_plugin *d = s->self->d;
   char message[LCP_PLUGIN_MESSAGE] = "";
   view_problem(s, p);
+  s->seal = seal_of(p);
   memset(s->work + s->size, GUARD_BYTE, GUARD);
   const int code =
       (d->prepare != NULL) ? d->prepare(s->work, &s->view, s->option, message) : LCP_PLUGIN_READY;
   message[sizeof message - 1] = '\0';
   if (!guard_holds(s)) {
     return BASE_FAIL(err, BASE_EEXTERNAL, "%s: prepare wrote behind its workspace", d->name);
+  }
+  if (s->seal != seal_of(p)) {
+    return BASE_FAIL(err, BASE_EEXTERNAL, "%s: prepare wrote into M or q", d->name);
   }
   switch (code) {
   case LCP_PLUGIN_READY:
@@ -238,7 +261,8 @@ static base_status solve(void *st, const lcp_problem *p, const void *opt, lcp_tr
   lcp_stop_begin(&s->stop, p);
   const int code = s->self->d->solve(s->work, &s->view, &call, z, &r);
   take_counts(&r, res);
-  return guard_holds(s) ? take_claim(code, h.ended, &r, res) : BASE_EEXTERNAL;
+  const bool kept = guard_holds(s) && s->seal == seal_of(p);
+  return kept ? take_claim(code, h.ended, &r, res) : BASE_EEXTERNAL;
 }
 
 static void release(void *st) {

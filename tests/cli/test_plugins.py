@@ -30,6 +30,7 @@ WORDS = {
     "plugin_hang": "timeout",
     "plugin_leak": "oom",
     "plugin_overrun": "error",
+    "plugin_writer": "error",  # into q, as routines do that overwrite what they factor
 }
 if SANITIZED:  # no memory limit there, and the sanitizer ends whoever writes behind a block
     del WORDS["plugin_leak"], WORDS["plugin_overrun"]
