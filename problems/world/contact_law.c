@@ -41,9 +41,25 @@ static bool bounces(const contact_set *c, int i, double u) {
   return e > 0.0 && before < 0.0 && u > -0.5 * e * before;
 }
 
+static const double beyond = 4.0; /* times what loads give within the step */
+
+/* Does contact i come to rest in an impact, and stay? */
+static bool is_struck(const contact_set *c, int i, double u_free) {
+  const double before = c->u_before[c->row_start[i]];
+  return -before > beyond * fabs(u_free - before);
+}
+
+/* The speed that the friction l of contact i, which holds, has not taken off a slip in an impact: what is left to slide goes on with it. */
+static double not_taken(const contact_set *c, int i, const double *l) {
+  double given = 0.0;
+  for (int k = 1; k <= c->rows[i].tangent; k++) {
+    given = hypot(given, l[k]);
+  }
+  return fmax(c->mu_kinetic[i] * l[0] - given, 0.0) * contact_mobility(c, i, 1);
+}
+
 /* The slip of contact i, which holds, beyond what loads give it within the step. */
 static double left_to(const contact_set *c, int i, double slip, const double *u_free) {
-  static const double beyond = 4.0; /* times what loads give */
   const double *before = c->u_before + c->row_start[i];
   double loads = 0.0;
   for (int k = 1; k <= c->rows[i].tangent; k++) {
@@ -102,9 +118,14 @@ contact_law contact_law_at(const contact_set *c, const double *impulse, const un
     }
     if (mode[i] == SLIDES) {
       law.bent = bends(c, i, impulse + k, u + k, v) || law.bent;
-    } else if (mode[i] == HOLDS && bounces(c, i, u[k]) &&
+    } else if (mode[i] == HOLDS &&
                slip > held * c->mu_kinetic[i] * impulse[k] * contact_mobility(c, i, 1)) {
-      law.left = fmax(law.left, left_to(c, i, slip, u_free + k));
+      const double left = left_to(c, i, slip, u_free + k);
+      if (bounces(c, i, u[k])) {
+        law.left = fmax(law.left, left);
+      } else if (is_struck(c, i, u_free[k])) {
+        law.left = fmax(law.left, fmin(left, not_taken(c, i, impulse + k)));
+      }
     }
   }
   return law;

@@ -221,6 +221,22 @@ def friction_that_is_too_small_is_said(d):
         assert not e["promised"] and why in e["reason"], (way, e)
 
 
+def bristles_too_soft_for_an_impact_are_said(d):
+    """Hardly any friction comes of it, and the slide that goes on is 0.4 m/s too fast."""
+    made, _ = hit_aslant()
+    del made["friction_kinetic"]
+    for form in ("regularized:stiffness=fixed", "regularized:model=lugre"):
+        words = ("--formulation", form, "--solver", "lemke", "--error", "0.1%")
+        e = run_json("simulate", written(d, made), *words, code=3)["error"]
+        assert not e["promised"] and "not Coulomb's" in e["reason"], (form, e)
+    keeps(
+        d,
+        (made, {"b.vx": 0.4}),
+        ("1e-2", "1e-3"),
+        ("--formulation", "regularized", "--solver", "lemke"),
+    )
+
+
 def no_speed_in_metres_a_second_is_slow(d):
     """`event` let nothing bounce below 1e-3 m/s, and promised that. What bounces on springs of its
     own is not promised at all."""
@@ -294,6 +310,7 @@ tap(
         a_load_does_not_turn_a_slide_round_that_friction_holds,
         a_turn_is_not_measured_by_the_way,
         friction_that_is_too_small_is_said,
+        bristles_too_soft_for_an_impact_are_said,
         no_speed_in_metres_a_second_is_slow,
         an_impact_that_slips_has_kinetic_friction,
         effects_that_no_bound_tells_of_stay_in,
