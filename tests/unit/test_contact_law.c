@@ -71,8 +71,14 @@ static void bristles_leave_slip(void **state) {
   check_close(law_of(r, l, HOLDS, back, free_u, v).left, 0.1, 0.0);
   check_close(law_of(r, l, SLIDES, back, free_u, v).left, 0.0, 0.0);
   check_close(law_of(r, l, HOLDS, back, loads, v).left, 0.0, 0.0); /* what loads give in the step */
-  check_close(law_of(r, l, HOLDS, stays, free_u, v).left, 0.0, 0.0);
   check_close(law_of(r, l, HOLDS, none, free_u, v).left, 0.0, 0.0);
+  /* it stays: no more than friction of 3 N s could have taken, half of what is left of that as velocity */
+  const double most[3] = {6, -2.9, 0};
+  check_close(law_of(r, l, HOLDS, stays, free_u, v).left, 0.1, 0.0);
+  check_close(law_of(r, most, HOLDS, stays, free_u, v).left, 0.05, 1e-15);
+  r->v[2] = -0.01; /* by what loads give in the step */
+  const double pressed[3] = {-0.02, 0.01, 0};
+  check_close(law_of(r, l, HOLDS, stays, pressed, v).left, 0.0, 0.0);
   free(r);
 }
 
