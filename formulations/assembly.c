@@ -4,6 +4,8 @@
 #include "lcp/base/crew.h"
 
 #include <assert.h>
+#include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -303,6 +305,38 @@ static void fill_all(form_assembly *a, const contact_set *c) {
   }
 }
 
+/* Does contact i resist torsion or rolling here? */
+static bool resists(const form_assembly *a, int i) {
+  return i < a->n_contact && form_rows_of(a, i) > 1 + a->set->rows[a->group[i]].tangent;
+}
+
+/* C_rr of row p of group i. */
+static double diagonal_of(const form_assembly *a, int i, int p) {
+  return form_own_block(a, i)[p * form_rows_of(a, i) + p];
+}
+
+/* Zeros for the entries of C_ij that are no more than rounding. */
+static void drop_noise(const form_assembly *a, int i, int j, double *block) {
+  static const double noise = 8.0 * DBL_EPSILON;
+  const int ri = form_rows_of(a, i), rj = form_rows_of(a, j);
+  for (int e = 0; e < ri * rj; e++) {
+    const double scale = diagonal_of(a, i, e / rj) * diagonal_of(a, j, e % rj);
+    block[e] = (block[e] * block[e] > noise * noise * scale) ? block[e] : 0.0;
+  }
+}
+
+/* What resists torsion and rolling of a ball has nothing to do with its slip. By an entry of 1e-17 it would, where nothing else moves it:
+ * such entries are zero in the blocks of groups that resist. */
+static void clean(form_assembly *a) {
+  for (int i = 0; i < a->n_group; i++) {
+    for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
+      if (resists(a, i) || resists(a, a->near[k])) {
+        drop_noise(a, i, a->near[k], a->block + a->block_at[k]);
+      }
+    }
+  }
+}
+
 /* The diagonal alone: groups do not meet. */
 static void fill_own(void *of, int part, int hand) {
   form_assembly *a = of;
@@ -364,6 +398,7 @@ static base_status begin(form_assembly *a, const contact_set *c, form_rows rows,
   } else {
     fill_all(a, c);
   }
+  clean(a);
   if (a->n_group == a->n_contact && !a->own_only) { /* with joints: where they are eliminated */
     form_assembly_know_locks(a);
     form_assembly_unblock(a);
