@@ -113,7 +113,7 @@ typedef struct form_joints {
   int *touch, *column;                     /* 2 n_group */
   int *pivot;                              /* joint rows, 1-based inside a component */
   double *unit;                            /* joint rows: power of two that brings S_kk near 1 */
-  double *before;                          /* contact rows: diagonal of C before the elimination */
+  double *before, *speed; /* contact rows: diagonal of C, and |r|, before the elimination */
   double *y, *work, *dense;
   form_blocks left; /* C' */
   int cap_group, cap_row, cap_near;

@@ -12,6 +12,7 @@
 
 #include <assert.h>
 #include <cblas.h>
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <string.h>
@@ -176,6 +177,20 @@ static void solve_rows(const form_joints *j, const form_component *part, double 
   }
 }
 
+/* What joints take all of leaves rounding in r', which is no motion. */
+static void drop_rounding(form_assembly *a) {
+  static const double noise = 16 * DBL_EPSILON;
+  for (int i = 0; i < a->n_contact; i++) {
+    double fastest = 0;
+    for (int row = a->row[i]; row < a->row[i + 1]; row++) {
+      fastest = fmax(fastest, a->joints.speed[row]);
+    }
+    for (int row = a->row[i]; row < a->row[i + 1]; row++) {
+      a->r[row] = (fabs(a->r[row]) > noise * fastest) ? a->r[row] : 0;
+    }
+  }
+}
+
 /* Factors S and leaves C' in the blocks of the joints, r' in r, and what is known of the contacts' rows. */
 static base_status project(form_assembly *a, base_error *err) {
   form_joints *j = &a->joints;
@@ -183,6 +198,7 @@ static base_status project(form_assembly *a, base_error *err) {
   form_assembly_know_locks(a);
   for (int i = 0; i < a->n_contact; i++) {
     for (int p = 0; p < form_rows_of(a, i); p++) {
+      j->speed[a->row[i] + p] = fabs(a->r[a->row[i] + p]);
       j->before[a->row[i] + p] = form_own_block(a, i)[(ptrdiff_t)p * (form_rows_of(a, i) + 1)];
     }
   }
@@ -192,6 +208,7 @@ static base_status project(form_assembly *a, base_error *err) {
     eliminate_one(a, &j->part[c], first_row);
     first_row += j->part[c].rows;
   }
+  drop_rounding(a);
   form_joints_judge(a);
   a->beside = true;
   return BASE_OK;

@@ -19,6 +19,7 @@ static void layout_lists(void *state, base_arena *m) {
   j->pivot = BASE_ARRAY(m, int, j->cap_row);
   j->unit = BASE_ARRAY(m, double, j->cap_row);
   j->before = BASE_ARRAY(m, double, j->cap_row);
+  j->speed = BASE_ARRAY(m, double, j->cap_row);
   j->y = BASE_ARRAY(m, double, j->cap_row);
   j->work = BASE_ARRAY(m, double, 2 * (size_t)j->cap_row);
 }

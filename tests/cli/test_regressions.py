@@ -516,6 +516,55 @@ def large_choices_are_made(d):
         assert (o["n_shared"], o["n_share_missed"]) == (4, 0), (start, o["n_share_missed"])
 
 
+def what_joints_take_all_of_moves_nothing(d):
+    """A box on the floor, pinned at its centre: rounding of gravity that the pin takes was a problem
+    without a solution, of two opposed rows of 1e-17 m/s."""
+    pinned = {
+        "id": "pinned",
+        "dim": 2,
+        "T": 0.1,
+        "hs": [0.01],
+        "gravity": [0, -9.81],
+        "bodies": [
+            {"name": "b", "shape": {"type": "box", "half": [0.2, 0.1]}, "mass": 2, "pos": [0, 0.1]}
+        ],
+        "static": [{"name": "floor", "normal": [0, 1], "offset": 0}],
+        "joints": [{"type": "ball", "body": "b", "anchor": [0, 0.1]}],
+        "friction": {"default": 0.6},
+        "observe": ["b.y", "b.angle"],
+    }
+    path = d / "pinned.json"
+    path.write_text(json.dumps(pinned))
+    for way in (
+        ("velocity", "lemke"),
+        ("position", "lemke"),
+        ("acceleration", "lemke"),
+        ("regularized", "lemke"),
+        ("boxed", "ppm"),
+        ("coulomb", "nsgs"),
+        ("event", "lemke"),
+    ):
+        o = run_json("simulate", path, "--formulation", way[0], "--solver", way[1])
+        assert o["status"] == "ok", (way, o["note"])
+        assert abs(o["observables"]["b.angle"]["value"]) < 1e-12, (way, o["observables"])
+
+
+def a_ball_that_resists_turning_is_solved(d):
+    """It falls on a belt: its slip moves neither torsion nor rolling, but for entries of 1e-17."""
+    ball = {"name": "b", "shape": {"type": "sphere", "r": 0.124}, "mass": 1.228}
+    ball |= {"pos": [0, -0.0615, 0.577], "vel": [1.117, -0.857, -0.7496]}
+    ball |= {"quat": [0.98983, 0.10216, 0.0367, -0.09196], "omega": [0.8193, 1.7293, -1.887]}
+    belt = {"name": "floor", "normal": [0, 0, 1], "offset": 0}
+    scene = {"id": "belt", "dim": 3, "T": 0.5, "hs": [0.01], "gravity": [0, 0, -9.81]}
+    scene |= {"bodies": [ball], "static": [belt | {"surface_velocity": [-0.618, 0.03, 0]}]}
+    scene |= {"friction": {"default": 0.3}, "rolling": {"default": 0.005}}
+    path = d / "belt.json"
+    path.write_text(json.dumps(scene | {"torsion": {"default": 0.005}}))
+    for form in ("velocity", "position"):
+        o = run_json("simulate", path, "--formulation", form, "--solver", "lemke")
+        assert o["status"] == "ok" and o["n_unsolved"] == 0, (form, o["note"])
+
+
 tap(
     [
         lcps_are_solved,
@@ -541,5 +590,7 @@ tap(
         rounding_does_not_choose_what_carries,
         the_list_names_what_exists,
         large_choices_are_made,
+        what_joints_take_all_of_moves_nothing,
+        a_ball_that_resists_turning_is_solved,
     ]
 )
