@@ -187,7 +187,7 @@ static void note_natural(lcp_verdict *v, double map, int row) {
 static void note_defect(lcp_verdict *v, double r, double seen, long double tau0) {
   const double noise = (double)(32 * (long double)DBL_EPSILON * r * tau0);
   v->noise = fmax(v->noise, noise);
-  v->defect = fmax(v->defect, r * seen - noise);
+  v->defect = fmax(v->defect, r * seen);
 }
 
 static void judge_row(const judge *j, lcp_set set, int i, lcp_verdict *v) {
@@ -303,7 +303,7 @@ static double size_of(const judge *j) {
 }
 
 bool lcp_judged_small(const lcp_verdict *v, double tol) {
-  return v->noise <= 1e-3 && v->defect <= 10.0 * tol;
+  return v->defect <= 10.0 * tol + fmin(v->noise, 1e-3);
 }
 
 static bool judge_all(const judge *j, lcp_verdict *v) {

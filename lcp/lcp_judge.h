@@ -19,8 +19,8 @@
  * rho is relative to the terms of M z, and any z passes that is large enough, as on M = [1 -1; -1 1], q = (-1, -1), which has no
  * solution. So a third one is against the data, RESIDUALS 4: with r_i^2 M_ii = 1 and size = max(r_j |q_j|, distance of a box from zero over r_j)
  *
- * defect [1]      max_i (r_i natural_i - noise_i) / size,  noise_i = 32 eps r_i tau0_i: what rounding of z leaves
- * noise [1]       max_i noise_i / size. Both are 0 where size is: z = 0 is an answer then.
+ * defect [1]      max_i r_i natural_i / size
+ * noise [1]       max_i 32 eps r_i tau0_i / size: what rounding of z leaves. Both are 0 where size is: z = 0 is an answer then.
  *
  * `verified` means rho <= tol, and small against the data (lcp_judged_small); natural is what plots show.
  */
@@ -45,7 +45,7 @@ typedef struct lcp_verdict {
 #define LCP_VERIFY_EXACT     1e-9 /* solvers that declare `exact` */
 #define LCP_VERIFY_ITERATIVE 1e-6 /* the others */
 
-/* Is the violation small against the data at this tolerance, and not hidden by rounding? */
+/* Is the violation small against the data at this tolerance, defect <= 10 tol, with room for rounding up to a thousandth? */
 bool lcp_judged_small(const lcp_verdict *v, double tol);
 
 /* Judges z[n]. Allocates scratch (it is never inside a timed bracket). A point with NaN or Inf

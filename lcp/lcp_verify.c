@@ -187,7 +187,7 @@ static base_status verify_basis(const lcp_problem *p, const unsigned char *basis
                                 base_error *err) {
   lcp_verdict v;
   BASE_TRY(lcp_judge(p, z, &v, err));
-  const bool small = lcp_judged_small(&v, LCP_VERIFY_EXACT);
+  const bool small = lcp_judged_small(&v, LCP_VERIFY_EXACT) && v.noise <= 1e-3;
   out->residual = v.rho;
   out->holds = v.rho <= LCP_VERIFY_EXACT && small;
   out->why = small ? "rho of z in extended precision"

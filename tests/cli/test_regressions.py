@@ -517,8 +517,8 @@ def large_choices_are_made(d):
 
 
 def what_joints_take_all_of_moves_nothing(d):
-    """A box on the floor, pinned at its centre: rounding of gravity that the pin takes was a problem
-    without a solution, of two opposed rows of 1e-17 m/s."""
+    """A box on the floor, pinned at its centre: rounding of gravity that the pin takes was a
+    problem without a solution, of two opposed rows of 1e-17 m/s."""
     pinned = {
         "id": "pinned",
         "dim": 2,
@@ -551,12 +551,19 @@ def what_joints_take_all_of_moves_nothing(d):
 
 def a_ball_that_resists_turning_is_solved(d):
     """It falls on a belt: its slip moves neither torsion nor rolling, but for entries of 1e-17."""
-    ball = {"name": "b", "shape": {"type": "sphere", "r": 0.124}, "mass": 1.228}
-    ball |= {"pos": [0, -0.0615, 0.577], "vel": [1.117, -0.857, -0.7496]}
-    ball |= {"quat": [0.98983, 0.10216, 0.0367, -0.09196], "omega": [0.8193, 1.7293, -1.887]}
+    ball = {"name": "b", "shape": {"type": "sphere", "r": 0.12419561341856239}}
+    ball |= {"mass": 1.2280799230812105, "pos": [0.0, -0.06150934031204727, 0.5769968394269177]}
+    ball |= {"vel": [1.117354816712727, -0.8569225386595447, -0.7495871674816095]}
+    ball |= {
+        "quat": [0.9898283069968152, 0.10215771197850824, 0.03670027090412624, -0.09196094098419404]
+    }
+    ball |= {"omega": [0.8193066252573216, 1.7292718511355742, -1.8870325523855385]}
     belt = {"name": "floor", "normal": [0, 0, 1], "offset": 0}
     scene = {"id": "belt", "dim": 3, "T": 0.5, "hs": [0.01], "gravity": [0, 0, -9.81]}
-    scene |= {"bodies": [ball], "static": [belt | {"surface_velocity": [-0.618, 0.03, 0]}]}
+    scene |= {
+        "bodies": [ball],
+        "static": [belt | {"surface_velocity": [-0.6184507740711649, 0.02969790606830225, 0]}],
+    }
     scene |= {"friction": {"default": 0.3}, "rolling": {"default": 0.005}}
     path = d / "belt.json"
     path.write_text(json.dumps(scene | {"torsion": {"default": 0.005}}))
