@@ -257,8 +257,8 @@ def written_now(p: subprocess.Popen) -> bool:
 
 
 def a_killed_program_leaves_nothing(d):
-    """The file has no name until it is whole: SIGKILL leaves no part of it. The other signals end the
-    run, and the file has the steps up to there."""
+    """The file has no name until it is whole: SIGKILL leaves no part of it. The other signals end
+    the run, and the file has the steps up to there."""
     scene = [w if w != "slide" else "stack:n=30" for w in SCENE]
     for sent in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
         out = d / f"t{sent}.csv"
