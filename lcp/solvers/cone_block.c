@@ -300,16 +300,38 @@ static double settle_part(stacked *s, int part, int at, double *size) {
   return change;
 }
 
+/* Where sweeps that change r by `now`, after `before`, lead to if all go on in that ratio. The next sweep settles each part again, so that
+ * this is a start and no more. */
+static void leap(stacked *s, const double *before, const double *now) {
+  const int n = s->k->size;
+  double with = 0.0, own = 0.0;
+  for (int i = 1; i < n; i++) {
+    with += now[i] * before[i];
+    own += before[i] * before[i];
+  }
+  const double ratio = (own > 0.0) ? with / own : 0.0;
+  for (int i = 1; i < n && ratio > 0.0 && ratio < 1.0; i++) {
+    s->r[i] += now[i] * ratio / (1.0 - ratio);
+  }
+}
+
 /* w_n at a given normal impulse, tangential parts at their optimum; leaves r. */
 static double normal_velocity(double rn, void *data) {
   stacked *s = data;
   const int n = s->k->size;
-  double change = 1.0, size = 0.0;
+  double change = 1.0, size = 0.0, moved[2][LCP_CONE_MAX], from[LCP_CONE_MAX];
   s->r[0] = rn;
   for (int sweep = 0; sweep < 500 && change > 1e-15 * size; sweep++) {
     change = size = 0.0;
+    memcpy(from, s->r, sizeof from);
     for (int p = 0, at = 1; p < s->k->n_part; at += s->k->part_dim[p++]) {
       change += settle_part(s, p, at, &size);
+    }
+    for (int i = 1; i < n; i++) {
+      moved[sweep % 2][i] = s->r[i] - from[i];
+    }
+    if (sweep % 6 == 5) { /* parts that turn each other settle by a few percent a sweep */
+      leap(s, moved[0], moved[1]);
     }
   }
   double w = s->b[0];
