@@ -4,11 +4,12 @@ combination per error."""
 import collections
 import itertools
 import math
+import re
 
 import numpy as np
 import pandas as pd
 
-from bench import converged, registry, stats
+from bench import converged, registry, settings, stats
 from bench import rows as rows_
 from bench.chart import Chart, Line, Panel
 from bench.paper import variants
@@ -508,25 +509,36 @@ def rival(
     }
 
 
-def rival_words(r: dict) -> str:
-    """'velocity + lemke takes 3.1 times as long on the 4 scenes that both reach; it gets there on 5
-    of 6'; nothing where there is no rival."""
-    if not r:
-        return ""
-    fewer = f"; it gets there on {r['reached']} of {r['run']}"
+def open_with(r: dict) -> bool:
+    """Nobody can say who of the two is faster: within the noise, or 1 is in the interval."""
+    low = float(f"{r['low']:.2g}")  # as it is printed: an interval from 1 on shows no order
+    return 1 / r["noise"] <= r["ratio"] <= r["noise"] or (r["both"] > 1 and low <= 1)
+
+
+def kind_of_rival(r: dict) -> str:
+    """'open', 'slower', or 'few': who was run on too few of the scenes, or reaches none of the
+    same."""
+    if r["few"] or not r["both"]:
+        return "few"
+    return "open" if open_with(r) else "slower"
+
+
+def times(ratio: float) -> str:
+    return f"{ratio:.0f}" if ratio >= 100 else f"{ratio:.2g}"
+
+
+def rival_words(r: dict, mark: str = "") -> str:
+    """'velocity + lemke 3.1 [2.2, 4] on 4 (reaches 5 of 6)'; mark: what the name stands in."""
+    name, reaches = f"{mark}{r['name']}{mark}", f"reaches {r['reached']} of {r['run']}"
     if not r["both"]:
-        return f"{r['name']} gets there on {r['reached']} of {r['run']}, none of them the same"
-    on = (
-        f"on the {r['both']} scenes that both reach"
-        if r["both"] > 1
-        else "on the one scene that both reach"
-    )
-    takes = f"takes {r['ratio']:.2g} times as long"
-    if 1 / r["noise"] <= r["ratio"] <= r["noise"]:
-        takes = "takes the same time, to the noise,"
-    elif r["both"] > 1 and r["low"] <= 1 <= r["high"]:
-        takes += f" [{r['low']:.2g}, {r['high']:.2g}], which leaves open who is faster,"
-    return f"{r['name']} {takes} {on}{fewer}"
+        return f"{name} on none of the same ({reaches})"
+    ratio, low, high = (times(r[k]) for k in ("ratio", "low", "high"))
+    between = f" [{low}, {high}]" if r["both"] > 1 else ""
+    return f"{name} {ratio}{between} on {r['both']} ({reaches})"
+
+
+def rivals_words(others: list[dict], kind: str, mark: str = "") -> str:
+    return ", ".join(rival_words(r, mark) for r in others if kind_of_rival(r) == kind)
 
 
 MANY = 100  # contacts from which a scene has an answer of its own on the first screen
@@ -540,6 +552,12 @@ def tenth_words(group: pd.DataFrame, level: float) -> str:
     if next_["cost"] <= max(best["noise"], next_["noise"]) * best["cost"]:
         return "a tenth of the error costs nothing more"
     return f"a tenth of the error takes {next_['cost'] / best['cost']:.2g} times as long"
+
+
+def facets_of(combinations: list[str]) -> list[int]:
+    """The numbers of facets that the polyhedral cones among these have."""
+    found = {m.group(1) for c in combinations if (m := re.search(r"facets=(\d+)", c))}
+    return sorted(int(n) for n in found)
 
 
 def largest(here: Scenes, level: float) -> dict | None:
@@ -569,6 +587,7 @@ def largest(here: Scenes, level: float) -> dict | None:
         "error": best["err_ref"],
         "quantity": best["err_quantity"],
         "same": same,
+        "facets": facets_of(first["combination"]),
         "others": [
             (r["combination"], r["cost"] / best["cost"])
             for r in others.to_dict("records")
@@ -586,11 +605,17 @@ def largest_words(large: dict | None) -> tuple[str, str]:
         return "", ""
     same = f"As fast: {', '.join(large['same'])}. " if large["same"] else ""
     slower = [f"{name} ({ratio:.2g} times the time)" for name, ratio in large["others"][:3]]
+    unlike = (
+        "The polyhedral cones have unlike facets, so their order is not one of formulations. "
+        if len(large["facets"]) > 1
+        else ""
+    )
     return (
         f"{large['contacts']:g} contacts ({large['problem']}): {large['use']},"
         f" {si(large['per_step'], 's', 2)} a step",
-        f"Steps of {large['step'] * 1e3:g} ms{rows_.from_last(large['start'])}. {same}"
-        + (f"Slower: {', '.join(slower)}. " if slower else "")
+        f"Of all settings that were run there. Steps of {large['step'] * 1e3:g}"
+        f" ms{rows_.from_last(large['start'])}. {same}"
+        + (f"Slower: {', '.join(slower)}. {unlike}" if slower else "")
         + f"Error {error(large['error'])} ({large['quantity']}); {large['tenth']}.",
     )
 
@@ -602,65 +627,108 @@ def below_many(here: Scenes) -> Scenes:
 
 
 def kind(a: dict) -> str:
-    """'stack, below 100 contacts': the scenes that an answer of the first screen is for."""
-    return f"{a['situation']}, below {MANY} contacts" if a.get("large") else a["situation"]
+    """'stack, below 100 contacts, cold': the scenes and the start that an answer is for; no start
+    where the rows have one only."""
+    below = f", below {MANY} contacts" if a.get("below") else ""
+    return a["situation"] + below + (f", {a['steps']}" if a.get("steps") else "")
+
+
+def answer(here: Scenes, level: float, forms: set[str]) -> dict:
+    """What to use on these scenes, of one start and one setting a formulation, and every other
+    formulation beside it; `forms`: whose absence from a scene is told."""
+    ranked = choose(here, level)
+    if not ranked:
+        return {"use": "", "scenes": len(here), "others": []}
+    (_, _, slower), name, won = ranked[0]
+    run = asked(here)
+    most = WIDELY * max(run.values())
+    first = {}  # of each other formulation the combination that is ranked first
+    for _, n, theirs in ranked[1:]:
+        first.setdefault(n.split(" + ")[0], (n, theirs))
+    first.pop(name.split(" + ")[0], None)
+    others = [
+        {**rival(won, n, theirs, run[n]), "few": run[n] < most} for n, theirs in first.values()
+    ]
+    tried = [g[~g["status"].isin(["unsupported", "skipped"])] for _, g in here]
+    problem = max(
+        won,
+        key=lambda p: won[p]["n_contacts"] if won[p]["n_contacts"] == won[p]["n_contacts"] else 0,
+    )
+    cell = won[problem]
+    return {
+        "use": name,
+        "of": len(here),
+        "scenes": run[name],
+        "reached": len(won),
+        "slower": slower,
+        "forms": len(forms),
+        "all_ran": sum(forms <= set(g["formulation"]) for g in tried),
+        "problem": problem,
+        "step": cell["step_s"],
+        "per_step": cell["cost"] / cell["n_steps"] if cell["n_steps"] else math.nan,
+        "contacts": cell["n_contacts"],
+        "error": cell["err_ref"],
+        "physical": cell["res_ncp_rel"],
+        "others": others,
+        "command": str(cell.get("command", "")),
+        "solver": name.split(" + ")[1],
+        "formulation": name.split(" + ")[0],
+    }
 
 
 def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
-    """What the first screen says: one answer a situation, and one for its largest scene where that
-    has many contacts, from rows only."""
+    """What the first screen says: for each situation and start one answer, from one setting a
+    formulation, and one for the largest scene where that has many contacts, from all that was run
+    on it. From rows only."""
     cells = own(cells)
+    starts = settings.measured(cells) or [""]
+    kept = settings.one_each(cells)
+    of_start = {s: settings.started(kept, s) if s else kept for s in starts}
+    best = [cheapest(g, level) for some in of_start.values() for _, g in scenes(some)]
+    forms = {b["formulation"] for b in best if b is not None}
     out = []
     for situation in registry.situations():
-        here = [
-            (p, g)
-            for p, g in scenes(cells)
-            if registry.situation(g["problem_family"].iloc[0]) == situation
-        ]
-        large = largest(here, level)
-        here = below_many(here) if large else here
-        ranked = choose(here, level)
-        if not ranked:
-            out.append({"situation": situation, "use": "", "scenes": len(here)})
-            continue
-        (_, _, slower), name, won = ranked[0]
-        problem = max(
-            won,
-            key=lambda p: (
-                won[p]["n_contacts"] if won[p]["n_contacts"] == won[p]["n_contacts"] else 0
-            ),
-        )
-        cell = won[problem]
-        run = asked(here)
-        other = next(
-            (
-                rival(won, n, theirs, run[n])
-                for _, n, theirs in ranked[1:]
-                if n.split(" + ")[0] != name.split(" + ")[0]
-            ),
-            None,
-        )
-        out.append(
-            {
-                "situation": situation,
-                "use": name,
-                "scenes": run[name],
-                "reached": len(won),
-                "slower": slower,
-                "problem": problem,
-                "step": cell["step_s"],
-                "per_step": cell["cost"] / cell["n_steps"] if cell["n_steps"] else math.nan,
-                "contacts": cell["n_contacts"],
-                "error": cell["err_ref"],
-                "physical": cell["res_ncp_rel"],
-                "other": other,
-                "large": large,
-                "command": str(cell.get("command", "")),
-                "solver": name.split(" + ")[1],
-                "formulation": name.split(" + ")[0],
-            }
-        )
+
+        def of(some: pd.DataFrame, situation: str = situation) -> Scenes:
+            return [
+                (p, g)
+                for p, g in scenes(some)
+                if registry.situation(g["problem_family"].iloc[0]) == situation
+            ]
+
+        large = largest(of(cells), level)
+        made = []
+        for start in starts:
+            here = of(of_start[start])
+            made.append(
+                {
+                    "situation": situation,
+                    "start": start,
+                    "steps": settings.STARTS[start] if len(starts) > 1 else "",
+                    "below": bool(large),
+                    "large": None,
+                    **answer(below_many(here) if large else here, level, forms),
+                }
+            )
+        at = [a for a in made if large and a["start"] == large["start"]] or made
+        at[0]["large"] = large
+        out += made
     return out
+
+
+OTHERS = {"open": "open who is faster", "slower": "slower", "few": "run on too few to tell"}
+READ = (
+    "Each formulation has one setting, its declared one, with the solver that ranks first; its step"
+    " is the cheapest that reaches the error. Behind another formulation stands how many times as"
+    " long it takes, on how many scenes that both reach, and of how many that it was run on it"
+    " reaches the error; in brackets the 95 % interval of the mean over scenes, which three scenes"
+    " make a rough one. All: every formulation that is cheapest on some scene of any kind."
+)
+
+
+def all_ran_words(a: dict) -> str:
+    """On how many scenes no win lacks its rival."""
+    return f"all {a['forms']} ran on {a['all_ran']} of {a['of']}"
 
 
 def advice(advised: list[dict], level: float = LEVEL) -> Table:
@@ -671,7 +739,7 @@ def advice(advised: list[dict], level: float = LEVEL) -> Table:
         if not a["use"]:
             rows.append(
                 [
-                    a["situation"],
+                    kind(a),
                     Cell(
                         (
                             f"nothing reaches {level:g}"
@@ -680,11 +748,7 @@ def advice(advised: list[dict], level: float = LEVEL) -> Table:
                         ),
                         "bad",
                     ),
-                    "",
-                    "",
-                    "",
-                    "",
-                    "",
+                    *[""] * 8,
                 ]
             )
             continue
@@ -700,7 +764,10 @@ def advice(advised: list[dict], level: float = LEVEL) -> Table:
                     f"{a['reached']} of {a['scenes']} scenes it was run on, {a['slower']:.2g} times"
                     " the best"
                 ),
-                rival_words(a["other"]),
+                all_ran_words(a),
+                rivals_words(a["others"], "open"),
+                rivals_words(a["others"], "slower"),
+                rivals_words(a["others"], "few"),
                 a.get("breaks", ""),
                 a["command"],
             ]
@@ -710,18 +777,19 @@ def advice(advised: list[dict], level: float = LEVEL) -> Table:
         "Which formulation and solver to use: the combination that reaches an error of the"
         f" trajectory of at most {level:g} on the largest share of the scenes of a kind that it was"
         f" run on (at least {WIDELY:.0%} of them), and among those the fastest (geometric mean of"
-        " its time over the best time of each scene).",
+        f" its time over the best time of each scene). {READ}",
         [
             "situation",
             "use",
             "cost",
             "reached",
-            "next formulation",
+            "rivals",
+            *OTHERS.values(),
             "stress tests",
             "see it yourself",
         ],
         rows,
-        code=6,
+        code=9,
     )
 
 

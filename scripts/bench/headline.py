@@ -10,11 +10,11 @@ import math
 import numpy as np
 import pandas as pd
 
-from bench import accuracy, experiments, registry
+from bench import accuracy, registry, settings
 from bench.section import Cell, Table
 
 LEVELS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
-STARTS = {"cold": "cold", "previous": "previous step"}
+STARTS = settings.STARTS
 SETTINGS = {"default": "default", "tuned": "tuned per scene"}
 
 
@@ -38,34 +38,16 @@ class Reading:
         return best if clear else None
 
 
-def declared() -> set[tuple[str, str]]:
-    """(formulation, options): the one default setting of each."""
-    return {
-        tuple((entry["formulation"] + ":").split(":")[:2])
-        for entry in experiments.of("headline.defaults")
-    }
-
-
 def setting(cells: pd.DataFrame, name: str) -> pd.DataFrame:
     """Default: the declared options of the formulation, any solver without options of its own, its
     own tolerance; the step is what reaches the error. Tuned: everything that was run."""
     if name == "tuned":
         return cells
-    known = declared()
-    keys = zip(cells["formulation"], cells["formulation_options"], strict=True)
-    own = pd.Series([key in known for key in keys], index=cells.index, dtype=bool)
-    plain = (cells["solver_options"] == "") & ~cells["command"].str.contains("--tol ", regex=False)
-    return cells[own & plain]
-
-
-def started(cells: pd.DataFrame, start: str) -> pd.DataFrame:
-    """Cells of a start; what poses no problems to a solver has none, and counts in both."""
-    alone = ~cells["formulation"].map(registry.uses_solver)
-    return cells[alone | (cells["start"] == start)]
+    return settings.among(settings.plain(cells), settings.declared())
 
 
 def scenes_of(cells: pd.DataFrame, start: str, name: str) -> accuracy.Scenes:
-    return accuracy.scenes(setting(started(cells, start), name))
+    return accuracy.scenes(setting(settings.started(cells, start), name))
 
 
 def best_of(cells: pd.DataFrame, level: float) -> list[str]:
@@ -96,7 +78,7 @@ def price_of_tuning(cells: pd.DataFrame, start: str, level: float) -> tuple[floa
     """(how many times the time of one run all settings of the winner took, how much faster its best
     setting is than its default), medians over the scenes where both get there."""
     spent, gained = [], []
-    some = started(cells, start)
+    some = settings.started(cells, start)
     for _, group in accuracy.scenes(some):
         best = accuracy.cheapest(group, level)
         if best is None:
@@ -124,7 +106,7 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
         return reading.alone[form], reading.tied[form]
 
     for start in STARTS:
-        asked = setting(started(own, start), "default")
+        asked = setting(settings.started(own, start), "default")
         found = accuracy.scenes(asked)
         all_ran = [(p, g) for p, g in found if set(forms) <= ran(asked, p)]
         if not found or not (own["start"] == start).any():

@@ -326,7 +326,7 @@ def card(a: dict) -> dict:
     stands_for = registry.listed("situations")[a["situation"]]["words"]
     if not a["use"]:
         return {
-            "situation": a["situation"],
+            "situation": accuracy.kind(a),
             "stands_for": stands_for,
             "use": "",
             "why": (
@@ -336,7 +336,8 @@ def card(a: dict) -> dict:
             ),
         }
     large, behind = accuracy.largest_words(a["large"])
-    other = f"Next: {accuracy.rival_words(a['other'])}." if a["other"] else ""
+    told = {w: accuracy.rivals_words(a["others"], k) for k, w in accuracy.OTHERS.items()}
+    other = " ".join(f"{w[0].upper()}{w[1:]}: {names}." for w, names in told.items() if names)
     return {
         "situation": accuracy.kind(a),
         "stands_for": stands_for,
@@ -351,7 +352,10 @@ def card(a: dict) -> dict:
             f"{a['problem'].split(':')[0].replace('_', ' ')}, {a['contacts']:g} contacts, step"
             f" {a['step'] * 1e3:g} ms"
         ),
-        "why": f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on.",
+        "why": (
+            f"Gets there on {a['reached']} of the {a['scenes']} scenes it was run on;"
+            f" {accuracy.all_ran_words(a)}."
+        ),
         "other": other,
         "breaks": a["breaks"],
         "large": large,
@@ -405,6 +409,7 @@ def render(
         footer=footer,
         scope=SCOPE,
         cards=[card(a) for a in cards],
+        read=accuracy.READ,
         advice=Markup(table_html(advice)) if advice else "",
         names=Markup(table_html(names)),
         sections=links,

@@ -83,10 +83,10 @@ def advice_words(cells: pd.DataFrame) -> str:
     """The answer as a table: what the first screen of the page says."""
     body, large = [], []
     for a in accuracy.advise(cells):
-        if not a["use"]:
-            continue
         if a["large"]:
             large.append(". ".join(accuracy.largest_words(a["large"])))
+        if not a["use"]:
+            continue
         body.append(
             [
                 accuracy.kind(a),
@@ -95,12 +95,15 @@ def advice_words(cells: pd.DataFrame) -> str:
                     f"{si(a['per_step'], 's')} ({a['problem']}, {a['contacts']:g} contacts, step"
                     f" {a['step'] * 1e3:g} ms)"
                 ),
-                f"{a['reached']} of {a['scenes']}",
-                accuracy.rival_words(a["other"]),
+                f"{a['reached']} of {a['scenes']}; {accuracy.all_ran_words(a)}",
+                *[accuracy.rivals_words(a["others"], k, "`") for k in accuracy.OTHERS],
             ]
         )
-    header = ["scene", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}"]
-    lines = section.table_md(Table("", "", [*header, "next formulation"], body)) if body else ""
+    header = ["scene, start", "use", "a step takes", f"scenes within {accuracy.LEVEL:g}"]
+    header += accuracy.OTHERS.values()
+    lines = ""
+    if body:
+        lines = f"{accuracy.READ}\n\n" + section.table_md(Table("", "", header, body))
     return lines + (f"\nThe largest: {' '.join(large)}\n" if large else "")
 
 

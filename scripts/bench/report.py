@@ -151,7 +151,7 @@ def facts(
         "Masthead": page.masthead(cells, manifests),
         "Campaigns": ", ".join(sorted(set(cells["campaign"]))),
         "AnswerLevel": f"{accuracy.LEVEL:g}",
-        "Answers": "; ".join(f"{c['situation']}: {c['use']}" for c in cards if c["use"]),
+        "Answers": "; ".join(f"{accuracy.kind(c)}: {c['use']}" for c in cards if c["use"]),
         "Limits": surface.message(found) if found else "",
         "NumRows": str(len(all_rows)),
         "NumCells": str(len(cells)),

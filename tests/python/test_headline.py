@@ -50,7 +50,7 @@ def cells(*rows):
 
 class Readings(unittest.TestCase):
     def setUp(self):
-        patched = mock.patch.object(headline, "declared", lambda: DEFAULTS)
+        patched = mock.patch.object(headline.settings, "declared", lambda: DEFAULTS)
         patched.start()
         self.addCleanup(patched.stop)
         self.rows = [

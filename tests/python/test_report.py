@@ -597,21 +597,70 @@ class Judged(unittest.TestCase):
         )
         self.assertEqual((found["both"], found["reached"]), (2, 3))
         self.assertEqual(
-            accuracy.rival_words(found),
-            "velocity + lemke takes 2 times as long on the 2 scenes that both reach; it gets there"
-            " on 3 of 5",
+            accuracy.rival_words(found), "velocity + lemke 2 [2, 2] on 2 (reaches 3 of 5)"
         )
+        self.assertEqual(accuracy.kind_of_rival({**found, "few": False}), "slower")
+        self.assertEqual(accuracy.kind_of_rival({**found, "few": True}), "few")
         close = accuracy.rival(won, "event", {"a": {"cost": 2.0, "noise": 2.1}}, 1)
-        self.assertIn("takes the same time, to the noise", accuracy.rival_words(close))
-        open_ = {"ratio": 1.6, "low": 0.9, "high": 2.6, "noise": 1.1, "both": 7}
-        self.assertIn(
-            "takes 1.6 times as long [0.9, 2.6], which leaves open who is faster,",
-            accuracy.rival_words({**close, **open_}),
-        )
+        self.assertEqual(accuracy.kind_of_rival({**close, "few": False}), "open")
+        open_ = {**found, "few": False, "ratio": 1.6, "low": 0.9, "high": 2.6}
+        self.assertEqual(accuracy.kind_of_rival(open_), "open")
+        # printed as [1, 1.2]: who reads it sees an interval that 1 is in
+        self.assertEqual(accuracy.kind_of_rival({**open_, "low": 1.004}), "open")
+        self.assertEqual(accuracy.kind_of_rival({**open_, "low": 1.2}), "slower")
         apart = accuracy.rival(won, "event", {"d": {"cost": 1.0, "noise": 1.05}}, 1)
-        self.assertEqual(
-            accuracy.rival_words(apart), "event gets there on 1 of 1, none of them the same"
+        self.assertEqual(accuracy.rival_words(apart), "event on none of the same (reaches 1 of 1)")
+        self.assertEqual(accuracy.kind_of_rival({**apart, "few": False}), "few")
+
+    def test_an_answer_is_of_one_setting_and_one_start(self):
+        """The best of many settings, or of a warm start beside a cold one, is no answer; each start
+        has its own, and tells where rivals did not run."""
+
+        def one(problem, form, options, seconds, start):
+            return cell(
+                *("accuracy", problem, form, options, "lemke", 0.01, 4, 4, seconds, 1e-3),
+                start=start,
+                cell_id=f"{problem}|{form}|{options}|{start}",
+            )
+
+        rows_ = []
+        for problem in ("slide", "incline", "spin"):
+            rows_ += one(problem, "regularized", "", 4e-3, "cold")
+            rows_ += one(problem, "regularized", "ratio=10", 1e-3, "cold")
+            rows_ += one(problem, "velocity", "facets=8", 2e-3, "cold")
+            rows_ += one(problem, "regularized", "", 1e-3, "previous")
+            rows_ += one(problem, "velocity", "facets=8", 2e-3, "previous")
+        rows_ += one("slide", "coulomb", "", 1e-4, "cold")
+        folder = pathlib.Path(self.tmp.name) / "settings"
+        write(folder, rows_)
+        found = accuracy.advise(rows.cells(rows.load(folder)))
+        cold, warm = (a for a in found if a["situation"] == "sliding")
+        self.assertEqual(accuracy.kind(cold), "sliding, cold")
+        self.assertEqual(accuracy.kind(warm), "sliding, previous step")
+        self.assertEqual((cold["use"], warm["use"]), ("velocity + lemke", "regularized + lemke"))
+        self.assertEqual(accuracy.all_ran_words(cold), "all 3 ran on 1 of 3")
+        self.assertIn(
+            "regularized + lemke 2 [2, 2] on 3", accuracy.rivals_words(cold["others"], "slower")
         )
+        self.assertEqual(
+            accuracy.rivals_words(cold["others"], "few"),
+            "coulomb + lemke 0.05 on 1 (reaches 1 of 1)",
+        )
+
+    def test_unlike_facets_are_told(self):
+        at = ("accuracy", "stack:n=50")
+        rest = ("lemke", 0.01, 200, 1200)
+        rows_ = [
+            *cell(*at, "boxed", "", *rest, 1e-3, 1e-3),
+            *cell(*at, "position", "facets=4", *rest, 2e-3, 1e-3),
+        ]
+        for velocity, told in (("facets=8", True), ("facets=4", False)):
+            folder = pathlib.Path(self.tmp.name) / velocity
+            more = cell(*at, "velocity", velocity, *rest, 4e-3, 1e-3)
+            write(folder, rows_ + more)
+            cards = {a["situation"]: a for a in accuracy.advise(rows.cells(rows.load(folder)))}
+            said = accuracy.largest_words(cards["stack"]["large"])[1]
+            self.assertEqual("unlike facets" in said, told)
 
     def test_a_table_of_too_many_cells_keeps_what_failed_and_the_smallest_steps(self):
         some = self.cells[self.cells["campaign"] != "stability"]
