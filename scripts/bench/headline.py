@@ -97,6 +97,13 @@ def ran(cells: pd.DataFrame, problem: str) -> set[str]:
     return set(cells[tried & (cells["problem"] == problem)]["formulation"])
 
 
+SOME = 20  # contacts from which on a scene is none of the small ones
+
+
+def sized(found: accuracy.Scenes) -> accuracy.Scenes:
+    return [(p, g) for p, g in found if g["n_contacts"].max() >= SOME]
+
+
 def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
     """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival.
     Nothing where all of them ran everywhere."""
@@ -116,6 +123,8 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
         order = sorted(forms, key=lambda f: wins(fair, f), reverse=True)
         first = ", ".join(f"`{f}` {told(fair, f)}" for f in order if told(fair, f))
         said = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
+        if large := sized(found):
+            said += f" ({len(sized(all_ran))} of the {len(large)} with {SOME} or more contacts)"
         said += f", where the cheapest are {first}" if first else ""
         leader, fairly = read(found, accuracy.LEVEL).leader(), fair.leader()
         if first and leader not in (None, fairly):

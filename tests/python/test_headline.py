@@ -39,6 +39,7 @@ def row(form, options, cost, **more):
         "t_total_s_high": cost,
         "noise": 1.05,
         "err_ref": 1e-3,
+        "n_contacts": 4,
         "err_floor": 1e-12,
         **more,
     }
@@ -115,6 +116,11 @@ class Readings(unittest.TestCase):
         self.assertIn("`velocity` leads in the 2 of 4 measured readings at 0.01, of what", said)
         self.assertIn("all ran on 1 of 3, where the cheapest are `coulomb` 1", said)
         self.assertIn("there `coulomb` leads", said)
+        self.assertNotIn("or more contacts", said)
+        for r in some:
+            r["n_contacts"] = 24 if r["problem"] == "tip" else 4
+        said = headline.words(cells(*some))
+        self.assertIn("all ran on 1 of 3 (0 of the 1 with 20 or more contacts)", said)
 
     def test_ties_could_turn_a_lead_round(self):
         def leader(alone, tied):
