@@ -416,5 +416,18 @@ class Whole(unittest.TestCase):
                 self.assertEqual((found.word, found.evidence), (UNMEASURED, claims.NO_ROWS))
 
 
+class Commands(unittest.TestCase):
+    def test_a_claim_names_a_command_for_each_part_it_reads(self):
+        """Two filters of one axis match nothing together."""
+        ask = {"parts": ["claims/size", "claims/size, large", "scaling/stack"]}
+        some = [("claims", "size"), ("claims", "size, large"), ("claims", "steps")]
+        cells = pd.DataFrame([{**BASE, "campaign": c, "part": p} for c, p in some])
+        size, large = (f"lcpbench run claims --filter 'part={p}'" for p in ("size", "size, large"))
+        quick = cells.assign(quick=True)
+        self.assertEqual(claims.command(cells, ask).count("--quick"), 2)
+        self.assertEqual(claims.command(cells.assign(quick=False), ask), f"{size}; {large}")
+        self.assertEqual(claims.command(quick, ask), claims.command(cells, ask))
+
+
 if __name__ == "__main__":
     unittest.main()
