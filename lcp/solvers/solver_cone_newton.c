@@ -20,7 +20,8 @@
  *     zero.
  *   - t = 1, 1/2, 1/4 by Armijo's rule on |F|; where all are refused the whole step is taken: a Newton step that a
  *     kink of F stops (a contact about to stick or slip) is not mended by a short one. On 1000 random sets
- *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, 1 set left open for 18.
+ *     (tests/bench/bench_cone.c) 46 steps on the mean for 123 with steps down to 2^-10, which left 18 sets open; how
+ *     many are solved stands in README.md.
  *   - six steps without a new lowest |F| of four fifths of the last: stalled. The weight is raised tenfold, shrinks more slowly from
  *     then on (shrink^0.8), and the other map takes over; counted in `fallbacks`. So is a singular system.
  *
