@@ -718,11 +718,13 @@ def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
 
 OTHERS = {"open": "open who is faster", "slower": "slower", "few": "run on too few to tell"}
 READ = (
-    "Each formulation has one setting, its declared one, with the solver that ranks first; its step"
-    " is the cheapest that reaches the error. Behind another formulation stands how many times as"
-    " long it takes, on how many scenes that both reach, and of how many that it was run on it"
-    " reaches the error; in brackets the 95 % interval of the mean over scenes, which three scenes"
-    " make a rough one. All: every formulation that is cheapest on some scene of any kind."
+    "Each formulation has one setting, its declared one, with the solver that ranks first; its"
+    " step is the cheapest that reaches the error. Behind each other formulation stand its time"
+    " over that of the one to use, with the 95 % interval of the mean over scenes (a rough one"
+    " where they are three), on how many scenes that is, those that both reach, and on how many"
+    " of those that it was run on it reaches the error. Where the interval has 1 in it the rows"
+    " do not tell who is faster. All: every formulation that is cheapest on some scene of any"
+    " kind."
 )
 
 
