@@ -2,10 +2,10 @@
 #include "harness/cli/calibrate.h"
 #include "harness/cli/cli.h"
 #include "harness/measure/predictions.h"
+#include "harness/measure/registry.h"
 #include "harness/util/args.h"
 #include "harness/util/json_out.h"
 #include "harness/util/shell.h"
-#include "problems/read/scene_file.h"
 
 #include <string.h>
 
@@ -71,7 +71,7 @@ static base_status choose(const calibrate_options *o, const char *text, calibrat
   BASE_TRY(
       formulation_choose(o->formulation != NULL ? o->formulation : "regularized", &c->form, err));
   BASE_TRY(solver_choose(o->solver != NULL ? o->solver : "lemke", &c->solver, err));
-  BASE_TRY(scene_load(text, &c->spec, err));
+  BASE_TRY(scene_open(text, &c->spec, err));
   BASE_TRY(positive("--error", o->error, &t->level, err));
   t->first = fmin(0.05, c->spec.duration);
   if (o->step != NULL) {

@@ -92,10 +92,16 @@ static base_status run_lcps(const check_plan *plan, const case_file *f, base_err
 
 static base_status run_scenes(const check_plan *plan, const case_file *f, base_error *err) {
   for (int i = 0; i < f->scenes.n_scene; i++) {
-    if (!check_selected(plan, f->scenes.scene[i].id)) {
+    const scene_spec *s = &f->scenes.scene[i];
+    base_error why = {0};
+    if (!check_selected(plan, s->id)) {
       continue;
     }
-    BASE_TRY(check_scene_case(plan, &f->scenes.scene[i], err));
+    if (formulation_words(s, &why) != BASE_OK) {
+      check_refuse(plan, s->id, why.text);
+      continue;
+    }
+    BASE_TRY(check_scene_case(plan, s, err));
   }
   for (int i = 0; i < f->scenes.n_failed; i++) {
     if (check_selected(plan, f->scenes.failed[i].id)) {

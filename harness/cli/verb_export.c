@@ -2,6 +2,7 @@
 #include "harness/cli/cli.h"
 #include "harness/measure/export_lcp.h"
 #include "harness/measure/problem_source.h"
+#include "harness/measure/registry.h"
 #include "harness/measure/simulate.h"
 #include "harness/sequence/sequence_file.h"
 #include "harness/sequence/sequence_source.h"
@@ -10,7 +11,6 @@
 #include "lcp/base/output.h"
 #include "lcp/io/lcp_read.h"
 #include "problems/import/import.h"
-#include "problems/read/scene_file.h"
 #include "problems/write/scene_write.h"
 
 #include <string.h>
@@ -32,7 +32,7 @@ static base_status sequence_of(const char *problem, const export_options *o, seq
                                base_error *err) {
   char text[3 * SEQUENCE_TEXT + 64];
   scene_spec spec;
-  BASE_TRY(scene_load(problem, &spec, err));
+  BASE_TRY(scene_open(problem, &spec, err));
   char step[32];
   double h = spec.n_h > 0 ? spec.h[0] : 0.01;
   const double duration = spec.duration;
@@ -110,7 +110,7 @@ static base_status export_scene(const char *text, const export_options *o, base_
   if (o->q != NULL) {
     return BASE_FAIL(err, BASE_EINVAL, "--q %s: a scene has none", o->q);
   }
-  BASE_TRY(scene_load(text, &s, err));
+  BASE_TRY(scene_open(text, &s, err));
   base_status done = base_out_open(&file, o->out, err);
   if (done == BASE_OK) {
     done = base_out_finish(&file, scene_write(file.to, &s, err), err);

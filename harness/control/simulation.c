@@ -1,11 +1,11 @@
 #include "harness/control/simulation.h"
 
 #include "harness/measure/contact_order.h"
+#include "harness/measure/registry.h"
 #include "harness/util/args.h"
 #include "lcp/base/clock.h"
 #include "lcp/base/crew.h"
 #include "lcp/base/fields.h"
-#include "problems/read/scene_file.h"
 
 #include <string.h>
 
@@ -367,7 +367,7 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   if (both) {
     BASE_TRY(take_given(out, t, err));
   }
-  BASE_TRY(scene_load(t->scene, &out->spec, err));
+  BASE_TRY(scene_open(t->scene, &out->spec, err));
   BASE_TRY(positive("--step", t->step, spec->n_h > 0 ? spec->h[0] : 0.01, &q->h, err));
   BASE_TRY(positive("--duration", t->duration, spec->duration, &q->duration, err));
   BASE_TRY(open_steps(t, out, err));

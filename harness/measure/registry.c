@@ -1,6 +1,7 @@
 #include "harness/measure/registry.h"
 
 #include "lcp/base/nearest.h"
+#include "problems/read/scene_file.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -62,4 +63,64 @@ int formulation_choice_facets(const formulation_choice *c) {
 void formulation_choice_free(formulation_choice *c) {
   free(c->opt);
   *c = (formulation_choice){0};
+}
+
+/* The name of a formulation, or what one stands for. */
+static bool is_word(const char *word, base_nearest *near) {
+  int count;
+  const formulation *const *all = formulations(&count);
+  for (int i = 0; i < count; i++) {
+    const char *as = all[i]->stands_for;
+    if (strcmp(word, all[i]->name) == 0 || (as != NULL && strcmp(word, as) == 0)) {
+      return true;
+    }
+    base_nearest_offer(near, all[i]->name);
+  }
+  return false;
+}
+
+static base_status check_word(const scene_spec *s, const char *where, const char *word,
+                              base_error *err) {
+  base_nearest near = base_nearest_to(word, strlen(word));
+  if (is_word(word, &near)) {
+    return BASE_OK;
+  }
+  char hint[BASE_NEAREST_HINT];
+  return BASE_FAIL(err, BASE_EINVAL,
+                   "scene '%s': %s '%s': no such formulation; see lcpbench list formulations%s",
+                   s->id, where, word, base_nearest_hint(&near, hint));
+}
+
+static base_status check_forms(const scene_spec *s, const char *what, int index,
+                               const spec_check *c, base_error *err) {
+  char where[64];
+  (void)snprintf(where, sizeof where, "%s %d: forms", what, index + 1);
+  for (int i = 0; i < c->n_form; i++) {
+    BASE_TRY(check_word(s, where, c->form[i], err));
+  }
+  return BASE_OK;
+}
+
+base_status formulation_words(const scene_spec *s, base_error *err) {
+  for (int i = 0; i < s->n_check; i++) {
+    BASE_TRY(check_forms(s, "check", i, &s->check[i], err));
+  }
+  for (int i = 0; i < s->n_off; i++) {
+    BASE_TRY(check_forms(s, "if_off", i, &s->off[i].check, err));
+  }
+  for (int i = 0; i < s->n_not_applicable; i++) {
+    BASE_TRY(check_word(s, "not_applicable", s->not_applicable[i], err));
+  }
+  return BASE_OK;
+}
+
+base_status scene_open(const char *text, scene_spec *out, base_error *err) {
+  BASE_TRY(scene_load(text, out, err));
+  base_error inner = {0};
+  const base_status status = formulation_words(out, &inner);
+  if (status != BASE_OK) {
+    spec_free(out);
+    return BASE_FAIL(err, status, "%s: %s", text, inner.text);
+  }
+  return BASE_OK;
 }

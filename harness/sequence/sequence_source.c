@@ -1,9 +1,9 @@
 #include "harness/sequence/sequence_source.h"
 
+#include "harness/measure/registry.h"
 #include "harness/measure/simulate.h"
 #include "harness/sequence/sequence_file.h"
 #include "lcp/base/fields.h"
-#include "problems/read/scene_file.h"
 
 #include <string.h>
 
@@ -91,7 +91,7 @@ base_status sequence_pose(const sequence_text *t, sequence *out, base_error *err
   memcpy(out->scene, t->scene, sizeof out->scene);
   memcpy(out->formulation, t->formulation, sizeof out->formulation);
   memcpy(out->solver, t->solver, sizeof out->solver);
-  BASE_TRY(scene_load(t->scene, &spec, err));
+  BASE_TRY(scene_open(t->scene, &spec, err));
   base_status done = formulation_choose(t->formulation, &form, err);
   if (done == BASE_OK) {
     done = solver_choose(t->solver, &solver, err);

@@ -382,6 +382,40 @@ def check_fails_what_it_cannot_run(d):
         ), done.stdout
 
 
+def forms_that_nobody_goes_by_are_refused(d):
+    """A misspelt word would switch its check off, or leave a formulation in, without a sound."""
+    check = {"type": "state", "var": "b.y", "t": 0.02, "value": 5, "tol": {"abs": 1e-9}}
+    off = {"var": "b.y", "value": 1.02, "tol": {"abs": 1e-9}}
+    good = {
+        "id": "s",
+        "dim": 2,
+        "T": 0.02,
+        "gravity": [0, -9.81],
+        "bodies": [{"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1, "pos": [0, 1]}],
+    }
+    wants = (
+        ({"checks": [dict(check, forms=["velo"])]}, "check 1: forms 'velo'", "velocity"),
+        ({"if_off": {"gravity": dict(off, forms=["normel"])}}, "if_off 1: forms", "normal"),
+        ({"not_applicable": ["penaltie"]}, "not_applicable 'penaltie'", "penalty"),
+    )
+    path = d / "s.json"
+    use = ("--formulation", "velocity", "--solver", "lemke")
+    for want, said, meant in wants:
+        names = ["scene 's'", said, f"did you mean '{meant}'?"]
+        path.write_text(json.dumps([dict(good, **want), dict(good, id="good")]))
+        done = run("check", path, "--formulation", "velocity", code=3)
+        assert done.stdout.count("FAILED s - - [run]") == 1, done.stdout
+        assert done.stdout.endswith(" 1 failed, 0 skipped\n"), done.stdout
+        assert all(name in done.stdout for name in names), (names, done.stdout)
+        one_line_error("simulate", f"{path}#s", *use, names=names)
+        one_line_error("export", f"{path}#s", "--format", "scene", "--out", d / "o", names=names)
+        one_line_error("export", f"{path}#s", "--sequence", *use, "--out", d / "o", names=names)
+        one_line_error("calibrate", f"{path}#s", "--error", "0.1", names=names)
+    for word in ("velocity", "boxed", "coulomb", "regularized", "position"):
+        path.write_text(json.dumps(dict(good, not_applicable=[word])))
+        run("check", path, "--formulation", "velocity")
+
+
 def a_check_that_names_a_formulation_judges_it(d):
     """Also one whose model leaves out an effect of the scene: penalty has no rigid contact."""
     scene = {
@@ -855,6 +889,7 @@ tap(
         check_errors,
         check_skips_no_case_for_want_of_anything,
         check_fails_what_it_cannot_run,
+        forms_that_nobody_goes_by_are_refused,
         a_check_that_names_a_formulation_judges_it,
         lists_are_bare_names,
         scenes_are_described_in_full,
