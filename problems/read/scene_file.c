@@ -27,14 +27,24 @@ static void note_failure(scene_file *out, const scene_spec *s, int index, const 
   f->err = *err;
 }
 
+/* Each name has one scene; the ids of the file so far are keys of `seen`. */
+static base_status check_id(json_t *seen, const char *id, base_error *err) {
+  if (json_object_get(seen, id) != NULL) {
+    return BASE_FAIL(err, BASE_EINVAL, "scene '%s': the id is used twice", id);
+  }
+  return (json_object_set_new(seen, id, json_true()) == 0)
+             ? BASE_OK
+             : BASE_FAIL(err, BASE_ENOMEM, "scene '%s': no memory for its id", id);
+}
+
 /* Appends the scenes of a list; room for all of them is there. */
-static void read_list(json_t *list, scene_file *out) {
+static void read_list(json_t *list, json_t *seen, scene_file *out) {
   size_t index;
   json_t *v;
   json_array_foreach(list, index, v) {
     base_error err = {0};
     scene_spec *s = &out->scene[out->n_scene];
-    if (read_checked(v, s, &err) == BASE_OK) {
+    if (read_checked(v, s, &err) == BASE_OK && check_id(seen, s->id, &err) == BASE_OK) {
       out->n_scene++;
     } else {
       note_failure(out, s, (int)index, &err);
@@ -64,12 +74,13 @@ static int find_lists(json_t *root, json_t *list[2]) {
 }
 
 base_status scene_list_read(json_t *root, scene_file *out, base_error *err) {
-  json_t *list[2], *single = NULL;
+  json_t *list[2], *single = NULL, *seen = json_object();
   memset(out, 0, sizeof *out);
   int n = find_lists(root, list);
   if (n == 0 && json_object_get(root, "id") != NULL) {
     single = json_array();
     if (single == NULL || json_array_append(single, root) != 0) {
+      json_decref(seen);
       json_decref(single);
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for a scene");
     }
@@ -82,13 +93,15 @@ base_status scene_list_read(json_t *root, scene_file *out, base_error *err) {
   out->scene = calloc(count + 1, sizeof *out->scene);
   out->failed = calloc(count + 1, sizeof *out->failed);
   if (out->scene == NULL || out->failed == NULL) {
+    json_decref(seen);
     json_decref(single);
     scene_file_free(out);
     return BASE_FAIL(err, BASE_ENOMEM, "no memory for %zu scenes", count);
   }
   for (int i = 0; i < n; i++) {
-    read_list(list[i], out);
+    read_list(list[i], seen, out);
   }
+  json_decref(seen);
   json_decref(single);
   return BASE_OK;
 }

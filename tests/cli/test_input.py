@@ -416,6 +416,24 @@ def forms_that_nobody_goes_by_are_refused(d):
         run("check", path, "--formulation", "velocity")
 
 
+def an_id_has_one_scene(d):
+    """The first would stand for both: `FILE#ID` names one, and check prints both under one name."""
+    ball = {"name": "b", "shape": {"type": "disc", "r": 0.1}, "mass": 1.0, "pos": [0, 1]}
+    one = {"id": "a", "dim": 2, "T": 0.02, "bodies": [ball]}
+    path = d / "two.json"
+    for file in (
+        [one, dict(one, id="b"), dict(one, T=0.03)],
+        {"scenes": [one, dict(one, id="b")], "stress": [dict(one, T=0.03)]},
+    ):
+        path.write_text(json.dumps(file))
+        use = ("--formulation", "velocity", "--solver", "lemke")
+        one_line_error("simulate", f"{path}#a", *use, names=["two.json", "'a'", "used twice"])
+        run_json("simulate", f"{path}#b", *use)
+        done = run("check", path, *use, code=3)
+        assert "FAILED a - - [run] : scene 'a': the id is used twice" in done.stdout, done.stdout
+        assert done.stdout.endswith(" 1 failed, 0 skipped\n"), done.stdout
+
+
 def a_check_that_names_a_formulation_judges_it(d):
     """Also one whose model leaves out an effect of the scene: penalty has no rigid contact."""
     scene = {
@@ -890,6 +908,7 @@ tap(
         check_skips_no_case_for_want_of_anything,
         check_fails_what_it_cannot_run,
         forms_that_nobody_goes_by_are_refused,
+        an_id_has_one_scene,
         a_check_that_names_a_formulation_judges_it,
         lists_are_bare_names,
         scenes_are_described_in_full,
