@@ -81,11 +81,12 @@ static base_status read_no_collision(scene_spec *s, json_t *v, int index, base_e
   return spec_add_no_collision(s, a, b, err);
 }
 
-/* Words of `needs`; the dimension follows from `dim`. */
+/* Words of `needs`; the dimension follows from `dim`. An empty list declares, too. */
 static base_status read_needs(scene_spec *s, const node *n) {
   json_t *list;
   int count;
   BASE_TRY(node_list(n, "needs", EFFECT_COUNT, &list, &count));
+  s->declares = list != NULL;
   for (int i = 0; i < count; i++) {
     char word[32];
     unsigned bit = 0;
@@ -121,7 +122,7 @@ static void add_rotation(scene_spec *s) {
   for (int i = 0; i < s->n_observe; i++) {
     turns = turns || is_angular(s->observe[i]);
   }
-  if (turns && s->effects != 0) {
+  if (turns && (s->declares || s->effects != 0)) {
     s->effects |= EFFECT_ROTATION;
   }
 }

@@ -210,6 +210,7 @@ typedef struct scene_spec {
   int dim;
   double gravity[3];
   unsigned effects; /* declared: what the scene calls for, EFFECT_ bits */
+  bool declares;    /* also where `effects` is 0: nothing but what the data bring with them */
   unsigned present; /* what occurs in the data, needed or not; set by spec_check_all */
   int n_body;
   spec_body *body; /* owned, as all arrays below */
@@ -288,7 +289,7 @@ base_status spec_text(char *to, size_t cap, const char *from, const char *what, 
  * scene does not declare them (bit set iff something of it occurs). */
 base_status spec_check_all(scene_spec *s, base_error *err);
 
-/* Part of spec_check_all: sets `present`, and `effects` to what is declared (nothing declared: all
+/* Part of spec_check_all: sets `present`, and `effects` to what is declared (no declaration: all
  * that is present). Gravity, joints, loads, motion and the dimension belong to the data and always
  * count as declared; a rotating body that is not round always is gyroscopic. */
 base_status spec_settle_effects(scene_spec *s, base_error *err);

@@ -66,7 +66,8 @@ base_status spec_settle_effects(scene_spec *s, base_error *err) {
    * "contact" and gives one expects the bounce. */
   const unsigned always = EFFECT_GRAVITY | EFFECT_JOINTS | EFFECT_LOADS | EFFECT_DAMPING |
                           EFFECT_MOTION | EFFECT_SPATIAL | EFFECT_RESTITUTION;
-  s->effects = (s->effects == 0) ? s->present : s->effects | (s->present & always);
+  const bool declares = s->declares || s->effects != 0;
+  s->effects = declares ? s->effects | (s->present & always) : s->present;
   if ((s->effects & EFFECT_ROTATION) != 0) {
     s->effects |= s->present & EFFECT_GYROSCOPIC;
   }

@@ -264,6 +264,31 @@ static void missing_and_ambiguous_files(void **state) {
   spec_free(&s);
 }
 
+static void declared(const char *needs, unsigned effects) {
+  static const char rest[] = "\"gravity\": [0, -9.81], \"friction\": {\"default\": 0.5}, " BODIES
+                             ", \"static\": [{\"name\": \"f\", \"normal\": [0, 1]}]";
+  char text[1024];
+  base_error err = {0};
+  scene_spec s;
+  (void)snprintf(text, sizeof text, HEAD "%s%s}", needs, rest);
+  check_ok(scene_load(write_file("json", text), &s, &err), &err);
+  assert_int_equal(s.effects, effects);
+  check_ok(spec_settle_effects(&s, &err), &err); /* settled is settled */
+  assert_int_equal(s.effects, effects);
+  spec_free(&s);
+}
+
+/* An empty list of needs declares nothing but what the data bring with them; only without one all that occurs is simulated. */
+static void an_empty_list_declares_nothing(void **state) {
+  (void)state;
+  const unsigned all = EFFECT_GRAVITY | EFFECT_CONTACT | EFFECT_FRICTION | EFFECT_ROTATION;
+  declared("", all);
+  declared("\"needs\": [], ", EFFECT_GRAVITY);
+  declared("\"needs\": [\"third_dimension\"], ", EFFECT_GRAVITY);
+  declared("\"needs\": [], \"observe\": [\"a.omega\"], ", EFFECT_GRAVITY | EFFECT_ROTATION);
+  declared("\"needs\": [\"contact\"], ", EFFECT_GRAVITY | EFFECT_CONTACT);
+}
+
 static int clean_up(void **state) {
   (void)state;
   (void)remove(write_file("json", ""));
@@ -293,9 +318,13 @@ static void planar_capsules_are_solid(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(json_and_yaml_agree),      cmocka_unit_test(planar_capsules_are_solid),
-      cmocka_unit_test(bad_scenes_are_named),     cmocka_unit_test(bad_yaml_is_named),
-      cmocka_unit_test(truncation_never_crashes), cmocka_unit_test(missing_and_ambiguous_files),
+      cmocka_unit_test(json_and_yaml_agree),
+      cmocka_unit_test(planar_capsules_are_solid),
+      cmocka_unit_test(bad_scenes_are_named),
+      cmocka_unit_test(bad_yaml_is_named),
+      cmocka_unit_test(truncation_never_crashes),
+      cmocka_unit_test(missing_and_ambiguous_files),
+      cmocka_unit_test(an_empty_list_declares_nothing),
   };
   return cmocka_run_group_tests(tests, NULL, clean_up);
 }
