@@ -1,5 +1,6 @@
 #include "harness/measure/trajectory.h"
 
+#include "harness/util/csv.h"
 #include "lcp/base/fields.h"
 #include "problems/world/model.h"
 
@@ -28,7 +29,9 @@ typedef struct line {
 static void put_line(FILE *to, const line *l) {
   char time[32];
   base_real_print(l->t, time, sizeof time);
-  (void)fprintf(to, "%s,%s,%s,%s", time, l->kind, l->name, l->word);
+  (void)fprintf(to, "%s,%s,", time, l->kind);
+  csv_put(l->name, to);
+  (void)fprintf(to, ",%s", l->word);
   put(to, l->pos != NULL ? l->pos : nothing, 3);
   put(to, l->quat != NULL ? l->quat : upright, 4);
   put(to, l->vel != NULL ? l->vel : nothing, 3);

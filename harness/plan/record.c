@@ -1,4 +1,5 @@
 #include "harness/plan/record_column.h"
+#include "harness/util/csv.h"
 #include "lcp/base/fields.h"
 
 #include <math.h>
@@ -108,20 +109,13 @@ static void put_text(sink *s, const char *text) {
   }
 }
 
-/* RFC 4180; line breaks inside a cell become spaces, so that a row is a line. */
+static void put_in_line(void *to, char c) {
+  put_char(to, (char)((c == '\n' || c == '\r') ? ' ' : c));
+}
+
+/* Line breaks inside a cell become spaces, so that a row is a line. */
 static void put_cell(sink *s, const char *text) {
-  if (strpbrk(text, ",\"\n\r") == NULL) {
-    put_text(s, text);
-    return;
-  }
-  put_char(s, '"');
-  for (; *text != '\0'; text++) {
-    if (*text == '"') {
-      put_char(s, '"');
-    }
-    put_char(s, (char)((*text == '\n' || *text == '\r') ? ' ' : *text));
-  }
-  put_char(s, '"');
+  csv_cell(text, put_in_line, s);
 }
 
 static void put_value(sink *s, const record *r, const column *c) {

@@ -86,14 +86,8 @@ static void print_words(const json_t *rows, const char *const *column, int n, FI
 }
 
 static void put_csv(const char *text, bool first, FILE *to) {
-  const bool quoted = strpbrk(text, ",\"\r\n") != NULL;
   (void)fputs(first ? "" : ",", to);
-  (void)fputs(quoted ? "\"" : "", to);
-  for (const char *c = text; *c != '\0'; c++) {
-    (void)fputs(*c == '"' ? "\"" : "", to);
-    (void)fputc(*c, to);
-  }
-  (void)fputs(quoted ? "\"" : "", to);
+  csv_put(text, to);
 }
 
 static void print_csv(const json_t *rows, const char *const *column, int n, FILE *to) {

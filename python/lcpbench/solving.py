@@ -263,7 +263,9 @@ def simulate(
             words += ["--trajectory", file]
         result = json.loads(_program.run("simulate", *words, stdin=stdin))
         if trajectory:
-            result["trajectory"] = pd.read_csv(file, comment="#")
+            result["trajectory"] = pd.read_csv(
+                file, dtype={"name": str}, keep_default_na=False, na_values={"word": [""]}
+            )
     if check and not (result["status"] == "ok" and result["verified"]):
         line = f"{result['scene']}: {result['status']}: {result['note'] or 'not verified'}"
         raise NotSolved(line, result)

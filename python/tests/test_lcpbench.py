@@ -301,6 +301,10 @@ def test_a_scene_as_a_dict_and_as_a_file(tmp_path):
     other = lcpbench.simulate(tmp_path / "drop.json", "velocity", "lemke", step=0.01)
     assert one["solution_hash"] == other["solution_hash"] and one["steps"] == 10
     assert isinstance(one["trajectory"], pd.DataFrame) and len(one["trajectory"]) >= 10
+    for name in ("#1", "a, b", "NA", "7"):  # what a reader of CSV may take for something else
+        scene["bodies"][0]["name"] = name
+        way = lcpbench.simulate(scene, "velocity", "lemke", trajectory=True)["trajectory"]
+        assert set(way["name"]) == {"drop", name} and way["sz"].notna().all(), name
     assert lcpbench.simulate("stack:n=2", "regularized", "lemke")["verified"]
     chosen = lcpbench.simulate("incline", error=0.01)  # from the table that the program ships
     assert chosen["verified"] and chosen["formulation"] and chosen["solver"]

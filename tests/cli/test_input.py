@@ -767,6 +767,28 @@ def steps_are_dumped(d):
         assert (d / "z.mtx").read_text() == (d / "boxes" / row[6]).read_text(), row
 
 
+def trajectories_quote_names(d):
+    """Whatever a body, a half-space or a scene is called: every row has every column, the name is
+    itself."""
+    names = ["a,b", 'say "so"', "two\nlines", "#7"]
+    floor = {"name": 'floor, "the"', "normal": [0, 1], "offset": 0}
+    disc = {"type": "disc", "r": 0.1}
+    bodies = [
+        {"name": name, "shape": disc, "mass": 1.0, "pos": [i, 0.1]} for i, name in enumerate(names)
+    ]
+    scene = {"id": "s,t", "dim": 2, "T": 0.02, "gravity": [0, -9.81], "bodies": bodies}
+    (d / "s.json").write_text(json.dumps(dict(scene, static=[floor])))
+    way = ("--formulation", "velocity", "--solver", "lemke", "--trajectory", d / "t.csv")
+    run("simulate", d / "s.json", *way)
+    with open(d / "t.csv", newline="", encoding="utf-8") as f:
+        head, *rows = csv.reader(f)
+    assert {len(row) for row in rows} == {len(head)} == {20}, rows
+    got = {kind: [row[2] for row in rows if row[1] == kind] for kind in {row[1] for row in rows}}
+    assert got["scene"] == ["s,t"] and got["plane"] == [floor["name"]], got
+    assert got["shape"] == names and got["body"] == names * 3, got
+    assert set(got["contact"]) == {f"{name}|{floor['name']}" for name in names}, got
+
+
 def end_begins_a_scene(d: pathlib.Path) -> None:
     """A run, or its first half and another one from the scene that --write-end leaves: joints,
     springs, driven bodies and turned ones end at the same place. What grows with the time since
@@ -925,6 +947,7 @@ tap(
         export_reads_back,
         friction_stays_physical,
         steps_are_dumped,
+        trajectories_quote_names,
         end_begins_a_scene,
         parts_of_a_run_have_verdicts,
     ]
