@@ -212,6 +212,10 @@ static base_status read_kinematic(const scene_spec *s, const node *n, spec_body 
   node k;
   BASE_TRY(node_open(&k, v, n->err, "%s: kinematic", n->where));
   BASE_TRY(node_keys(&k, "vel|acc|omega"));
+  if (node_has(n, "vel") || node_has(n, "omega")) {
+    return BAD(n, "%s: '%s' beside kinematic: need it inside", n->where,
+               node_has(n, "vel") ? "vel" : "omega");
+  }
   b->kinematic = true;
   BASE_TRY(node_vector(&k, "vel", s->dim, b->vel));
   BASE_TRY(node_vector(&k, "acc", s->dim, b->acc));

@@ -1,6 +1,7 @@
 /* What must come out: checks and switched-off answers of the case format. */
 #include "lcp/base/nearest.h"
 #include "problems/read/read_scene.h"
+#include "problems/vec.h"
 
 #include <math.h>
 #include <string.h>
@@ -39,7 +40,11 @@ static base_status read_tolerance(const node *n, spec_tolerance *tol) {
 
 static base_status read_direction(const scene_spec *s, const node *n, spec_check *c) {
   c->has_dir = node_has(n, "dir");
-  return node_vector(n, "dir", s->dim, c->dir);
+  BASE_TRY(node_vector(n, "dir", s->dim, c->dir));
+  if (c->has_dir && !(v3_norm(c->dir) > 0.0)) {
+    return BAD(n, "%s: dir has length 0", n->where);
+  }
+  return BASE_OK;
 }
 
 static base_status read_forms(const node *n, spec_check *c) {
@@ -76,12 +81,74 @@ static base_status read_remark(const node *n, spec_check *c) {
   return node_text(n, "source", c->source, sizeof c->source);
 }
 
-/* Kinds that compare with a value; the others are bounds, of their tolerance alone. */
-static bool has_value(spec_check_kind k) {
-  return k == CHECK_STATE || k == CHECK_STATE_AFTER_STEPS || k == CHECK_MIN_CHANGE ||
-         k == CHECK_WINDOW_MAX || k == CHECK_WINDOW_MIN || k == CHECK_CONTACT_FORCE ||
-         k == CHECK_CONTACT_FORCE_SUM || k == CHECK_EVENT_TIME || k == CHECK_MOMENTUM_X ||
-         k == CHECK_STATIC_DEFLECTION;
+/* What a kind of check reads besides forms, nd and remarks. */
+enum {
+  READS_VAR = 1,
+  READS_VALUE = 2, /* compares with it; the others are bounds, of their tolerance alone */
+  READS_TOL = 4,
+  READS_REL = 8, /* of a bound there is nothing to be a share of */
+  READS_WINDOW = 16,
+  READS_STEPS = 32,
+  READS_PAIR = 64,
+  READS_EVENT = 128,
+  READS_NUMBER = READS_VALUE | READS_TOL | READS_REL,
+  READS_FORCE = READS_NUMBER | READS_WINDOW | READS_PAIR
+};
+
+static const unsigned reads[CHECK_COUNT] = {
+    [CHECK_STATE] = READS_VAR | READS_NUMBER,
+    [CHECK_STATE_AFTER_STEPS] = READS_VAR | READS_NUMBER | READS_STEPS,
+    [CHECK_MAX_DRIFT] = READS_VAR | READS_TOL | READS_WINDOW,
+    [CHECK_WINDOW_MAX] = READS_VAR | READS_NUMBER | READS_WINDOW,
+    [CHECK_WINDOW_MIN] = READS_VAR | READS_NUMBER | READS_WINDOW,
+    [CHECK_MIN_CHANGE] = READS_VAR | READS_VALUE,
+    [CHECK_MAX_PENETRATION] = READS_TOL,
+    [CHECK_CONTACT_FORCE] = READS_FORCE,
+    [CHECK_CONTACT_FORCE_SUM] = READS_FORCE,
+    [CHECK_EVENT_TIME] = READS_VAR | READS_NUMBER | READS_PAIR | READS_EVENT,
+    [CHECK_ENERGY_NONINCREASE] = READS_TOL,
+    [CHECK_ENERGY_GROWTH_REL] = READS_TOL,
+    [CHECK_ENERGY_DRIFT_REL] = READS_TOL,
+    [CHECK_ANGULAR_MOMENTUM_DRIFT_REL] = READS_TOL,
+    [CHECK_MOMENTUM_X] = READS_NUMBER,
+    [CHECK_MAX_SPEED] = READS_TOL,
+    [CHECK_STATIC_DEFLECTION] = READS_NUMBER,
+    [CHECK_BRISTLE_DEFLECTION] = READS_TOL | READS_REL, /* its value is a text */
+};
+
+/* Refuses what the kind does not read and would pass over in silence. A number that says nothing, as `value: 0` of a bound, may
+ * stand: written scenes have them. */
+static base_status check_reads(const node *n, const spec_check *c) {
+  const spec_tolerance *t = &c->tol;
+  const struct {
+    const char *key;
+    unsigned read;
+    bool says;
+  } keys[] = {
+      {"var", READS_VAR, c->var[0] != '\0'},
+      {"dir", READS_VAR, c->has_dir},
+      {"value", READS_VALUE, c->value != 0.0},
+      {"tol", READS_TOL, t->abs != 0.0 || t->h != 0.0 || t->h2 != 0.0 || t->inv_h != 0.0},
+      {"reg", READS_TOL, t->reg_h != 0.0 || t->reg_v != 0.0 || t->reg_d != 0.0},
+      {"rel", READS_REL, t->rel != 0.0},
+      {"t0", READS_WINDOW, c->t0 != 0.0},
+      {"t1", READS_WINDOW, node_has(n, "t1")},
+      {"n", READS_STEPS, node_has(n, "n")},
+      {"dvalue_dh", READS_STEPS, c->dvalue_dh != 0.0},
+      {"pair", READS_PAIR, node_has(n, "pair")},
+      {"pairs", READS_PAIR, c->n_pair > 0},
+      {"component", READS_WINDOW | READS_PAIR, node_has(n, "component")},
+      {"event", READS_EVENT, node_has(n, "event")},
+      {"threshold", READS_EVENT, node_has(n, "threshold")},
+  };
+  for (int i = 0; i < BASE_COUNT(keys); i++) {
+    if (keys[i].says && (reads[c->kind] & keys[i].read) != keys[i].read) {
+      const bool bound = keys[i].read == READS_VALUE && (reads[c->kind] & READS_TOL) != 0;
+      return BAD(n, "%s: '%s' says nothing in a %s check%s", n->where, keys[i].key,
+                 spec_check_name(c->kind), bound ? ": its tol is the bound" : "");
+    }
+  }
+  return BASE_OK;
 }
 
 static base_status read_value(const node *n, spec_check *c) {
@@ -90,7 +157,7 @@ static base_status read_value(const node *n, spec_check *c) {
       json_is_string(v)) { /* the harness knows the formula */
     return node_string(n, v, "value", c->source, sizeof c->source);
   }
-  if (has_value(c->kind)) {
+  if ((reads[c->kind] & READS_VALUE) != 0) {
     BASE_TRY(node_need(n, "value"));
   }
   return node_real(n, "value", &c->value);
@@ -145,7 +212,8 @@ base_status read_check(scene_spec *s, json_t *v, int index, base_error *err) {
   c->tangential = (component == 1);
   BASE_TRY(node_choice(&n, "event", "first_contact|stop|start|leave|sign_change", &event));
   c->event = (spec_event)event;
-  return node_real(&n, "threshold", &c->threshold);
+  BASE_TRY(node_real(&n, "threshold", &c->threshold));
+  return check_reads(&n, c);
 }
 
 base_status read_off(scene_spec *s, const char *name, json_t *v, base_error *err) {

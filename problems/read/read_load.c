@@ -25,19 +25,29 @@ static base_status read_body_name(const scene_spec *s, const name_index *names, 
 
 typedef struct load_row {
   spec_load_kind kind;
-  const char *keys; /* beside body and type */
+  const char *keys;
+  const char *force[2]; /* without any of them there is no force */
 } load_row;
 
 static const char load_types[] = "constant_force|force_ramp|force_sine|spring_to_moving_anchor|"
                                  "spring|torsion_spring";
 static const load_row load_rows[] = {
-    {SPEC_FORCE, "body|type|force|torque"},
-    {SPEC_FORCE_RAMP, "body|type|dir|rate"},
-    {SPEC_FORCE_SINE, "body|type|dir|amplitude|omega|phase"},
-    {SPEC_SPRING, "body|type|k|c|dir|anchor0|anchor_vel"},
-    {SPEC_SPRING_PAIR, "body|type|other|k|c|rest|offset|other_offset"},
-    {SPEC_TORSION_SPRING, "body|type|k|c|rest"},
+    {SPEC_FORCE, "body|type|force|torque", {"force", "torque"}},
+    {SPEC_FORCE_RAMP, "body|type|dir|rate", {"rate"}},
+    {SPEC_FORCE_SINE, "body|type|dir|amplitude|omega|phase", {"amplitude"}},
+    {SPEC_SPRING, "body|type|k|c|dir|anchor0|anchor_vel", {"k", "c"}},
+    {SPEC_SPRING_PAIR, "body|type|other|k|c|rest|offset|other_offset", {"k", "c"}},
+    {SPEC_TORSION_SPRING, "body|type|k|c|rest", {"k", "c"}},
 };
+
+static base_status need_force(const node *n, const load_row *row) {
+  const char *other = row->force[1];
+  if (other == NULL || node_has(n, row->force[0])) {
+    return node_need(n, row->force[0]);
+  }
+  return node_has(n, other) ? BASE_OK
+                            : BAD(n, "%s: needs '%s' or '%s'", n->where, row->force[0], other);
+}
 
 base_status read_load(scene_spec *s, const name_index *names, json_t *v, int index,
                       base_error *err) {
@@ -54,6 +64,7 @@ base_status read_load(scene_spec *s, const name_index *names, json_t *v, int ind
   if (l->kind == SPEC_SPRING_PAIR) {
     BASE_TRY(read_body_name(s, names, &n, "other", false, &l->other));
   }
+  BASE_TRY(need_force(&n, &load_rows[type]));
   BASE_TRY(node_vector(&n, "force", s->dim, l->force));
   BASE_TRY(s->dim == 2 ? node_real(&n, "torque", &l->torque[2])
                        : node_vector(&n, "torque", 3, l->torque));
@@ -92,6 +103,9 @@ base_status read_joint(scene_spec *s, const name_index *names, json_t *v, int in
   static const spec_joint_kind kinds[] = {SPEC_BALL, SPEC_HINGE, SPEC_SLIDER, SPEC_FIXED,
                                           SPEC_DISTANCE};
   j->kind = kinds[type];
+  if (j->kind != SPEC_DISTANCE && node_has(&n, "other_anchor")) {
+    return BAD(&n, "%s: 'other_anchor' is for a distance alone", n.where);
+  }
   BASE_TRY(read_body_name(s, names, &n, "body", false, &j->body));
   BASE_TRY(read_body_name(s, names, &n, "other", true, &j->other));
   BASE_TRY(node_vector(&n, "anchor", s->dim, j->anchor));

@@ -33,6 +33,9 @@ static base_status check_pair(const scene_spec *s, const name_index *k, const ch
     return BAD("scene '%s': %s of pair %s-%s: no body or static named '%s'", s->id, what, p->a,
                p->b, (name_index_find(k, p->a) >= 0) ? p->b : p->a);
   }
+  if (strcmp(p->a, p->b) == 0) {
+    return BAD("scene '%s': %s of pair %s-%s: need two different names", s->id, what, p->a, p->b);
+  }
   return BASE_OK;
 }
 
@@ -207,11 +210,13 @@ static base_status check_check(const scene_spec *s, const name_index *k, const s
     return BAD("scene '%s': check %s needs a pair", s->id, kind);
   }
   for (int i = 0; i < c->n_pair; i++) {
-    spec_pair pair = c->pair[i];
-    if (strcmp(pair.b, SPEC_ANY) == 0) {
-      memcpy(pair.b, pair.a, sizeof pair.b);
+    const spec_pair *pair = &c->pair[i];
+    if (strcmp(pair->b, SPEC_ANY) != 0) {
+      BASE_TRY(check_pair(s, k, kind, pair, err));
+    } else if (name_index_find(k, pair->a) < 0) {
+      return BAD("scene '%s': %s of pair %s-%s: no body or static named '%s'", s->id, kind, pair->a,
+                 pair->b, pair->a);
     }
-    BASE_TRY(check_pair(s, k, kind, &pair, err));
   }
   return BASE_OK;
 }

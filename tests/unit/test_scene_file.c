@@ -93,6 +93,13 @@ static void json_and_yaml_agree(void **state) {
   "{\"name\": \"a\", \"shape\": {\"type\": \"disc\", \"r\": 1}, \"mass\": 1, \"pos\": [0, 0]}"
 #define BODIES "\"bodies\": [" BALL "]"
 
+#define A_X               "\"var\": \"a.x\", "
+#define CHECK(type, more) HEAD BODIES ", \"checks\": [{\"type\": \"" type "\", " more "}]}"
+#define LOAD(type, more)  HEAD BODIES ", \"loads\": [{\"type\": \"" type "\", " more "}]}"
+#define JOINT(type, more)                                                                          \
+  HEAD BODIES ", \"joints\": [{\"type\": \"" type "\", \"body\": \"a\", \"anchor\": [0, 0], " more \
+              "}]}"
+
 #define HEAD3 "{\"id\": \"s\", \"dim\": 3, \"T\": 1, "
 #define POLYGON(dim, pos, more, vertices)                                                          \
   "{\"id\": \"s\", \"dim\": " dim                                                                  \
@@ -182,6 +189,36 @@ static const struct {
      "0}, \"ry\":"
      " {\"v0\": 0, \"a\": 1}}}]}",
      "axis that stands still"},
+    /* what would be passed over in silence */
+    {CHECK("max_speed", "\"value\": 3"), "'value' says nothing in a max_speed check: its tol is"},
+    {CHECK("max_drift", A_X "\"value\": 3"), "'value' says nothing in a max_drift check"},
+    {CHECK("max_speed", "\"var\": \"a.vx\""), "'var' says nothing"},
+    {CHECK("max_penetration", "\"rel\": 0.1"), "'rel' says nothing"},
+    {CHECK("finite", "\"tol\": {\"abs\": 1}"), "'tol' says nothing"},
+    {CHECK("min_change", A_X "\"value\": 1, \"tol\": {\"h\": 1}"), "'tol' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"event\": \"stop\""), "'event' says nothing in a state"},
+    {CHECK("state", A_X "\"value\": 1, \"n\": 3"), "'n' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"dvalue_dh\": 3"), "'dvalue_dh' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"t0\": 0.1"), "'t0' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"t1\": 0.1"), "'t1' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"component\": \"normal\""), "'component' says nothing"},
+    {CHECK("state", A_X "\"value\": 1, \"pair\": [\"a\", \"*\"]"), "'pair' says nothing"},
+    {CHECK("state", "\"var\": \"a.vel\", \"value\": 1, \"dir\": [0, 0]"), "dir has length 0"},
+    {HEAD BODIES
+     ", \"if_off\": {\"gravity\": {\"var\": \"a.vel\", \"value\": 1, \"dir\": [0, 0]}}}",
+     "dir has length 0"},
+    {CHECK("contact_force", "\"pair\": [\"a\", \"a\"], \"value\": 1"), "two different names"},
+    {HEAD BODIES ", \"friction\": {\"pairs\": [[\"a\", \"a\", 1]]}}", "two different names"},
+    {HEAD BODIES ", \"no_collision\": [[\"a\", \"a\"]]}", "two different names"},
+    {LOAD("constant_force", "\"body\": \"a\""), "needs 'force' or 'torque'"},
+    {LOAD("force_ramp", "\"body\": \"a\", \"dir\": [1, 0]"), "needs 'rate'"},
+    {LOAD("force_sine", "\"body\": \"a\", \"dir\": [1, 0]"), "needs 'amplitude'"},
+    {LOAD("torsion_spring", "\"body\": \"a\", \"rest\": 1"), "needs 'k' or 'c'"},
+    {LOAD("spring_to_moving_anchor", "\"body\": \"a\", \"dir\": [1, 0]"), "needs 'k' or 'c'"},
+    {JOINT("fixed", "\"other_anchor\": [1, 0]"), "'other_anchor' is for a distance alone"},
+    {HEAD "\"bodies\": [{\"name\": \"a\", \"shape\": {\"type\": \"point\"}, \"pos\": [0, 0], "
+          "\"vel\": [1, 0], \"kinematic\": {}}]}",
+     "'vel' beside kinematic"},
 };
 
 static void refused(const char *ending, const char *text, const char *says) {
