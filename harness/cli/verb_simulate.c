@@ -549,7 +549,7 @@ static const arg_option options[] = {
     ARG(simulate_options, t.rows, "--rows", ARG_TEXT, "FILE|DIR",
         "measured errors (choices.tsv) that formulation and solver are chosen from"),
     ARG(simulate_options, f.steps, "--write-steps", ARG_OUTPUT, "FILE",
-        "the steps found by --error, or taken, for --steps"),
+        "the steps of the run, those found by --error too, for --steps"),
     ARG(simulate_options, t.duration, "--duration", ARG_TEXT, "T",
         "duration instead of the scene's", .unit = "s", .above = true),
     ARG(simulate_options, t.tol, "--tol", ARG_TEXT, "T",
@@ -620,6 +620,9 @@ static int run(int argc, char **argv) {
   }
   if (done == BASE_OK) {
     done = with_files(&s, o.t.scene, &o.f, &report, &err);
+  }
+  if (done == BASE_OK && o.f.steps != NULL) {
+    done = simulation_list_steps(&s, &err);
   }
   if (done == BASE_OK) {
     put_choice(report.object, &s, &o.t, o.f.steps);

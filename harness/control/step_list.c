@@ -66,7 +66,9 @@ double step_list_length(const step_list *l, double duration, bool *whole) {
   for (long i = 0; i < l->n; i++) {
     sum += l->h[i];
   }
-  *whole = fabs(sum - duration) <= 1e-6 * duration;
+  const double last = (l->n > 0) ? l->h[l->n - 1] : 0.0;
+  const double slack = 1e-6 * duration;
+  *whole = fabs(sum - duration) <= slack || (sum > duration && sum - last < duration - slack);
   return sum;
 }
 

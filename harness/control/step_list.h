@@ -20,11 +20,11 @@ typedef struct step_list {
 base_status step_list_append(step_list *l, double h, unsigned way, base_error *err);
 
 /* Of a file: one length a line [s], with the words `turned` and `extrapolated` behind it where it is; BASE_EINVAL names the line. The
- * sum must be the duration up to SIM_LAST_STEP. */
+ * last one must reach the end of the run, and begin before it, as the last of even steps does. */
 base_status step_list_read(step_list *l, const char *path, double duration, base_error *err);
 base_status step_list_write(const step_list *l, const char *path, base_error *err);
 void step_list_close(step_list *l);
-/* The time that its steps take [s]; *whole: that is `duration`, as a file of them has to have it. */
+/* The time that its steps take [s]; *whole: `duration` ends in the last one, as a file of them has to have it. */
 double step_list_length(const step_list *l, double duration, bool *whole);
 
 /* As simulate() with these steps, which are those of the request. BASE_EUNSUPPORTED: extrapolated ones with a plan of effects, or

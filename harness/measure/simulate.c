@@ -283,6 +283,10 @@ static base_status run_steps(sim *s, series *record, base_error *err) {
   return BASE_OK;
 }
 
+long sim_steps_planned(const sim_request *q) {
+  return (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
+}
+
 base_status sim_check_times(double h, double duration, base_error *err) {
   if (!(h > 0.0) || !(duration > 0.0) || !isfinite(h) || !isfinite(duration)) {
     return BASE_FAIL(err, BASE_EINVAL, "step %g s over %g s: need step and duration above 0", h,
@@ -347,8 +351,7 @@ base_status sim_open(sim *s, const sim_request *q, series *record, sim_result *o
   s->effects = (q->plan != NULL) ? effects_plan_at(q->plan, 0) : q->effects;
   BASE_TRY(world_open_over(&s->w, q->spec, s->effects, err));
   BASE_TRY(sim_open_formulation(s, err));
-  out->steps_planned =
-      (q->step != NULL) ? q->n_step : lround(ceil(q->duration / q->h - SIM_LAST_STEP));
+  out->steps_planned = sim_steps_planned(q);
   BASE_TRY(series_open(record, q->spec, (int)out->steps_planned, err));
   BASE_TRY(series_record(record, s->w, NULL, NULL, NULL, 0, err));
   BASE_TRY(trajectory_header(q->trajectory, q->spec, err));

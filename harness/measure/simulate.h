@@ -136,6 +136,9 @@ double sim_total_seconds(const sim_result *r);
 /* Of a step this share may lie beyond the end of the run, for the rounding of decimal numbers. */
 #define SIM_LAST_STEP 1e-9 /* [1] */
 
+/* How many steps the run has: as many as are given, or even ones up to the end. */
+long sim_steps_planned(const sim_request *q);
+
 /* Step h over `duration` [s]: BASE_EINVAL unless both are finite and above 0 and the steps at most 2e9;
  * BASE_EUNSUPPORTED where the step is longer than the run. */
 base_status sim_check_times(double h, double duration, base_error *err);

@@ -6,7 +6,7 @@ import os
 import shutil
 import subprocess
 
-from support import LCPBENCH, run_json, tap
+from support import LCPBENCH, one_line_error, run_json, tap
 
 THROWN = {
     "id": "thrown",
@@ -119,6 +119,43 @@ def effects_have_theirs(d):
         assert again["solution_hash"] == o["solution_hash"], (scene, o["effects_auto"])
 
 
+def steps_that_were_not_looked_for_are_written_too(d):
+    """Even ones, also where the last goes beyond the end, and given ones; with effects that change;
+    of a run that gives up. Their file was empty."""
+    steps, again, given = d / "s.txt", d / "again.txt", d / "given.txt"
+    velocity = ("--formulation", "velocity", "--solver", "lemke")
+    given.write_text("0.1\n0.15\n0.25\n")
+    for scene, *more in (
+        ("bounce", *velocity),
+        ("bounce", *velocity, "--step", "0.03"),
+        ("projectile", *velocity, "--duration", "0.5", "--steps", given),
+        ("incline", *velocity, "--effects", "auto:1e-3"),
+        ("vise", *velocity),
+        ("bounce", "--formulation", "event", "--solver", "lemke", "--duration", "0.5"),
+    ):
+        o = run_json("simulate", scene, *more, "--write-steps", steps, code=None)
+        lengths = [float(line) for line in steps.read_text().splitlines()]
+        assert len(lengths) >= o["steps"] > 0 and max(lengths) == o["step_s"], (scene, more)
+        words = [w for w in more if w not in ("--step", "0.03", "--steps", given)]
+        o2 = run_json(
+            "simulate", scene, *words, "--steps", steps, "--write-steps", again, code=None
+        )
+        for key in ("solution_hash", "steps", "t_end_s", "status", "observables"):
+            assert o2[key] == o[key], (scene, more, key, o2[key], o[key])
+        assert again.read_text() == steps.read_text()
+        if "effects_auto" in o:
+            assert f"--steps '{steps}'" in o["effects_auto"]["command"], o["effects_auto"]
+            assert pasted(o["effects_auto"]["command"], d)["solution_hash"] == o["solution_hash"]
+
+
+def steps_that_miss_the_end_are_refused(d):
+    velocity = ("--formulation", "velocity", "--solver", "lemke", "--duration", "0.5")
+    for lines in ("0.1\n0.3\n", "0.25\n0.25\n0.25\n", ""):
+        (d / "s.txt").write_text(lines)
+        words = ("simulate", "projectile", *velocity, "--steps", d / "s.txt")
+        one_line_error(*words, names=["s.txt", "of a run of 0.5 s"])
+
+
 tap(
     [
         what_the_run_reads_is_in_it,
@@ -127,5 +164,7 @@ tap(
         runs_that_end_early_end_there_again,
         a_limit_before_the_first_step_leaves_the_start,
         effects_have_theirs,
+        steps_that_were_not_looked_for_are_written_too,
+        steps_that_miss_the_end_are_refused,
     ]
 )
