@@ -116,6 +116,14 @@ static base_status solve_traced(const problem_source *src, const solver_choice *
   return trace_finish(&t, done, err);
 }
 
+/* The answer stands without a proof, which is told behind it. */
+static void tell_unproved(const solver_choice *s, const char *certificate) {
+  base_error err = {0};
+  (void)BASE_FAIL(&err, BASE_EUNSUPPORTED, "--certificate %.200s: %s proved nothing, no file",
+                  certificate, s->solver->name);
+  (void)cli_report(&err);
+}
+
 static base_status solve_and_print(const problem_source *src, const solver_choice *s,
                                    const solve_options *o, int *code, base_error *err) {
   const int n = src->p->M.n;
@@ -136,7 +144,12 @@ static base_status solve_and_print(const problem_source *src, const solver_choic
   free(z);
   if (done == BASE_OK) {
     const bool printed = json_out_print(solve_report(src, s, &r, cone), o->report);
-    *code = !printed ? CLI_INTERNAL : (r.status == RUN_OK && r.verified) ? CLI_OK : CLI_HONEST;
+    const bool unproved = o->certificate != NULL && !r.certificate_written;
+    const bool good = r.status == RUN_OK && r.verified && !unproved;
+    *code = !printed ? CLI_INTERNAL : good ? CLI_OK : CLI_HONEST;
+    if (unproved) {
+      tell_unproved(s, o->certificate);
+    }
   }
   return done;
 }

@@ -90,13 +90,13 @@ static base_status check_certificate(const lcp_problem *p, const double *z, solv
   return lcp_certificate_verify(p, &out->claim.certificate, z, &out->certificate, err);
 }
 
-static base_status write_certificate(const lcp_problem *p, const solver_choice *s, const double *z,
-                                     const char *path, const solve_record *r, base_error *err) {
-  if (!r->has_claim || r->claim.certificate.kind == LCP_CERT_NONE) {
-    return BASE_FAIL(err, BASE_EUNSUPPORTED, "--certificate: %s proved nothing here",
-                     s->solver->name);
+static base_status write_certificate(const lcp_problem *p, const double *z, const char *path,
+                                     solve_record *out, base_error *err) {
+  if (!out->has_claim || out->claim.certificate.kind == LCP_CERT_NONE) {
+    return BASE_OK;
   }
-  return lcp_certificate_write(path, p->M.n, &r->claim.certificate, z, err);
+  out->certificate_written = true;
+  return lcp_certificate_write(path, p->M.n, &out->claim.certificate, z, err);
 }
 
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
@@ -121,7 +121,7 @@ base_status solve_certified(const lcp_problem *p, const solver_choice *s, double
     done = check_certificate(p, z, out, err);
   }
   if (done == BASE_OK && certificate != NULL) {
-    done = write_certificate(p, s, z, certificate, out, err);
+    done = write_certificate(p, z, certificate, out, err);
   }
   lcp_instance_close(k);
   out->claim.certificate.basis = NULL;

@@ -12,6 +12,7 @@ typedef struct solve_record {
   bool has_claim;           /* the solver ran and returned an outcome */
   lcp_result claim;         /* certificate views are gone once the instance is closed: kind only */
   bool certificate_checked; /* there is one, of a problem whose certificates can be checked */
+  bool certificate_written; /* to the file that was asked for */
   lcp_certificate_verdict certificate;
   lcp_verdict verdict;
   lcp_times time; /* [s] */
@@ -26,8 +27,8 @@ typedef struct solve_record {
 base_status solve_once(const lcp_problem *p, const solver_choice *s, double *z, solve_record *out,
                        base_error *err);
 
-/* The same, and what the solver can prove is written to `certificate` (NULL: nowhere); a solver
- * without a proof to write is BASE_EUNSUPPORTED. trace: its history (NULL: none). */
+/* The same, and what the solver can prove is written to `certificate` (NULL: nowhere); where it proved nothing there is no
+ * file. trace: its history (NULL: none). */
 base_status solve_certified(const lcp_problem *p, const solver_choice *s, double *z,
                             const char *certificate, lcp_trace *trace, solve_record *out,
                             base_error *err);

@@ -589,15 +589,27 @@ def certificates_are_written(d):
     assert o["certificate"] == "basis" and text.startswith(
         "lcpbench certificate 1\nkind basis\nn 6\n"
     ), text[:60]
-    one_line_error(
-        "solve",
-        "random_spd:n=6",
-        "--solver",
-        "pgs",
-        "--certificate",
-        d / "c.txt",
-        names=["--certificate", "pgs"],
-    )
+
+
+def an_answer_without_a_proof_is_told(d):
+    """As usual, and one line on stderr that there is no certificate: exit code 3. Of a solver that
+    never proves, and of one that does not apply."""
+    for solver, n, status in (
+        ("newton", 6, "ok"),
+        ("pgs", 6, "ok"),
+        ("pgs:max_iter=1", 6, "max_iter"),
+    ):
+        files = ("--z", d / "z.mtx", "--certificate", d / "c.txt")
+        done = run("solve", f"random_spd:n={n}", "--solver", solver, *files, code=3)
+        o = json.loads(done.stdout)
+        assert o["status"] == status and o["certificate"] is None, o
+        assert len((d / "z.mtx").read_text().split()) == n + 7 and not (d / "c.txt").exists()
+        name = solver.split(":")[0]
+        assert (
+            done.stderr
+            == f"lcpbench: --certificate {d / 'c.txt'}: {name} proved nothing, no file\n"
+        )
+        (d / "z.mtx").unlink()
 
 
 def export_reads_back(d):
@@ -944,6 +956,7 @@ tap(
         generalised_coordinates_are_refused_where_bodies_are_needed,
         environment_gives_options,
         certificates_are_written,
+        an_answer_without_a_proof_is_told,
         export_reads_back,
         friction_stays_physical,
         steps_are_dumped,
