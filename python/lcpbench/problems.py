@@ -29,10 +29,27 @@ def _ints(x: np.ndarray) -> object:
     return x.ctypes.data_as(ctypes.POINTER(ctypes.c_int))
 
 
+def _unmasked(x: object, name: str) -> None:
+    """An array would have the numbers behind the mask."""
+    if np.ma.is_masked(x):
+        raise InvalidInput(f"{name}: has {np.ma.count_masked(x)} masked entries, need numbers")
+
+
+def _integers(x: Sequence[float], name: str) -> np.ndarray:
+    """Those of C, not what is left of others."""
+    out = np.asarray(x)
+    largest = np.iinfo(np.int32).max
+    real = out.astype(float) if out.dtype.kind in "iuf" else np.array([np.nan])
+    if not (np.abs(real) <= largest).all() or (real != np.floor(real)).any():
+        raise InvalidInput(f"{name}: need integers, not {', '.join(map(str, x))}")
+    return out.astype(np.int32)
+
+
 def _vector(x: ArrayLike | None, n: int, name: str) -> np.ndarray | None:
     """n numbers, also of a column or a row."""
     if x is None:
         return None
+    _unmasked(x, name)
     try:
         out = np.asarray(x, dtype=float)
     except (TypeError, ValueError) as why:
@@ -47,8 +64,8 @@ class Problem:
 
     M: n x n, an array or any sparse matrix of scipy (kept as csc). q: n. lo, hi: n, bounds of z,
     with infinities where there are none; z >= 0 without. cones: (first row, rows, mu) of each
-    friction cone |r_t| <= mu r_n under the exact Coulomb law. InvalidInput where shapes or numbers
-    are not those of a problem. The arrays are copied.
+    friction cone |r_t| <= mu r_n under the exact Coulomb law; lo and hi have no bound there.
+    InvalidInput where shapes or numbers are not those of a problem. The arrays are copied.
     """
 
     def __init__(
@@ -61,6 +78,7 @@ class Problem:
         cones: Sequence[Cone] = (),
     ) -> None:
         sparse = scipy.sparse.issparse(M)
+        _unmasked(M, "M")
         try:
             M = M if sparse else np.asarray(M)
         except ValueError as why:  # rows of different lengths
@@ -107,13 +125,20 @@ class Problem:
             start, size, mu = zip(*self.cones, strict=True)
         except (TypeError, ValueError):
             raise InvalidInput("cones: need (first row, rows, mu) of each") from None
-        starts, sizes = np.array(start, dtype=np.int32), np.array(size, dtype=np.int32)
+        starts, sizes = _integers(start, "cones: first row"), _integers(size, "cones: rows")
         mus = np.array(mu, dtype=float)
         _core.check(
             _core.lib.lcp_problem_set_cones(
                 self.handle, len(mus), _ints(starts), _ints(sizes), _doubles(mus)
             )
         )
+        for name, bound, free in (("lo", self.lo, -np.inf), ("hi", self.hi, np.inf)):
+            for first, rows in zip(starts, sizes, strict=True):
+                if bound is not None and (bound[first : first + rows] != free).any():
+                    raise InvalidInput(
+                        f"{name}: a cone has the rows {first} to {first + rows - 1}, need"
+                        f" {free} there, no bound"
+                    )
 
     def declare(self, trait: str) -> None:
         """What the caller knows of M: symmetric, psd, pd, copositive, copositive_plus, p_matrix.

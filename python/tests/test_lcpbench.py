@@ -154,6 +154,41 @@ def test_what_is_refused(arguments, line):
     assert isinstance(why.value, ValueError) and "\n" not in str(why.value)
 
 
+@pytest.mark.parametrize(
+    "cones, bounds, line",
+    [
+        ([(0, 2.9, 0.5)], {}, "cones: rows: need integers, not 2.9"),
+        ([(0.5, 3, 0.5)], {}, "cones: first row: need integers"),
+        ([(0, 2**40, 0.5)], {}, "cones: rows: need integers"),
+        ([("a", 3, 0.5)], {}, "cones: first row: need integers"),
+        ([(0, 3, 0.5)], {"lo": np.zeros(4)}, "lo: a cone has the rows 0 to 2, need -inf"),
+        ([(1, 3, 0.5)], {"hi": np.ones(4)}, "hi: a cone has the rows 1 to 3, need inf"),
+    ],
+)
+def test_cones_that_would_be_read_as_others_are_refused(cones, bounds, line):
+    with pytest.raises(lcpbench.InvalidInput, match=line):
+        lcpbench.Problem(np.eye(4), -np.ones(4), cones=cones, **bounds)
+
+
+def test_cones_beside_bounds():
+    """The row of no cone has its bounds; whole numbers of any kind are rows."""
+    lo, hi = [-np.inf, -np.inf, -np.inf, 0.0], [np.inf, np.inf, np.inf, 0.5]
+    for cone in ((0, 3, 0.5), (0.0, 3.0, 0.5), (np.int64(0), np.uint8(3), 0.5)):
+        p = lcpbench.Problem(np.eye(4), [-1, 0, 0, -1], lo=lo, hi=hi, cones=[cone])
+        assert lcpbench.verify(p, z=[1, 0, 0, 0.5])
+
+
+def test_masked_arrays_are_refused():
+    """They would be solved with what is behind the mask."""
+    M, q = np.eye(2) * 2.0, -np.ones(2)
+    hidden = np.ma.masked_array(M, mask=[[0, 0], [0, 1]])
+    with pytest.raises(lcpbench.InvalidInput, match="M: has 1 masked entries"):
+        lcpbench.solve(hidden, q)
+    with pytest.raises(lcpbench.InvalidInput, match="q: has 2 masked entries"):
+        lcpbench.solve(M, np.ma.masked_array(q, mask=True))
+    assert lcpbench.verify(np.ma.masked_array(M), q, [0.5, 0.5])  # nothing is masked
+
+
 def test_unsupported_says_what_is_missing():
     M, q, cones = contacts(3, 3, 0.5)
     with pytest.raises(lcpbench.Unsupported, match="lemke"):
