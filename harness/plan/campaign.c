@@ -121,16 +121,25 @@ static base_status take_limit(void *ctx, yaml_file *f, const char *key, yaml_nod
   return BASE_EUNSUPPORTED;
 }
 
+typedef struct campaign_reader {
+  campaign *c;
+  yaml_node_t *quick;
+  yaml_node_t *samples; /* the last of samples and max_samples that was read */
+} campaign_reader;
+
 static base_status take_sampling(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                                  base_error *err) {
-  campaign_sampling *s = ctx;
+  campaign_reader *r = ctx;
+  campaign_sampling *s = &r->c->sampling;
   if (yaml_is(f, key, "processes")) {
     return count_member(f, key, v, &s->processes, err);
   }
   if (yaml_is(f, key, "samples")) {
+    r->samples = v;
     return count_member(f, key, v, &s->samples, err);
   }
   if (yaml_is(f, key, "max_samples")) {
+    r->samples = v;
     return count_member(f, key, v, &s->max_samples, err);
   }
   if (yaml_is(f, key, "half_width")) {
@@ -245,19 +254,14 @@ static base_status read_parts(yaml_file *f, yaml_node_t *v, campaign *c, base_er
 
 /* ---- campaign ---------------------------------------------------------------------------------*/
 
-typedef struct campaign_reader {
-  campaign *c;
-  yaml_node_t *quick;
-} campaign_reader;
-
 static base_status take_quick(void *ctx, yaml_file *f, const char *key, yaml_node_t *v,
                               base_error *err) {
-  campaign *c = ctx;
+  campaign_reader *r = ctx;
   if (yaml_is(f, key, "limits")) {
-    return yaml_members(f, v, key, take_limit, &c->limits, err);
+    return yaml_members(f, v, key, take_limit, &r->c->limits, err);
   }
   if (yaml_is(f, key, "sampling")) {
-    return yaml_members(f, v, key, take_sampling, &c->sampling, err);
+    return yaml_members(f, v, key, take_sampling, r, err);
   }
   return BASE_EUNSUPPORTED;
 }
@@ -297,7 +301,7 @@ static base_status take_campaign(void *ctx, yaml_file *f, const char *key, yaml_
     r->quick = v;
     return BASE_OK;
   }
-  return take_quick(c, f, key, v, err);
+  return take_quick(r, f, key, v, err);
 }
 
 const char *campaign_directory(void) {
@@ -318,17 +322,17 @@ static void locate(const char *text, char *path, size_t cap) {
 }
 
 static base_status read_file(yaml_file *f, campaign *c, base_error *err) {
-  campaign_reader r = {c, NULL};
+  campaign_reader r = {.c = c};
   BASE_TRY(yaml_members(f, yaml_root(f), "the campaign", take_campaign, &r, err));
   if (r.quick != NULL && c->quick) {
-    BASE_TRY(yaml_members(f, r.quick, "quick", take_quick, c, err));
+    BASE_TRY(yaml_members(f, r.quick, "quick", take_quick, &r, err));
   }
   if (c->name[0] == '\0' || c->n_part == 0) {
     return yaml_fail(f, yaml_root(f), c->n_part == 0 ? "parts" : "name", "the campaign has none",
                      err);
   }
   if (c->sampling.max_samples < c->sampling.samples) {
-    return yaml_fail(f, yaml_root(f), "max_samples", "is below samples", err);
+    return yaml_fail(f, r.samples, "max_samples", "is below samples", err);
   }
   return BASE_OK;
 }

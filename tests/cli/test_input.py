@@ -60,6 +60,13 @@ def options_out_of_range_are_refused(d):
         % ",".join(["n=4"] * 99)
     )
     one_line_error("run", d / "long.yaml", "--dry-run", names=["long.yaml", "319"])
+    (d / "few.yaml").write_text(
+        "name: few\nparts: [{name: a, problems: ['murty:n=4'], solvers: [lemke]}]\n"
+        "sampling:\n  samples: 5\n  max_samples: 3\nquick:\n  sampling: {samples: 2}\n"
+    )
+    few = "max_samples: is below samples"
+    one_line_error("run", d / "few.yaml", "--dry-run", names=[f"few.yaml:5: {few}"])
+    run("run", d / "few.yaml", "--dry-run", "--quick")
 
 
 def nearest_names_are_proposed(d):
