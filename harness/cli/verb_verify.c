@@ -29,11 +29,14 @@ static bool same_real(double a, double b) {
          (!isfinite(a) && !isfinite(b)); /* not measured is written for what is not finite */
 }
 
-/* Every verdict of the row, and the bits they were made of. */
+/* Whose the row is, every verdict of it, and the bits they were made of. */
 static bool same_verdicts(const record *row, const record *again, char *why, size_t cap) {
   const struct {
     const char *name, *was, *is;
-  } words[] = {{"status", row->status, again->status},
+  } words[] = {{"problem", row->problem, again->problem},
+               {"formulation", row->formulation, again->formulation},
+               {"solver", row->solver, again->solver},
+               {"status", row->status, again->status},
                {"status_claimed", row->status_claimed, again->status_claimed},
                {"solution_hash", row->solution_hash, again->solution_hash},
                {"effects_seen", row->effects_seen, again->effects_seen}};
@@ -132,7 +135,10 @@ static bool same_count(const json_t *o, const char *key, int64_t want, char *why
 }
 
 static bool same_run(const json_t *o, const record *r, char *why, size_t cap) {
-  return same_text(o, "status", r->status, why, cap) &&
+  const bool scene = json_object_get(o, "scene") != NULL;
+  return same_text(o, "solver", r->solver, why, cap) &&
+         (!scene || same_text(o, "formulation", r->formulation, why, cap)) &&
+         same_text(o, "status", r->status, why, cap) &&
          same_text(o, "solution_hash", r->solution_hash, why, cap) &&
          same_count(o, "n_iter", r->n_iter, why, cap) &&
          same_count(o, "n_pivot", r->n_pivot, why, cap) &&

@@ -179,6 +179,8 @@ def every_row_is_verified(d):
         (r["solution_hash"], "0123456789abcdef", ()),
         (r["solution_hash"], "0123456789abcdef", ("--rerun",)),
         (f",{r['rho']},", ",1e-3,", ()),
+        (",pgs,", ",lemke,", ()),
+        (",pgs,", ",lemke,", ("--rerun",)),
     ):
         assert old in lines[i + 1]
         path.write_text(
