@@ -55,9 +55,9 @@ def options_out_of_range_are_refused(d):
     one_line_error(
         "export", "murty:n=4", "--format", "fclib", "--out", d / "x", names=["murty", "fclib"]
     )
+    far = f"{d}/{'./' * 150}a.M.mtx"
     (d / "long.yaml").write_text(
-        "name: long\nparts: [{name: a, problems: ['murty:%s'], solvers: [lemke]}]\n"
-        % ",".join(["n=4"] * 99)
+        f"name: long\nparts: [{{name: a, problems: ['{far}'], solvers: [lemke]}}]\n"
     )
     one_line_error("run", d / "long.yaml", "--dry-run", names=["long.yaml", "319"])
     (d / "few.yaml").write_text(
