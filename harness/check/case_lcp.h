@@ -14,3 +14,7 @@ const char *case_lcp_name(case_status word);
  * the case states nothing beyond the residual. */
 bool case_lcp_forward(const lcp_case *c, const lcp_solver *s, const double *z, double *error,
                       double *tolerance, const char **rule);
+
+/* Does what the case states hold: do its answers solve the problem (rho at most LCP_VERIFY_EXACT), does its Farkas vector prove that none
+ * does, up to rounding? BASE_EINVAL names what does not. Of a case whose data are a problem. */
+base_status case_lcp_holds(const lcp_case *c, base_error *err);

@@ -120,6 +120,11 @@ static void run_unit(void *ctx, isolate_channel *out) {
 }
 
 base_status check_lcp_case(const check_plan *plan, const lcp_case *c, base_error *err) {
+  base_error why = {0};
+  if (!refused(c, &why) && case_lcp_holds(c, &why) != BASE_OK) {
+    check_refuse(plan, c->id, why.text);
+    return BASE_OK;
+  }
   for (int i = 0; i < plan->n_solver && stop_requested() == 0; i++) {
     lcp_unit u = {c, &plan->solver[i], {.check = "run"}};
     u.blank.got = u.blank.expected = u.blank.tolerance = (double)NAN;

@@ -32,6 +32,73 @@ static base_status optional_numbers(const node *n, const char *key, int count, d
 
 /* ---- answers -------------------------------------------------------------------------------- */
 
+/* A text "p" or "p/q". */
+static base_status read_fraction(const node *n, const json_t *v, const char *what, double *out) {
+  char text[512], *end;
+  BASE_TRY(node_string(n, v, what, text, sizeof text));
+  *out = strtod(text, &end);
+  if (end != text && *end == '/') {
+    const char *below = end + 1;
+    *out /= strtod(below, &end);
+    end = (end == below) ? text : end;
+  }
+  if (end == text || *end != '\0' || !isfinite(*out)) {
+    return READ_BAD(n, "%s: %s: '%.60s' is no fraction", n->where, what, text);
+  }
+  return BASE_OK;
+}
+
+/* Of two ways to state a number, up to rounding. */
+static bool same_number(double a, double b) {
+  return fabs(a - b) <= 1e-12 * fmax(fabs(a), fabs(b));
+}
+
+/* z_exact says the same as z. */
+static base_status check_exact(const node *n, int count, const double *z) {
+  json_t *list;
+  int size;
+  BASE_TRY(node_list(n, "z_exact", CASE_N_MAX, &list, &size));
+  if (list != NULL && size != count) {
+    return READ_BAD(n, "%s: z_exact: need %d fractions, has %d", n->where, count, size);
+  }
+  for (int i = 0; i < size; i++) {
+    double x = 0.0;
+    BASE_TRY(read_fraction(n, json_array_get(list, (size_t)i), "z_exact", &x));
+    if (!same_number(x, z[i])) {
+      return READ_BAD(n, "%s: z_%d is %.17g, z_exact says %.17g", n->where, i + 1, z[i], x);
+    }
+  }
+  return BASE_OK;
+}
+
+/* The w of the answer z is M z + q, up to the rounding of z: relative to the largest term of a row. */
+static base_status check_w(const node *n, const lcp_case *c, const double *z, const double *w) {
+  const lcp_problem *p = &c->k.p;
+  const size_t size = (size_t)c->n;
+  if (w == NULL || c->shape_error[0] != '\0') {
+    return BASE_OK;
+  }
+  double *M = malloc((size * size + 1) * sizeof *M);
+  if (M == NULL) {
+    return read_no_memory(n);
+  }
+  lcp_matrix_to_dense(&p->M, M);
+  base_status status = BASE_OK;
+  for (size_t i = 0; status == BASE_OK && i < size; i++) {
+    double sum = p->q[i], most = fmax(fabs(sum), fabs(w[i]));
+    for (size_t j = 0; j < size; j++) {
+      sum += M[j * size + i] * z[j];
+      most = fmax(most, fabs(M[j * size + i] * z[j]));
+    }
+    if (!(fabs(sum - w[i]) <= 1e-9 * most)) {
+      status = READ_BAD(n, "%s: w_%zu is %.17g, M z + q of the answer is %.17g", n->where, i + 1,
+                        w[i], sum);
+    }
+  }
+  free(M);
+  return status;
+}
+
 static base_status read_solutions(const node *n, lcp_case *c) {
   json_t *list;
   int count;
@@ -50,7 +117,15 @@ static base_status read_solutions(const node *n, lcp_case *c) {
         node_open(&s, json_array_get(list, (size_t)i), n->err, "%s: solution %d", n->where, i + 1));
     BASE_TRY(node_keys(&s, "z|z_exact|w"));
     BASE_TRY(node_need(&s, "z"));
-    BASE_TRY(node_vector(&s, "z", c->n, c->solution + (size_t)i * (size_t)c->n));
+    double *z = c->solution + (size_t)i * (size_t)c->n, *w = NULL;
+    BASE_TRY(node_vector(&s, "z", c->n, z));
+    BASE_TRY(check_exact(&s, c->n, z));
+    base_status status = optional_numbers(&s, "w", c->n, &w);
+    if (status == BASE_OK) {
+      status = check_w(&s, c, z, w);
+    }
+    free(w);
+    BASE_TRY(status);
   }
   c->n_solution = count;
   return BASE_OK;
@@ -64,7 +139,17 @@ static base_status read_example(const node *n, lcp_case *c) {
   }
   BASE_TRY(node_open(&s, v, n->err, "%s: example_solution", n->where));
   BASE_TRY(node_keys(&s, "z|z_exact"));
-  return read_numbers(&s, json_object_get(v, "z"), "z", c->n, &c->example);
+  BASE_TRY(read_numbers(&s, json_object_get(v, "z"), "z", c->n, &c->example));
+  return check_exact(&s, c->n, c->example);
+}
+
+/* That of each answer that is stated. */
+static base_status read_w(const node *n, lcp_case *c) {
+  BASE_TRY(optional_numbers(n, "w", c->n, &c->w));
+  for (int i = 0; i < c->n_solution; i++) {
+    BASE_TRY(check_w(n, c, c->solution + (size_t)i * (size_t)c->n, c->w));
+  }
+  return (c->example != NULL) ? check_w(n, c, c->example, c->w) : BASE_OK;
 }
 
 static base_status read_invariants(const node *n, json_t *v, int size, case_invariants *out) {
@@ -126,23 +211,16 @@ static base_status read_farkas(const node *n, lcp_case *c) {
   if (count != c->n) {
     return READ_BAD(n, "%s: farkas_y: need %d entries, has %d", n->where, c->n, count);
   }
+  if ((c->correct & CASE_SOLVED) != 0) {
+    return READ_BAD(n, "%s: farkas_y proves that there is no solution, status_correct has solved",
+                    n->where);
+  }
   c->k.farkas = KNOWN_ARRAY(&c->k, double, count);
   if (c->k.farkas == NULL) {
     return read_no_memory(n);
   }
   for (int i = 0; i < count; i++) {
-    char text[64], *end;
-    BASE_TRY(node_string(n, json_array_get(list, (size_t)i), "farkas_y", text, sizeof text));
-    double x = strtod(text, &end);
-    if (end != text && *end == '/') {
-      const char *below = end + 1;
-      x /= strtod(below, &end);
-      end = (end == below) ? text : end;
-    }
-    if (end == text || *end != '\0' || !isfinite(x)) {
-      return READ_BAD(n, "%s: farkas_y: '%s' is no fraction", n->where, text);
-    }
-    c->k.farkas[i] = x;
+    BASE_TRY(read_fraction(n, json_array_get(list, (size_t)i), "farkas_y", &c->k.farkas[i]));
   }
   return BASE_OK;
 }
@@ -182,6 +260,9 @@ static base_status read_work(const node *n, lcp_case *c) {
   c->lemke_pivots = lemke;
   c->least_index_pivots = least;
   BASE_TRY(node_real(n, "forward_tol", &c->forward_tol));
+  if (node_has(n, "forward_tol") && !(c->forward_tol > 0.0)) {
+    return READ_BAD(n, "%s: forward_tol = %g, need > 0", n->where, c->forward_tol);
+  }
   BASE_TRY(node_real(n, "residual_floor", &c->residual_floor));
   BASE_TRY(node_int(n, "binary_first", &c->binary_first));
   BASE_TRY(optional_numbers(n, "ray_d", c->n, &c->ray_d));
@@ -251,7 +332,7 @@ base_status read_lcp_case(json_t *v, lcp_case *c, base_error *err) {
   BASE_TRY(read_lcp_problem(&n, c));
   BASE_TRY(read_solutions(&n, c));
   BASE_TRY(read_example(&n, c));
-  BASE_TRY(optional_numbers(&n, "w", c->n, &c->w));
+  BASE_TRY(read_w(&n, c));
   BASE_TRY(read_sets(&n, c));
   BASE_TRY(read_farkas(&n, c));
   BASE_TRY(read_work(&n, c));

@@ -196,6 +196,48 @@ static base_status read_generated(const node *n, lcp_case *c) {
   return run_generator(&g, type, size, &c->k);
 }
 
+static bool is_number(const json_t *v, double x) {
+  return json_is_number(v) &&
+         fabs(json_number_value(v) - x) <= 1e-12 * fmax(fabs(json_number_value(v)), fabs(x));
+}
+
+static bool are_numbers(const json_t *list, int n, const double *x, int stride) {
+  bool same = json_is_array(list) && json_array_size(list) == (size_t)n;
+  for (int i = 0; same && i < n; i++) {
+    same = is_number(json_array_get(list, (size_t)i), x[(size_t)i * (size_t)stride]);
+  }
+  return same;
+}
+
+/* M or q beside a generator say what it gives, up to rounding. */
+static base_status check_listed(const node *n, const lcp_case *c) {
+  const size_t size = (size_t)c->n;
+  const json_t *rows = json_object_get(n->v, "M"), *q = json_object_get(n->v, "q");
+  if (q != NULL && !are_numbers(q, c->n, c->k.p.q, 1)) {
+    return READ_BAD(n, "%s: q is not that of gen", n->where);
+  }
+  if (rows == NULL) {
+    return BASE_OK;
+  }
+  bool same = json_array_size(rows) == size;
+  double *M = same ? malloc((size * size + 1) * sizeof *M) : NULL;
+  if (same && M == NULL) {
+    return read_no_memory(n);
+  }
+  if (same) {
+    lcp_matrix_to_dense(&c->k.p.M, M);
+  }
+  for (size_t i = 0; same && i < size; i++) {
+    same = are_numbers(json_array_get(rows, i), c->n, M + i, c->n);
+  }
+  free(M);
+  return same ? BASE_OK : READ_BAD(n, "%s: M is not that of gen", n->where);
+}
+
 base_status read_lcp_problem(const node *n, lcp_case *c) {
-  return node_has(n, "gen") ? read_generated(n, c) : read_dense(n, c);
+  if (!node_has(n, "gen")) {
+    return read_dense(n, c);
+  }
+  BASE_TRY(read_generated(n, c));
+  return (node_has(n, "M") || node_has(n, "q")) ? check_listed(n, c) : BASE_OK;
 }

@@ -441,6 +441,60 @@ def an_id_has_one_scene(d):
         assert done.stdout.endswith(" 1 failed, 0 skipped\n"), done.stdout
 
 
+def truths_that_do_not_hold_are_refused(d):
+    """What a complementarity problem states of itself: it would judge nobody, or wrongly."""
+    good = {
+        "id": "s",
+        "n": 2,
+        "M": [[2, 1], [1, 2]],
+        "q": [-5, -6],
+        "status_correct": ["solved"],
+        "solutions": [{"z": [4 / 3, 7 / 3], "z_exact": ["4/3", "7/3"], "w": [0, 0]}],
+        "w": [0, 0],
+        "forward_tol": 1e-9,
+    }
+    walls = {
+        "id": "s",
+        "n": 2,
+        "M": [[1, -1], [-1, 1]],
+        "q": [-1, -1],
+        "farkas_y": ["1", "1"],
+        "status_correct": ["infeasible"],
+    }
+    made = {"id": "s", "n": 2, "gen": {"name": "murty", "n": 2}, "status_correct": ["solved"]}
+    made |= {"M": [[1, 0], [2, 1]], "q": [-1, -1]}
+    path = d / "s.json"
+
+    def check(case, code):
+        path.write_text(json.dumps({"lcp": [case]}))
+        return run("check", path, "--solver", "lemke", code=code).stdout
+
+    for case in (good, walls, made):
+        check(case, 0)
+    wrong = {"z": [1, 1]}
+    for case, said in (
+        (good | {"forward_tol": -1}, "forward_tol = -1, need > 0"),
+        (good | {"solutions": [{"z": [1, 1], "z_exact": ["1", "3"]}]}, "z_2 is 1, z_exact says 3"),
+        (good | {"solutions": [good["solutions"][0] | {"w": [0, 1]}]}, "solution 1: w_2 is 1"),
+        (good | {"w": [1, 0]}, "w_1 is 1"),
+        (good | {"farkas_y": ["1", "1"]}, "farkas_y proves that there is no solution"),
+        (made | {"M": [[1, 0], [3, 1]]}, "M is not that of gen"),
+        (made | {"q": [-1, -2]}, "q is not that of gen"),
+        (made | {"q": [-1]}, "q is not that of gen"),
+    ):
+        path.write_text(json.dumps({"lcp": [case]}))
+        one_line_error("check", path, "--solver", "lemke", names=["s.json", "lcp 's'", said])
+    for case, said in (
+        (good | {"solutions": [wrong], "w": [-2, -3]}, "solution 1 does not solve the problem"),
+        (made | {"example_solution": wrong}, "example_solution does not solve the problem"),
+        (walls | {"farkas_y": ["1", "0"]}, "farkas_y proves nothing"),
+        (walls | {"farkas_y": ["-1", "-1"]}, "farkas_y proves nothing"),
+    ):
+        out = check(case, 3)
+        assert f"FAILED s - - [run] : {said}" in out, (case, out)
+        assert out.endswith("0 passed, 1 failed, 0 skipped\n"), out
+
+
 def a_check_that_names_a_formulation_judges_it(d):
     """Also one whose model leaves out an effect of the scene: penalty has no rigid contact."""
     scene = {
@@ -950,6 +1004,7 @@ tap(
         check_fails_what_it_cannot_run,
         forms_that_nobody_goes_by_are_refused,
         an_id_has_one_scene,
+        truths_that_do_not_hold_are_refused,
         a_check_that_names_a_formulation_judges_it,
         lists_are_bare_names,
         scenes_are_described_in_full,
