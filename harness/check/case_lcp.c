@@ -2,6 +2,7 @@
 
 #include "lcp/lcp_judge.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 case_status case_lcp_word(const solve_record *r) {

@@ -1,5 +1,6 @@
 #include "harness/util/table.h"
 
+#include "harness/util/csv.h"
 #include "harness/util/json_out.h"
 #include "lcp/base/nearest.h"
 
