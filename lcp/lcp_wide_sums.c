@@ -306,7 +306,7 @@ BASE_CLONES static void add_sizes(const lcp_wide_columns *c, const together *of,
   const lcp_factored *f = c->M->factored;
   const bool inside = near->group >= of->group && near->group < of->end;
   const lcp_csc *S = inside ? f->shift : NULL;
-  side_rows on[2] = {{0}, {0}};
+  side_rows on[2] = {{weighed, weighed, 0}, {weighed, weighed, 0}};
   for (int side = 0, bodies = 0; side < 2; side++) {
     const int n = lcp_factored_dof(f, of->group, side);
     if (near->jac[side] != NULL) {
@@ -314,8 +314,7 @@ BASE_CLONES static void add_sizes(const lcp_wide_columns *c, const together *of,
     }
     weighed += (ptrdiff_t)n * of->stride;
   }
-  if (on[0].dof == 6 &&
-      on[1].dof == 0) { /* the two commonest, in which the compiler knows how many */
+  if (on[0].dof == 6 && on[1].dof == 0) { /* the two commonest: the compiler knows how many */
     on[0].dof = 6;
     on[1].dof = 0;
     add_rows(of, near, on[0], on[1], S, c->x, size);
