@@ -140,7 +140,7 @@ def conform_finds_each_fault(d):
         ("plugin_liar", "answer", "a false claim"),
         ("plugin_prover", "answer", "a false claim"),
         ("plugin_crash", "run", "crash by signal"),
-        ("plugin_writer", "data", "written to"),
+        ("plugin_writer", "run", "third-party library"),
         ("plugin_fickle", "again", "another answer"),
     ) + (() if SANITIZED else (
         ("plugin_overrun", "run", "third-party library"),
