@@ -357,21 +357,7 @@ static bool go_on(climber *l) {
 typedef struct start_sizes {
   double scale, bears;
   bool rests, points;
-  bool parts; /* velocities at the start that joints do not allow */
 } start_sizes;
-
-/* Do joints part at the start, by more than rounding of the fastest point? Each formulation makes of that what it can. */
-static base_status find_parting(world *w, double h, bool *parts, base_error *err) {
-  static const double rounding = 1e-6;
-  const double fast = world_surface_speed(w);
-  contact_set c;
-  BASE_TRY(world_contacts(w, h, 0.0, &c, err));
-  *parts = false;
-  for (int row = c.row_start[c.n_contact]; row < c.n_row; row++) {
-    *parts = *parts || fabs(c.u_before[row]) > rounding * fmax(fast, fast / world_size(w));
-  }
-  return BASE_OK;
-}
 
 static base_status start_open(const sim_request *q, start_sizes *start, base_error *err) {
   world *w;
@@ -383,12 +369,8 @@ static base_status start_open(const sim_request *q, start_sizes *start, base_err
            step_beside_growth(w));
   start->rests = world_may_rest(w);
   start->points = world_of_points(w);
-  start->parts = false;
-  const base_status done = (q->spec->n_joint > 0 && q->spec->model == NULL)
-                               ? find_parting(w, fmin(q->h, start->bears), &start->parts, err)
-                               : BASE_OK;
   world_close(w);
-  return done;
+  return BASE_OK;
 }
 
 base_status error_first_step(const sim_request *q, double *h, base_error *err) {
@@ -521,10 +503,6 @@ base_status error_run(const sim_request *q, const error_asked *asked, series *re
   base_status done = climb(&l, steps, &start, err);
   if (done == BASE_OK && steps == ERROR_EXTRAPOLATED && !extrapolated_stands(&l)) {
     done = climb(&l, ERROR_PLAIN, &start, err);
-  }
-  if (done == BASE_OK && start.parts && result->promised) {
-    result->promised = false;
-    refuse(result, "joints do not allow the velocities at the start");
   }
   if (done == BASE_OK) {
     hand_over(&l, record, out, kept);

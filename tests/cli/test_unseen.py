@@ -26,7 +26,6 @@ from unseen_scenes import (
     swinging,
     swung_off,
     thrown_up,
-    torn_apart,
     tossed,
     written,
 )
@@ -222,14 +221,6 @@ def friction_that_is_too_small_is_said(d):
         assert not e["promised"] and why in e["reason"], (way, e)
 
 
-def a_start_that_joints_forbid_is_said(d):
-    """Each formulation makes of it what it can."""
-    for form in ("velocity", "event"):
-        words = ("--formulation", form, "--solver", "lemke", "--error", "1%")
-        e = run_json("simulate", written(d, torn_apart()), *words, code=3)["error"]
-        assert not e["promised"] and "at the start" in e["reason"], (form, e)
-
-
 def bristles_too_soft_for_an_impact_are_said(d):
     """Hardly any friction comes of it, and the slide that goes on is 0.4 m/s too fast."""
     made, _ = hit_aslant()
@@ -319,7 +310,6 @@ tap(
         a_load_does_not_turn_a_slide_round_that_friction_holds,
         a_turn_is_not_measured_by_the_way,
         friction_that_is_too_small_is_said,
-        a_start_that_joints_forbid_is_said,
         bristles_too_soft_for_an_impact_are_said,
         no_speed_in_metres_a_second_is_slow,
         an_impact_that_slips_has_kinetic_friction,

@@ -362,13 +362,6 @@ def slow() -> tuple[Scene, dict[str, float]]:
     return s | {"observe": list(ends)}, ends
 
 
-def torn_apart() -> Scene:
-    """Two discs on one ball joint that fly apart at the start."""
-    left, right = disc("a", 0.1, [-0.2, 0.5], vel=[-1, 0]), disc("b", 0.1, [0.2, 0.5], vel=[1, 0])
-    s = scene("torn_apart", 2, 0.5, [left, right], gravity=[0, -G], observe=["a.x", "b.y"])
-    return s | {"joints": [{"type": "ball", "body": "a", "other": "b", "anchor": [0, 0.5]}]}
-
-
 def point_turns() -> tuple[Scene, dict[str, float]]:
     """A point with an inertia on a torsion spring: what turns has no radius."""
     point = body("b", {"type": "point"}, [0, 0], inertia=0.02, angle=1.0)
