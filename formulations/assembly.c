@@ -321,13 +321,20 @@ static void drop_noise(const form_assembly *a, int i, int j, double *block) {
   const int ri = form_rows_of(a, i), rj = form_rows_of(a, j);
   for (int e = 0; e < ri * rj; e++) {
     const double scale = diagonal_of(a, i, e / rj) * diagonal_of(a, j, e % rj);
-    block[e] = (block[e] * block[e] > noise * noise * scale) ? block[e] : 0.0;
+    block[e] = (block[e] * block[e] <= noise * noise * scale) ? 0.0 : block[e];
   }
 }
 
 /* What resists torsion and rolling of a ball has nothing to do with its slip. By an entry of 1e-17 it would, where nothing else moves it:
  * such entries are zero in the blocks of groups that resist. */
 static void clean(form_assembly *a) {
+  bool any = false;
+  for (int i = 0; i < a->n_contact && !any; i++) {
+    any = resists(a, i);
+  }
+  if (!any) {
+    return;
+  }
   for (int i = 0; i < a->n_group; i++) {
     for (int k = a->near_start[i]; k < a->near_start[i + 1]; k++) {
       if (resists(a, i) || resists(a, a->near[k])) {

@@ -186,7 +186,7 @@ static void drop_rounding(form_assembly *a) {
       fastest = fmax(fastest, a->joints.speed[row]);
     }
     for (int row = a->row[i]; row < a->row[i + 1]; row++) {
-      a->r[row] = (fabs(a->r[row]) > noise * fastest) ? a->r[row] : 0;
+      a->r[row] = (fabs(a->r[row]) <= noise * fastest) ? 0 : a->r[row];
     }
   }
 }

@@ -97,7 +97,8 @@ static inline const double *contact_memory_old(const contact_memory *m, int i) {
 bool contact_memory_closed(const contact_memory *m, int i);
 /* Does contact i of set c slide since the last step: 1, 0, or -1 (PAST_SLIDES)? What moves by less than 1e-9 of what its friction did to
  * it in that step is at rest, and what slides against its way then has turned round since, as an extrapolated state may. Where kinetic friction
- * is less than static, a contact that was open slides where it slips, as in an impact. */
+ * is less than static, a contact that was open, or is not remembered as in the first step, slides where it
+ * slips, as in an impact. */
 int contact_memory_slides(const contact_memory *m, const contact_set *c, int i);
 /* The slip u, over the rows of contact i of the set, in the world. */
 void contact_memory_way(const contact_set *c, int i, const double *u, double way[3]);

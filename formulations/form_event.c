@@ -31,10 +31,10 @@ static const base_field fields[] = {
     BASE_FIELD(event_options, max_evaluations, BASE_INT, "1", 500000, 1, 2e9,
                "evaluations of the forces in one step, then it fails"),
     FORM_DISTRIBUTION_FIELD(event_options),
-    BASE_FIELD(
-        event_options, rest_speed, BASE_REAL, "1", 1e-3, 0, 1e3,
-        "impacts do not bounce that are slower than this times what falls by the size of the "
-        "smallest body"),
+    BASE_FIELD(event_options, rest_speed, BASE_REAL, "1", 1e-3, 0, 1e3,
+               "impacts do not bounce that are slower than this times sqrt(a s), a by gravity and "
+               "loads, s "
+               "the size of the smallest body"),
     BASE_FIELD(event_options, resolve, BASE_REAL, "1", 10, 1, 1e9,
                "speeds below this many errors of the integrator are none"),
     BASE_FIELD_CHOICE(event_options, restitution, "newton|poisson", EVENT_NEWTON, "law of impact"),

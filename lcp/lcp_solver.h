@@ -48,6 +48,7 @@ typedef struct lcp_result {
   lcp_certificate certificate;
   const char *variant; /* which branch of the method ran ("spg", "extragradient"); static or "" */
   long solutions;      /* isolated solutions found by a method that counts them; -1: not counted */
+  double aside;        /* of checks that are no part of the method, in its solve [s] */
 } lcp_result;
 
 /* Convergence history, preallocated by the harness. NULL in timed runs: a run

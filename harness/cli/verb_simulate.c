@@ -622,7 +622,10 @@ static int run(int argc, char **argv) {
     done = with_files(&s, o.t.scene, &o.f, &report, &err);
   }
   if (done == BASE_OK && o.f.steps != NULL) {
-    done = simulation_list_steps(&s, &err);
+    /* all of a run that failed, so that the list fails too; up to a signal those that were taken */
+    const long taken = (long)json_integer_value(json_object_get(report.object, "steps"));
+    done = simulation_list_steps(&s, stop_requested() != 0 ? taken : sim_steps_planned(&s.request),
+                                 &err);
   }
   if (done == BASE_OK) {
     put_choice(report.object, &s, &o.t, o.f.steps);

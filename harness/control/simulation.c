@@ -397,10 +397,10 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
   return parts_of(t, q->solver->solver, q, err);
 }
 
-base_status simulation_list_steps(simulation *s, base_error *err) {
+base_status simulation_list_steps(simulation *s, long taken, base_error *err) {
   const sim_request *q = &s->request;
   const bool even = s->steps.n == 0 && s->error.E == 0.0;
-  const long n = even ? sim_steps_planned(q) : 0;
+  const long n = even ? taken : 0;
   for (long i = 0; i < n; i++) {
     BASE_TRY(step_list_append(&s->steps, q->h, 0, err));
   }

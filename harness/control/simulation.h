@@ -46,6 +46,6 @@ base_status simulation_open(const simulation_texts *t, simulation *out, base_err
 /* The run. With --error the request has the steps that were found, and where it asks for files they are written by
  * a run with these steps. */
 base_status simulation_run(simulation *s, series *record, sim_result *out, base_error *err);
-/* After the run: even steps become a list, too, so that a file of it repeats them. Where --error found none there are none. */
-base_status simulation_list_steps(simulation *s, base_error *err);
+/* After the run: even steps, so many as were `taken`, become a list, too, so that a file of it repeats them. Where --error found none there are none. */
+base_status simulation_list_steps(simulation *s, long taken, base_error *err);
 void simulation_close(simulation *s);

@@ -265,8 +265,8 @@ static base_status judge_and_put(sequence *q, const item_words *w, lcp_problem *
   }
   BASE_TRY(lcp_problem_check(p, err));
   BASE_TRY(lcp_judge(p, z, &v, err));
-  if (w->verified && !(v.rho <= fmin(w->tolerance, LCP_VERIFY_ITERATIVE) &&
-                       lcp_judged_small(&v, LCP_VERIFY_ITERATIVE))) {
+  const double tol = fmin(w->tolerance, LCP_VERIFY_ITERATIVE);
+  if (w->verified && !(v.rho <= tol && lcp_judged_small(&v, tol))) {
     return wrong(w, "the answer is called verified and does not pass the judge", err);
   }
   const sim_solved k = {.step = w->step,

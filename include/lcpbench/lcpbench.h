@@ -109,10 +109,10 @@ typedef struct lcp_report {
       status; /* verdict: "ok", "near", "stalled", "budget", "max_iter", "time_limit", "ray", "infeasible" (proved),
                               "unverified" (claimed, and wrong), "numerical", "unsupported", "error" */
   const char *claim; /* what the solver said: "ok", "max_iter", ..., "" where it was not asked */
-  int verified;      /* 1: rho <= tolerance, by the judge alone */
-  double tolerance;  /* the rho that counts as verified here [1] */
-  double rho;     /* the residual that decides; unchanged by scaling of rows, columns and q [1] */
-  double natural; /* max_i |min(M_ii z_i, w_i)| and its like for other sets [m/s] */
+  int verified;     /* 1: rho <= tolerance, and small against q (RESIDUALS 4), by the judge alone */
+  double tolerance; /* the rho that counts as verified here [1] */
+  double rho;       /* the residual that decides; unchanged by scaling of rows, columns and q [1] */
+  double natural;   /* max_i |min(M_ii z_i, w_i)| and its like for other sets [m/s] */
   double natural_relative; /* natural / (1 + max |q|) [1] */
   double min_map;          /* max_i |min(z_i, w_i)|, the literature's number */
   double infeasible_z;     /* largest violation of z in K [N s] */
@@ -130,7 +130,8 @@ typedef struct lcp_report {
  * only where the solver claims an answer and the judge agrees; LCP_UNSOLVED where not, also where infeasibility was proved. */
 int lcp_solve(const lcp_problem *p, const char *solver, double *z, lcp_report *report);
 
-/* Judges any z[n], wherever it is from: LCP_OK where rho <= tolerance, else LCP_UNSOLVED. tolerance > 0, such as 1e-9. report may
+/* Judges any z[n], wherever it is from: LCP_OK where rho <= tolerance and the violation is small against q
+ * (RESIDUALS 4), else LCP_UNSOLVED. tolerance > 0, such as 1e-9. report may
  * be NULL. */
 int lcp_verify(const lcp_problem *p, const double *z, double tolerance, lcp_report *report);
 

@@ -330,7 +330,8 @@ static double normal_velocity(double rn, void *data) {
     for (int i = 1; i < n; i++) {
       moved[sweep % 2][i] = s->r[i] - from[i];
     }
-    if (sweep % 6 == 5) { /* parts that turn each other settle by a few percent a sweep */
+    if (sweep % 6 == 5 &&
+        change > 1e-15 * size) { /* parts that turn each other settle by a few percent a sweep */
       leap(s, moved[0], moved[1]);
     }
   }

@@ -511,8 +511,8 @@ def rival(
 
 def open_with(r: dict) -> bool:
     """Nobody can say who of the two is faster: within the noise, or 1 is in the interval."""
-    low = float(f"{r['low']:.2g}")  # as it is printed: an interval from 1 on shows no order
-    return 1 / r["noise"] <= r["ratio"] <= r["noise"] or (r["both"] > 1 and low <= 1)
+    low, high = (float(f"{r[k]:.2g}") for k in ("low", "high"))  # as printed: from 1 on: no order
+    return 1 / r["noise"] <= r["ratio"] <= r["noise"] or (r["both"] > 1 and low <= 1 <= high)
 
 
 def kind_of_rival(r: dict) -> str:
