@@ -537,6 +537,20 @@ def rival_words(r: dict, mark: str = "") -> str:
     return f"{name} {ratio}{between} on {r['both']} ({reaches})"
 
 
+def rival_in_short(r: dict) -> str:
+    """As much as a card holds: the interval where it decides nothing, the ratio where it does."""
+    kind = kind_of_rival(r)
+    if kind == "few":
+        return r["name"]
+    ratio, low, high = (times(r[k]) for k in ("ratio", "low", "high"))
+    between = f" [{low}, {high}]" if kind == "open" and r["both"] > 1 else ""
+    return f"{r['name']} {ratio}{between}"
+
+
+def rivals_in_short(others: list[dict], kind: str) -> str:
+    return ", ".join(rival_in_short(r) for r in others if kind_of_rival(r) == kind)
+
+
 def rivals_words(others: list[dict], kind: str, mark: str = "") -> str:
     return ", ".join(rival_words(r, mark) for r in others if kind_of_rival(r) == kind)
 

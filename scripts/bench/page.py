@@ -336,7 +336,7 @@ def card(a: dict) -> dict:
             ),
         }
     large, behind = accuracy.largest_words(a["large"])
-    told = {w: accuracy.rivals_words(a["others"], k) for k, w in accuracy.OTHERS.items()}
+    told = {w: accuracy.rivals_in_short(a["others"], k) for k, w in accuracy.OTHERS.items()}
     other = " ".join(f"{w[0].upper()}{w[1:]}: {names}." for w, names in told.items() if names)
     return {
         "situation": accuracy.kind(a),

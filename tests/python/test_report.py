@@ -646,6 +646,8 @@ class Judged(unittest.TestCase):
             accuracy.rivals_words(cold["others"], "few"),
             "coulomb + lemke 0.05 on 1 (reaches 1 of 1)",
         )
+        short = [accuracy.rivals_in_short(cold["others"], k) for k in ("slower", "few")]
+        self.assertEqual(short, ["regularized + lemke 2", "coulomb + lemke"])
 
     def test_unlike_facets_are_told(self):
         at = ("accuracy", "stack:n=50")
