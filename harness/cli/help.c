@@ -13,12 +13,13 @@ static const char *const ending =
 static const struct exit_words {
   int code;
   const char *words;
-} exits[] = {{CLI_OK, "done: solved and verified, every check passed, every cell measured"},
-             {CLI_INTERNAL, "internal error, or standard output could not be written"},
-             {CLI_USAGE, "usage, bad input, or a file that cannot be read or written"},
-             {CLI_HONEST, "honest failure: not solved, not verified, a prediction missed"},
-             {CLI_INTERRUPTED, "stopped by SIGTERM; the same command goes on, or begins again (simulate)"},
-             {CLI_SIGINT_EXIT, "stopped by Ctrl-C; the same command goes on, or begins again (simulate)"}};
+} exits[] = {
+    {CLI_OK, "done: solved and verified, every check passed, every cell measured"},
+    {CLI_INTERNAL, "internal error, or standard output could not be written"},
+    {CLI_USAGE, "usage, bad input, or a file that cannot be read or written"},
+    {CLI_HONEST, "honest failure: not solved, not verified, a prediction missed"},
+    {CLI_INTERRUPTED, "stopped by SIGTERM; the same command goes on, or begins again (simulate)"},
+    {CLI_SIGINT_EXIT, "stopped by Ctrl-C; the same command goes on, or begins again (simulate)"}};
 
 void help_usage(FILE *to, const cli_verb *v) {
   const arg_table *t = v->args;

@@ -471,7 +471,8 @@ def choose(
     was run widely, reaches the level on the largest share of the scenes it was run on, and among
     those is the fastest (geometric mean of its time over the best's).
     """
-    found, run = candidates(here, level), asked(here)
+    run = asked(here)
+    found = {name: c for name, c in candidates(here, level).items() if run[name]}
     best = {
         p: min(c[p]["cost"] for c in found.values() if p in c)
         for p, _ in here
