@@ -1,9 +1,9 @@
 #include "harness/check/case_lcp.h"
 
+#include "lcp/lcp_certificate.h"
 #include "lcp/lcp_judge.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 case_status case_lcp_word(const solve_record *r) {
   if (r->status == RUN_UNSUPPORTED || !r->has_claim) {
@@ -103,27 +103,6 @@ static base_status check_answer(const lcp_case *c, const char *what, const doubl
              : BASE_FAIL(err, BASE_EINVAL, "%s does not solve the problem: rho=%.3g", what, v.rho);
 }
 
-/* y >= 0, M' y <= 0, q' y < 0, each up to the rounding of its terms: a fraction need be no double. */
-static bool proves(int n, const double *M, const double *q, const double *y) {
-  const double slack = 1e-12;
-  double qy = 0.0;
-  double terms = 0.0;
-  for (size_t j = 0; j < (size_t)n; j++) {
-    double sum = 0.0;
-    double most = 0.0;
-    for (size_t i = 0; i < (size_t)n; i++) {
-      sum += M[j * (size_t)n + i] * y[i];
-      most += fabs(M[j * (size_t)n + i] * y[i]);
-    }
-    if (!(y[j] >= 0.0) || !(sum <= slack * most)) {
-      return false;
-    }
-    qy += q[j] * y[j];
-    terms += fabs(q[j] * y[j]);
-  }
-  return qy < -slack * terms;
-}
-
 base_status case_lcp_holds(const lcp_case *c, base_error *err) {
   const size_t n = (size_t)c->n;
   for (int i = 0; i < c->n_solution; i++) {
@@ -137,12 +116,8 @@ base_status case_lcp_holds(const lcp_case *c, base_error *err) {
   if (c->k.farkas == NULL) {
     return BASE_OK;
   }
-  double *M = malloc((n * n + 1) * sizeof *M);
-  if (M == NULL) {
-    return BASE_FAIL(err, BASE_ENOMEM, "no memory for M");
-  }
-  lcp_matrix_to_dense(&c->k.p.M, M);
-  const bool holds = proves(c->n, M, c->k.p.q, c->k.farkas);
-  free(M);
-  return holds ? BASE_OK : BASE_FAIL(err, BASE_EINVAL, "farkas_y proves nothing");
+  const lcp_certificate proof = {.kind = LCP_CERT_FARKAS, .vector = c->k.farkas};
+  lcp_certificate_verdict v;
+  BASE_TRY(lcp_certificate_verify(&c->k.p, &proof, NULL, &v, err));
+  return v.holds ? BASE_OK : BASE_FAIL(err, BASE_EINVAL, "farkas_y proves nothing");
 }
