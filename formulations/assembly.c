@@ -328,11 +328,7 @@ static void drop_noise(const form_assembly *a, int i, int j, double *block) {
 /* What resists torsion and rolling of a ball has nothing to do with its slip. By an entry of 1e-17 it would, where nothing else moves it:
  * such entries are zero in the blocks of groups that resist. */
 static void clean(form_assembly *a) {
-  bool any = false;
-  for (int i = 0; i < a->n_contact && !any; i++) {
-    any = resists(a, i);
-  }
-  if (!any) {
+  if (a->set->mu_torsion == NULL && a->set->mu_rolling == NULL) {
     return;
   }
   for (int i = 0; i < a->n_group; i++) {
