@@ -23,6 +23,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Gaps, u and the curvature term are used of a set that is detected with this step at most, and the curvature is differenced over a
+ * thousandth of it. */
+static const double longest_probe = 1e-3; /* [s] */
+
 static const base_field fields[] = {
     BASE_FIELD(event_options, facets, BASE_INT, "1", 16, 3, SLIP_FACETS_MAX,
                "directions of friction in impacts and at rest"),
@@ -33,8 +37,7 @@ static const base_field fields[] = {
     FORM_DISTRIBUTION_FIELD(event_options),
     BASE_FIELD(event_options, rest_speed, BASE_REAL, "1", 1e-3, 0, 1e3,
                "impacts do not bounce that are slower than this times sqrt(a s), a by gravity and "
-               "loads, s "
-               "the size of the smallest body"),
+               "loads, s the size of the smallest body"),
     BASE_FIELD(event_options, resolve, BASE_REAL, "1", 10, 1, 1e9,
                "speeds below this many errors of the integrator are none"),
     BASE_FIELD_CHOICE(event_options, restitution, "newton|poisson", EVENT_NEWTON, "law of impact"),
@@ -160,7 +163,7 @@ static base_status step(void *st, world *w, double h, const formulation_solver *
   s->solved = true;
   s->answer = (formulation_answer){.stiffness_ratio = HUGE_VAL};
   s->rest = s->opt->rest_speed * sqrt(world_most_acceleration(w) * world_size(w));
-  s->arc.step = h;
+  s->arc.probe = fmin(longest_probe, h);
   s->arc.evaluations = 0;
   s->arc.unshared = 0;
   s->arc.unsettled = 0;

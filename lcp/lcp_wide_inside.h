@@ -16,7 +16,7 @@ typedef struct lcp_wide_scratch {
 } lcp_wide_scratch;
 
 enum {
-  LCP_WIDE_LANES = 4,  /* columns that are summed side by side, at least */
+  LCP_WIDE_LANES = 4,  /* columns that are summed side by side */
   LCP_WIDE_SHARE = 64, /* bodies or groups of one part of the work */
 };
 

@@ -7,9 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Step handed to the detection: gaps, u and the curvature term are used of that set, and the
- * curvature is differenced over 1e-3 of it. */
-static const double longest_probe = 1e-3; /* [s] */
 /* Of the largest force at hand: less is rounding of the problem that chose the contacts. */
 static const double force_tol = 1e-8;
 static const double rank_tol = 1e-11; /* singular directions of redundant contacts */
@@ -324,7 +321,7 @@ static bool follow(arc *a) {
 
 base_status arc_forces(arc *a, double *acc, base_error *err) {
   form_assembly *s = &a->space->a;
-  BASE_TRY(world_contacts_curved(a->w, fmin(longest_probe, a->step), a->margin, &a->set, err));
+  BASE_TRY(world_contacts_curved(a->w, a->probe, a->margin, &a->set, err));
   BASE_TRY(world_acceleration(a->w, acc, err));
   BASE_TRY(space_reserve(a->space, &a->set, err));
   read_set(a);
@@ -371,7 +368,7 @@ bool arc_carries(const arc *a) {
 
 base_status arc_settle(arc *a, double *v, base_error *err) {
   form_assembly *s = &a->space->a;
-  BASE_TRY(world_contacts(a->w, fmin(longest_probe, a->step), a->margin, &a->set, err));
+  BASE_TRY(world_contacts(a->w, a->probe, a->margin, &a->set, err));
   BASE_TRY(space_reserve(a->space, &a->set, err));
   read_set(a);
   BASE_TRY(space_impact(a->space, &a->set, err));

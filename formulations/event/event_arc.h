@@ -41,10 +41,11 @@ typedef struct arc {
   event_space *space; /* borrowed: after arc_forces it holds the forces of the joints */
   double rate;        /* s [1/s] */
   int distribution;   /* form_distribution */
-  double step;        /* in which this is asked [s] */
-  double margin;      /* contacts with a larger gap are not looked for [m] */
-  double slow;        /* what cannot be told from rest [m/s]: such a slip keeps its direction */
-  double load;        /* largest sum of what the forces, one by one, do to a row [m/s^2] */
+  double
+      probe; /* step that contacts are looked for in: no longer than the one that is asked for [s] */
+  double margin; /* contacts with a larger gap are not looked for [m] */
+  double slow;   /* what cannot be told from rest [m/s]: such a slip keeps its direction */
+  double load;   /* largest sum of what the forces, one by one, do to a row [m/s^2] */
   arc_contact *contact;
   int n, cap;
   contact_set set;            /* of the last evaluation */

@@ -272,7 +272,7 @@ static base_status restart_forces(event_run *s, base_error *err) {
 
 static base_status look(event_run *s, double t, contact_set *c, base_error *err) {
   world_set_state(s->w, t, s->y, s->y + s->n_config);
-  BASE_TRY(world_contacts_curved(s->w, fmin(1e-3, s->arc.step), s->arc.margin, c, err));
+  BASE_TRY(world_contacts_curved(s->w, s->arc.probe, s->arc.margin, c, err));
   return grow_scratch(s, c, err);
 }
 

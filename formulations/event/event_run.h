@@ -41,7 +41,6 @@ typedef struct event_run {
   double *old; /* 2 per contact of the arc: directions at the start of the substep */
   int cap_old;
   double substep;
-  double step;        /* [s] */
   double rest;        /* impacts slower than this do not bounce [m/s] */
   double atol;        /* of this step [m], [m/s] */
   double pull;        /* largest free acceleration of a contact at the last event [m/s^2] */

@@ -7,9 +7,9 @@
 typedef struct contact_law {
   bool
       bent; /* sliding friction gave something beyond mu_k l_n against the slip, in space, or what holds more than mu_s l_n */
-  double
-      left; /* largest slip that an impact leaves to a contact that holds: all of it where it bounces off, else what its friction could
-                  have taken [m/s] */
+  /* largest slip that an impact leaves to a contact that holds: all of it where it bounces off, else what its
+   * friction could have taken [m/s] */
+  double left;
 } contact_law;
 
 /* Of contacts with these impulses, modes (1: holds, 2: slides), and row velocities at the end of the step and without contacts, all n_row but
