@@ -135,16 +135,33 @@ static base_status warm_up(measured *m, const record *base, sampling *s, base_er
   return (done != BASE_OK) ? done : closed;
 }
 
-static void calibrate(measured *m, double once) {
-  const campaign_sampling *s = &m->job->campaign->sampling;
-  if (once > 0.0 && once < s->inner && m->sweep == NULL) {
-    m->n_inner = (int)fmin(ceil(s->inner / once), 1e6);
-  }
-}
-
 /* Would one more sample end before the process is killed? */
 static bool time_left(const measured *m, const sampling *s) {
   return base_seconds() - s->from + 1.2 * s->longest < m->job->campaign->limits.time;
+}
+
+/* As many evaluations in a sample as fill `inner`. The first one, row 0, has in it what happens once in a process. It is trusted only
+ * where it fills that ten times, or where verdicts are all that is asked. Samples of growing number, of which no row tells, follow
+ * until one would not need twice as many. Returns the seconds of one evaluation in `once`. */
+static base_status calibrate(measured *m, const record *base, sampling *s, double *once,
+                             base_error *err) {
+  const double inner = m->job->campaign->sampling.inner;
+  *once = s->seconds[0];
+  const double trusted = (m->job->campaign->sampling.max_samples == 1) ? inner : 10.0 * inner;
+  if (m->status != RUN_OK || m->sweep != NULL || !(*once > 0.0) || *once >= trusted) {
+    return BASE_OK;
+  }
+  for (double wanted = ceil(inner / *once); time_left(m, s);) {
+    m->n_inner = (int)fmin(wanted, 1e6);
+    BASE_TRY(take_sample(m, base, s, err));
+    s->n--;
+    *once = s->seconds[s->n];
+    wanted = (*once > 0.0) ? fmin(ceil(inner / *once), 1e6) : 1e6;
+    if (wanted < 2.0 * m->n_inner) {
+      break;
+    }
+  }
+  return BASE_OK;
 }
 
 static bool known_well(const measured *m, sampling *s) {
@@ -185,8 +202,8 @@ static base_status repeat(measured *m, const record *base, sampling *s, base_err
   const campaign_sampling *c = &m->job->campaign->sampling;
   char hash[sizeof base->solution_hash];
   BASE_TRY(warm_up(m, base, s, err));
-  const double once = s->seconds[0];
-  calibrate(m, once);
+  double once;
+  BASE_TRY(calibrate(m, base, s, &once, err));
   if (!time_left(m, s) || (c->max_samples == 1 && m->n_inner == 1)) {
     record_flag(&s->row[0],
                 "first_run"); /* no second one fits, or verdicts are all that is asked */

@@ -1,7 +1,7 @@
 """test_timing.py NAME - one test of the clock, run by quiet.py.
 
 Timing that can be trusted: A/A names no winner, five per cent is found, a planted sleep lands in
-its column, a process costs the harness less than starting Python; and what must be quick is quick.
+its column, a process costs the harness few times its start; and what must be quick is quick.
 """
 
 import csv
@@ -165,9 +165,15 @@ def sampling_stops_when_the_median_is_known(d):
 
 
 def short_solves_are_looped(d):
-    run("run", campaign(d, text_of(d, "[lemke]")), "--out", d / "o", "--quiet")
-    for r in rows(d / "o"):
-        assert int(r["n_inner"]) > 100 and 0 < float(r["t_solve_s"]) < 1e-3, r["n_inner"]
+    """Until they fill the bracket, also where the first solve of a process was slow: faulty_first
+    sleeps in it as long as the bracket is."""
+    c = campaign(d, text_of(d, "[lemke, 'faulty_first:seconds=0.01']"))
+    run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
+    told = rows(d / "o")
+    assert {r["solver"] for r in told} == {"lemke", "faulty_first"}
+    for r in told:
+        assert int(r["n_inner"]) > 100 and 0 < float(r["t_solve_s"]) < 1e-4, r["n_inner"]
+        assert int(r["n_inner"]) * float(r["t_solve_s"]) > 0.002, r["n_inner"]
 
 
 def deadlines_are_reported(d):
@@ -201,11 +207,10 @@ def start_s(words):
     return sorted(taken)[10]
 
 
-def a_process_costs_less_than_starting_python(d):
-    """Beyond its work: starting the program, its canary, its row. Both go with the machine, which
-    a bound in ms does not. Python starts bare, without what it imports by itself; three quarters
-    of that are 1.6 times what a process costs."""
-    python = start_s([sys.executable, "-I", "-S", "-c", "pass"])
+def a_process_costs_few_times_its_start(d):
+    """Beyond its work: starting the program, its canary, its row. Held against what this program
+    takes to start and end by itself, which goes with the machine as that does."""
+    start = start_s([FAULTY, "--version"])
     text = text_of(d, "['faulty_steady:seconds=0.1', 'faulty_twin:seconds=0.1']")
     text = text.replace(
         "processes: 5, samples: 7, max_samples: 15", "processes: 10, samples: 1, max_samples: 1"
@@ -213,8 +218,8 @@ def a_process_costs_less_than_starting_python(d):
     done = run("run", campaign(d, text), "--out", d / "o", exe=FAULTY)
     told = re.search(r"(\d+) processes.*harness ([0-9.]+) % of ([0-9.]+) s", done.stdout)
     each = float(told.group(2)) / 100 * float(told.group(3)) / int(told.group(1))
-    print(f"# {1e3 * each:.2f} ms a process, {1e3 * python:.2f} ms to start Python")
-    assert int(told.group(1)) == 20 and 0 < each < 0.75 * python, done.stdout
+    print(f"# {1e3 * each:.2f} ms a process, {1e3 * start:.2f} ms to start it by itself")
+    assert int(told.group(1)) == 20 and 0 < each < 4 * start, done.stdout
 
 
 def doctor_measures_the_machine(d):
@@ -362,7 +367,7 @@ one_of(
         sampling_stops_when_the_median_is_known,
         short_solves_are_looped,
         deadlines_are_reported,
-        a_process_costs_less_than_starting_python,
+        a_process_costs_few_times_its_start,
         doctor_measures_the_machine,
         no_winner_inside_the_floor_of_the_size,
         large_tables_are_compared_at_once,

@@ -227,6 +227,19 @@ static base_status solve_hiccup(void *state, const lcp_problem *p, const void *o
   return solve_diagonal(p, z, res);
 }
 
+/* What happens once in a process: its first solve sleeps. */
+static base_status solve_first(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                               double *z, lcp_result *res) {
+  UNUSED_;
+  static bool begun;
+  const faulty_options *o = opt;
+  if (!begun) {
+    (void)usleep((useconds_t)(1e6 * o->seconds));
+  }
+  begun = true;
+  return solve_diagonal(p, z, res);
+}
+
 #define FAULTY(id, text, solve_, factor_) FAULTY_KIND(id, text, solve_, factor_, true)
 #define FAULTY_KIND(id, text, solve_, factor_, exact_)                                             \
   static const lcp_solver faulty_##id = {                                                          \
@@ -264,9 +277,12 @@ FAULTY(patient, "works until its time limit", solve_patient, NULL);
 FAULTY(fickle, "never the same answer", solve_fickle, NULL);
 FAULTY(tired, "says that its time is up", solve_tired, NULL);
 FAULTY(hiccup, "every sixth solve takes forty times as long", solve_hiccup, NULL);
+FAULTY(first, "the first solve of a process sleeps", solve_first, NULL);
 
-const lcp_solver *const faulty_solvers[] = {
-    &faulty_liar,    &faulty_nan,    &faulty_crash,  &faulty_hang,  &faulty_hog,
-    &faulty_quit,    &faulty_flood,  &faulty_steady, &faulty_twin,  &faulty_slower,
-    &faulty_sleeper, &faulty_damped, &faulty_copy,   &faulty_idle,  &faulty_fallback,
-    &faulty_patient, &faulty_fickle, &faulty_hiccup, &faulty_tired, NULL};
+const lcp_solver *const faulty_solvers[] = {&faulty_liar,    &faulty_nan,     &faulty_crash,
+                                            &faulty_hang,    &faulty_hog,     &faulty_quit,
+                                            &faulty_flood,   &faulty_steady,  &faulty_twin,
+                                            &faulty_slower,  &faulty_sleeper, &faulty_damped,
+                                            &faulty_copy,    &faulty_idle,    &faulty_fallback,
+                                            &faulty_patient, &faulty_fickle,  &faulty_hiccup,
+                                            &faulty_tired,   &faulty_first,   NULL};
