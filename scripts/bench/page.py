@@ -429,6 +429,7 @@ SHORT = {
     "scaling": "Scaling",
     "library": "Solvers",
     "moving": "Many contacts",
+    "crowded": "Many, by error",
     "asked": "Error asked",
     "engines": "Other engines",
     "warm": "Warm starts",

@@ -15,6 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
 from bench import (
     accuracy,
     chart,
+    crowded,
     cut,
     effects,
     headline,
@@ -150,6 +151,12 @@ def moving_words(cells: pd.DataFrame) -> str:
     return f"{moving.words(cells, '`')}\n\n{section.table_md(made)}\n" if made else ""
 
 
+def crowded_words(cells: pd.DataFrame) -> str:
+    """The same at an error, every formulation on every scene."""
+    made = crowded.table(cells)
+    return f"{crowded.words(cells, '`')}\n\n{section.table_md(made)}\n" if made else ""
+
+
 def disturbed_words(cells: pd.DataFrame) -> str:
     """How many of the cells were measured while something disturbed the machine."""
     n = int((cells["disturbed"] != "").sum())
@@ -254,6 +261,7 @@ def short_words(cells: pd.DataFrame, have: set[str], manifests: dict[str, dict])
             "\n",
             headline_words(cells),
             moving_words(cells),
+            crowded_words(cells),
             picture(
                 "accuracy_against_time",
                 "Error against time",
@@ -285,6 +293,7 @@ def long_words(
         "\n",
         headline_words(cells),
         moving_words(cells),
+        crowded_words(cells),
         picture("accuracy_against_time", "Error against time", have, accuracy_words(cells)),
         picture("surfaces", "What limits the error", have, surface_words(cells)),
         picture("stability", "Stability map", have, stability_words(ladders)),

@@ -14,6 +14,7 @@ from bench import (  # noqa: E402
     asked,
     calibration,
     claims,
+    crowded,
     effects,
     engine_rows,
     engines,
@@ -93,6 +94,7 @@ def gather(
         ("library", lambda c: library.section(c, noise)),
         ("warmstart", warm.section),
         ("moving", moving.section),
+        ("crowded", crowded.section),
     ]
     sections, absent = [], []
     sequences = warm.of(cells)

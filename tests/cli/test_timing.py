@@ -10,7 +10,6 @@ import re
 import shlex
 import statistics
 import subprocess
-import sys
 import time
 
 from support import FAULTY, QUIET, Inconclusive, campaign, diagonal, one_of, rows, run, run_json
