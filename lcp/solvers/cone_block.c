@@ -1,5 +1,7 @@
 #include "lcp/solvers/cone_block.h"
 
+#include "lcp/solvers/cone_parts.h"
+
 #include <string.h>
 
 enum { ROOT_STEPS = 200 };
@@ -367,7 +369,7 @@ void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double
     r[0] = -b[0] / A[0];
   } else if (k->n_part == 1) {
     one_part(k, A, b, r);
-  } else {
+  } else if (!lcp_cone_parts_newton(k, A, b, r)) {
     many_parts(k, A, b, r);
   }
 }

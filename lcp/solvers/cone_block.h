@@ -14,6 +14,6 @@ enum { LCP_CONE_MAX = 1 + 2 * LCP_PARTS_MAX }; /* rows of one block; a part has 
 /* Solves the block into r[k->size]; A column-major. One part: take-off, stick, else the sliding
  * branch r(a) = stick of A + diag(0, a, a) has |r_t(a)| - mu r_n(a) > 0 at a = 0 and < 0 for large a,
  * so a root exists and is bracketed (the scalar form of Bonnefon & Daviet 2011, quartic there). More
- * parts: the normal impulse by bracketing on w_n, inside it the convex disc problems by block
- * coordinate descent. */
+ * parts: Newton's method (cone_parts.h). Where that does not end, the normal impulse by bracketing on w_n, inside it the convex disc
+ * problems by block coordinate descent. */
 void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double *r);

@@ -7,6 +7,7 @@
 #include "lcp/lcp_instance.h"
 #include "lcp/lcp_judge.h"
 #include "lcp/solvers/cone_block.h"
+#include "lcp/solvers/cone_parts.h"
 #include "lcp/solvers/contact_sweep.h"
 #include "lcp/solvers/lemke/block.h"
 #include "tests/support/plain_sweep.h"
@@ -236,6 +237,43 @@ static void the_cone_block_obeys_coulomb(void **state) {
     }
   }
   assert_true(modes[0] > 100 && modes[1] > 30 && modes[2] > 100);
+}
+
+/* Friction, torsion and rolling at one contact: Newton's steps come to rounding nearly always, also where the arms of the moments are a hundredth
+ * of a length, and what they come to obeys the law. */
+static void several_parts_are_found_by_newton(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(12);
+  int found = 0, closed = 0, rest[3] = {0}, slip[3] = {0};
+  for (int c = 0; c < 4000; c++) {
+    lcp_block k = {.size = 6, .set = LCP_CONE, .n_part = 3, .part_dim = {2, 1, 2}};
+    const double arm = (c % 2 == 0) ? 1.0 : 0.01; /* of the moments, in the unit of length */
+    double A[LCP_CONE_MAX * LCP_CONE_MAX], b[LCP_CONE_MAX], x[LCP_CONE_MAX];
+    random_spd(&r, k.size, A);
+    for (int i = 0; i < k.size; i++) {
+      b[i] = base_rng_between(&r, -1.0, (i == 0) ? -0.01 : 1.0) * ((i > 2) ? arm : 1.0);
+      for (int j = 0; j < k.size; j++) {
+        A[i + j * k.size] *= ((i > 2) ? arm : 1.0) * ((j > 2) ? arm : 1.0);
+      }
+    }
+    for (int p = 0; p < k.n_part; p++) {
+      k.part_mu[p] = base_rng_between(&r, 0.01, (p == 0) ? 1.0 : 0.5) / ((p == 0) ? 1.0 : arm);
+    }
+    closed++;
+    if (!lcp_cone_parts_newton(&k, A, b, x)) {
+      continue;
+    }
+    found++;
+    check_law(&k, A, b, x);
+    for (int p = 0, at = 1; p < k.n_part; at += k.part_dim[p++]) {
+      const double size = (k.part_dim[p] == 2) ? hypot(x[at], x[at + 1]) : fabs(x[at]);
+      (size < k.part_mu[p] * x[0] * (1.0 - 1e-9) ? rest : slip)[p]++;
+    }
+  }
+  assert_true(found > 0.99 * closed);
+  for (int p = 0; p < 3; p++) {
+    assert_true(rest[p] > 100 && slip[p] > 100);
+  }
 }
 
 static lemke_block block_open(int rows, void **memory) {
@@ -554,6 +592,7 @@ int main(void) {
       cmocka_unit_test(zero_diagonals_are_refused_without_blocks),
       cmocka_unit_test(pgs_solves_a_contact_block_in_one_sweep),
       cmocka_unit_test(the_cone_block_obeys_coulomb),
+      cmocka_unit_test(several_parts_are_found_by_newton),
       cmocka_unit_test(blocks_have_their_planted_solutions),
       cmocka_unit_test(a_block_stays_where_its_basis_holds),
       cmocka_unit_test(a_singular_basis_does_not_stay),
