@@ -67,8 +67,9 @@ def load(source: str | os.PathLike) -> pd.DataFrame:
 
 def profile(source: str | os.PathLike, factors: tuple[float, ...] = (1, 2, 5, 10)) -> pd.DataFrame:
     """Performance profile (Dolan & More 2002) over the problems of measured rows: of each solver
-    the number of problems, how many it solved and verified, and the share within each factor of
-    the best time. What failed, and what is not defined, counts as not solved."""
+    the number of problems, how many of them it was asked, how many it solved and verified, and the
+    share within each factor of the best time. What failed, and what is not defined or was not
+    asked, counts as not solved."""
     try:
         cells = _rows.cells(_rows.load_all(source)[0])
     except _rows.BadRows as why:

@@ -81,10 +81,7 @@ def ties(cells: pd.DataFrame, best: pd.Series, level: float, column: str = "err_
     """Other combinations that get there in the same time: medians closer than the noise of their
     campaign and size, or intervals of the samples that overlap."""
     fit = within(cells, level, column)
-    tie = fit["noise"].clip(lower=best["noise"])
-    fit = fit[
-        (fit["cost"] <= tie * best["cost"]) | (fit["t_total_s_low"] <= best["t_total_s_high"])
-    ]
+    fit = fit[[rows_.tied(cell, best) for _, cell in fit.iterrows()]]
     return sorted(set(fit["combination"]) - {best["combination"]})
 
 
@@ -732,9 +729,17 @@ def advise(cells: pd.DataFrame, level: float = LEVEL) -> list[dict]:
 
 
 OTHERS = {"open": "open who is faster", "slower": "slower", "few": "run on too few to tell"}
+
+
+def declared_words() -> str:
+    """'`velocity:facets=8`, `position:facets=4`': where the declared setting has options."""
+    return ", ".join(f"`{f}:{options}`" for f, options in sorted(settings.declared()) if options)
+
+
 READ = (
-    "Each formulation has one setting, its declared one, with the solver that ranks first; its"
-    " step is the cheapest that reaches the error. Behind each other formulation stand its time"
+    f"Each formulation has one setting, chosen here ({declared_words()}; of the others the"
+    " program's own), with the solver that ranks first; its step is the cheapest that reaches"
+    " the error. Behind each other formulation stand its time"
     " over that of the one to use, with the 95 % interval of the mean over scenes (a rough one"
     " where they are three), on how many scenes that is, those that both reach, and on how many"
     " of those that it was run on it reaches the error. Where the interval has 1 in it the rows"

@@ -70,15 +70,7 @@ def leaders(case: Case, level: float = accuracy.LEVEL) -> list[str]:
     if not order:
         return []
     least = found[order[0]]
-
-    def tied(cell: pd.Series) -> bool:
-        noise = max(cell["noise"], least["noise"])
-        return (
-            cell["cost"] <= noise * least["cost"]
-            or cell["t_total_s_low"] <= least["t_total_s_high"]
-        )
-
-    return [name for name in order if tied(found[name])]
+    return [name for name in order if rows_.tied(found[name], least)]
 
 
 def told(g: pd.DataFrame, first: bool, level: float = accuracy.LEVEL) -> Cell:

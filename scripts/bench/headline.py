@@ -112,8 +112,8 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
     def wins(reading: Reading, form: str) -> tuple[int, int]:
         return reading.alone[form], reading.tied[form]
 
-    for start in STARTS:
-        asked = setting(settings.started(own, start), "default")
+    for start, name in itertools.product(STARTS, SETTINGS):
+        asked = setting(settings.started(own, start), name)
         found = accuracy.scenes(asked)
         all_ran = [(p, g) for p, g in found if set(forms) <= ran(asked, p)]
         if not found or not (own["start"] == start).any():
@@ -122,13 +122,15 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
         fair = read(all_ran, accuracy.LEVEL)
         order = sorted(forms, key=lambda f: wins(fair, f), reverse=True)
         first = ", ".join(f"`{f}` {told(fair, f)}" for f in order if told(fair, f))
-        said = f"{STARTS[start]}, default: all ran on {len(all_ran)} of {len(found)}"
+        said = f"{STARTS[start]}, {name}: all ran on {len(all_ran)} of {len(found)}"
         if large := sized(found):
             said += f" ({len(sized(all_ran))} of the {len(large)} with {SOME} or more contacts)"
         said += f", where the cheapest are {first}" if first else ""
         leader, fairly = read(found, accuracy.LEVEL).leader(), fair.leader()
         if first and leader not in (None, fairly):
             said += f": there {f'`{fairly}` leads' if fairly else 'nobody leads'}"
+        elif name != "default":
+            continue  # tells nothing else than the defaults do
         out.append(said)
     return out if lacks else []
 
@@ -173,6 +175,15 @@ def table(cells: pd.DataFrame) -> Table | None:
     )
 
 
+def tries_words(own: pd.DataFrame, leader: str) -> str:
+    """Of how many settings the best is taken in the tuned readings, formulation by formulation."""
+    tried = own[~own["status"].isin(["unsupported", "skipped"])]
+    sets = tried.groupby("formulation")["formulation_options"].nunique()
+    order = [f for f in registry.by_formulation(set(sets.index)) if f != leader]
+    others = ", ".join(f"`{f}` {sets[f]}" for f in order if registry.uses_solver(f))
+    return f" The tuned ones take the best of up to {sets[leader]} of its settings ({others})."
+
+
 def words(cells: pd.DataFrame) -> str:
     """Who is first in every reading, or that nobody is; and what tuning costs."""
     own = accuracy.own(cells)
@@ -186,8 +197,10 @@ def words(cells: pd.DataFrame) -> str:
                 won |= {f for f in (*reading.alone, *reading.tied) if registry.uses_solver(f)}
     if len(leaders) == 1 and None not in leaders:
         which = "every reading" if n == READINGS else f"the {n} of {READINGS} measured readings"
+        leader = next(iter(leaders))
         out.append(
-            f"`{next(iter(leaders))}` leads in {which} at {accuracy.LEVEL:g}, of what was run."
+            f"`{leader}` leads in {which} at {accuracy.LEVEL:g}, of what was run."
+            + tries_words(own, leader)
         )
     elif leaders:
         out.append(

@@ -8,7 +8,7 @@ import dataclasses
 import pandas as pd
 
 from bench import registry, rows
-from bench.section import Cell, Section, Table, si
+from bench.section import Cell, Section, Table, error, si
 
 OWN = "moving"
 SETTING = ["problem", "step_s", "duration_s"]
@@ -42,8 +42,9 @@ def fastest(g: pd.DataFrame) -> pd.Series | None:
     return None if good.empty else good.loc[good["t_total_step_s"].idxmin()]
 
 
-def told(g: pd.DataFrame, best: float) -> Cell:
-    """What a step takes and by whom; where nobody solves every step, how each ended."""
+def told(g: pd.DataFrame, leads: bool) -> Cell:
+    """What a step takes, by whom, and what is left of the exact Coulomb problem; where nobody
+    solves every step, how each ended."""
     if g.empty:
         return Cell("not asked", "none")
     first = fastest(g)
@@ -51,8 +52,9 @@ def told(g: pd.DataFrame, best: float) -> Cell:
         ends = [f"{s} {w}" for s, w in zip(g["solver"], g["status"], strict=True)]
         return Cell("not solved: " + ", ".join(ends), "bad")
     took = first["t_total_step_s"]
-    mark = "good" if took <= best * first["noise"] else ""
-    return Cell(f"{si(took, 's')} by {first['solver']}", mark, sort=took)
+    left = first["res_ncp_rel"]
+    off = f", {error(left)}" if left > EXACT else ""
+    return Cell(f"{si(took, 's')} by {first['solver']}{off}", "good" if leads else "", sort=took)
 
 
 @dataclasses.dataclass
@@ -91,13 +93,18 @@ def best_of(by: dict[str, pd.DataFrame]) -> dict[str, pd.Series]:
 
 
 def ties(by: dict[str, pd.DataFrame]) -> list[str]:
-    """Formulations within the noise of the fastest, the fastest first."""
+    """Formulations that nobody can tell from the fastest (rows.tied), the fastest first."""
     found = best_of(by)
     order = sorted(found, key=lambda name: found[name]["t_total_step_s"])
-    if not order:
-        return []
-    least = found[order[0]]["t_total_step_s"]
-    return [n for n in order if found[n]["t_total_step_s"] <= least * found[n]["noise"]]
+    return [n for n in order if rows.tied(found[n], found[order[0]], "t_total_step_s")]
+
+
+EXACT = 1e-2  # residual of the exact Coulomb problem, relative, that a good answer stays below
+
+
+def exact(by: dict[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    """The cells of which each step keeps Coulomb's law as well as that."""
+    return {name: g[g["res_ncp_rel"] <= EXACT] for name, g in by.items()}
 
 
 def table(cells: pd.DataFrame) -> Table | None:
@@ -107,19 +114,34 @@ def table(cells: pd.DataFrame) -> Table | None:
     names = list(found[0].by)
     body = []
     for c in found:
-        times = [one["t_total_step_s"] for one in best_of(c.by).values()]
-        best = min(times, default=0.0)
+        first = ties(c.by)
         setting = [f"{1e3 * c.step:g}", f"{c.end:g}"]
-        body.append([c.scene, f"{c.contacts:.0f}", *setting, *(told(c.by[n], best) for n in names)])
+        body.append(
+            [c.scene, f"{c.contacts:.0f}", *setting, *(told(c.by[n], n in first) for n in names)]
+        )
     return Table(
         "moving",
         "Time of a step by the fastest solver of each formulation that solves and verifies every"
         " step; the step is the same for all of a row, and each begins from the last one. A scene"
         " that stands twice has another duration or step, and other limits of time: see their"
-        " campaigns.",
+        " campaigns. Behind the solver stands what its answers leave of the exact Coulomb problem,"
+        f" where that is more than {EXACT:g} (relative).",
         ["scene", "contacts", "step [ms]", "to [s]", *names],
         body,
     )
+
+
+def won_words(firsts: list[list[str]], names: list[str], mark: str) -> str:
+    """On how many settings each is fastest, alone or tied."""
+    alone, tied = collections.Counter(), collections.Counter()
+    for first in firsts:
+        (alone if len(first) == 1 else tied).update(first)
+    said = ", ".join(
+        f"{mark}{n}{mark} on {alone[n]}" + (f" and {tied[n]} tied" if tied[n] else "")
+        for n in names
+        if alone[n] or tied[n]
+    )
+    return said or "none"
 
 
 def words(cells: pd.DataFrame, mark: str = "") -> str:
@@ -127,25 +149,23 @@ def words(cells: pd.DataFrame, mark: str = "") -> str:
     found = grid(cells)
     names = list(found[0].by)
     solved = {n: sum(fastest(c.by[n]) is not None for c in found) for n in names}
-    alone, tied = collections.Counter(), collections.Counter()
-    for c in found:
-        first = ties(c.by)
-        (alone if len(first) == 1 else tied).update(first)
+    won = won_words([ties(c.by) for c in found], names, mark)
+    kept = [exact(c.by) for c in found]
+    good = won_words([ties(by) for by in kept], names, mark)
+    keep = ", ".join(
+        f"{mark}{n}{mark} {sum(fastest(by[n]) is not None for by in kept)}" for n in names
+    )
     low, high = found[0].contacts, found[-1].contacts
     n = len({c.scene for c in found})
     scenes = f"{n} scene{'s' * (n > 1)}"
     settings = f", {len(found)} settings" if len(found) > n else ""
-    won = ", ".join(
-        f"{mark}{n}{mark} on {alone[n]}" + (f" and {tied[n]} tied" if tied[n] else "")
-        for n in names
-        if alone[n] or tied[n]
-    )
     counts = ", ".join(f"{mark}{n}{mark} {solved[n]}" for n in names)
     return (
         f"Where {low:.0f} to {high:.0f} contacts move ({scenes}{settings}), every step from the"
         f" last one: {'settings' if settings else 'scenes'} of which each step is solved and"
         f" verified: {counts}."
-        f" The fastest: {won}."
+        f" The fastest: {won}. These are equal steps and no equal errors: of what leaves at most"
+        f" {EXACT:g} of the exact Coulomb problem ({keep}) the fastest are {good}."
     )
 
 

@@ -39,11 +39,14 @@ def matrix(
 
 
 def shares(cells: pd.DataFrame, noise: float, factors: tuple[float, ...] = FACTORS) -> pd.DataFrame:
-    """One line a solver: problems, solved, share within each factor of the best time (within_2). A
-    failure, and a combination that is not defined, counts as not solved."""
+    """One line a solver: problems, those that it was asked (that have a row of it), solved, share
+    of all problems within each factor of the best time (within_2). A failure, and a combination
+    that is not defined or was not asked, counts as not solved."""
     cost, problems, _, solvers = matrix(cells)
     within = stats.relative_profile(cost, np.array(factors, dtype=float), noise)
     table = pd.DataFrame({"solver": solvers, "problems": len(problems)})
+    asked = cells.drop_duplicates(["problem", "step_s", "combination"])["combination"]
+    table["asked"] = table["solver"].map(asked.value_counts())
     table["solved"] = np.isfinite(cost).sum(axis=0)
     for k, factor in enumerate(factors):
         table[f"within_{factor:g}"] = within[k]

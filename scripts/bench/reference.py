@@ -170,6 +170,13 @@ def disturbed_words(cells: pd.DataFrame) -> str:
     )
 
 
+def rungs_words(ladders: stability.Ladders) -> str:
+    """How many rungs half of the ladders have at most, and the longest."""
+    all_of = [one for found in ladders.values() for one in found.values() if one.defined]
+    lengths = [len(one.rungs) for one in all_of]
+    return f"{np.median(lengths):.0f} in the median and {max(lengths)} at most"
+
+
 def stability_words(ladders: stability.Ladders) -> str:
     falls = stability.falls(ladders)
     stressors = {part for found in ladders.values() for part in found}
@@ -190,10 +197,10 @@ def stability_words(ladders: stability.Ladders) -> str:
     return (
         f"What breaks first: {len(stressors)} stressors as ladders, every formulation with every"
         " solver; a field counts the combinations that stand on every rung, its letter is what"
-        f" brings most others down ({stability.LEGEND}). Of {fields} ladders that are defined"
-        f" {stands} stand to the end, most often {names}; the others end with "
-        + ", ".join(f"{word} ({n})" for word, n in worst)
-        + "."
+        f" brings most others down ({stability.LEGEND}). A ladder has the rungs that at least half"
+        f" of the combinations were asked, {rungs_words(ladders)}. Of {fields} ladders that are"
+        f" defined {stands} stand on all of theirs, most often {names}; most of the others end"
+        " with " + ", ".join(f"{word} ({n})" for word, n in worst) + "."
     )
 
 
@@ -240,16 +247,49 @@ def dimension_words(cells: pd.DataFrame) -> str:
     )
 
 
+def machines_words(cells: pd.DataFrame) -> str:
+    """Which campaigns are of which machine, where there are several."""
+    classes = cells["host_class"].map(lambda c: ", ".join(str(c).split("; ")[:3]))
+    by = {c: sorted(set(cells[classes == c]["campaign"])) for c in sorted(set(classes))}
+    if len(by) < 2:
+        return ""
+    told = "; ".join(f"{c}: {', '.join(names)}" for c, names in by.items())
+    return f" ({told}; times of two compare nothing)"
+
+
+def spread_words(cells: pd.DataFrame) -> str:
+    """How far processes of one undisturbed cell are apart: one ratio below that tells little."""
+    some = cells[cells["good"] & (cells["disturbed"] == "") & cells["between"].notna()]
+    told = [
+        f"{name} {100 * (g['between'] > 1.2).mean():.0f} %"
+        for name, g in some.groupby("campaign")
+        if len(g) >= 20
+    ]
+    if not told:
+        return ""
+    return (
+        "Of the undisturbed solved cells so many have two processes that differ by more than a"
+        f" factor of 1.2: {', '.join(told)}. So one ratio below 1.5 tells little; the intervals"
+        " have that spread in them."
+    )
+
+
 def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
     load = cells["load1"].astype(float).median() if "load1" in cells else math.nan
     form = cut.forms(manifests) or "unknown form"
     one = cells["host_class"].nunique() < 2
+    known = (
+        zip(cells["campaign"], cells["suite_dirty"], strict=True) if "suite_dirty" in cells else ()
+    )
+    dirty = sorted({name for name, changed in known if str(changed).lower() == "true"})
+    changed = f" ({', '.join(dirty)} from a tree with changes)" if dirty else ""
     return (
         f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns"
-        f" ({form}), commit {', '.join(commit) or 'unknown'}, at a load of {load:.1g} on the"
-        f" machine{'' if one else 's'} named in the manifests. {disturbed_words(cells)}"
+        f" ({form}), commit {', '.join(commit) or 'unknown'}{changed}, at a load of {load:.1g}"
+        f" on the machine{'' if one else 's'} named in the manifests{machines_words(cells)}."
+        f" {disturbed_words(cells)} {spread_words(cells)}"
     )
 
 

@@ -291,6 +291,25 @@ def sizes(cells: pd.DataFrame, by: Sequence[str] = ("problem",)) -> pd.Series:
     return found.fillna(posed.groupby(keys).transform("median"))
 
 
+def between(group: Sequence[dict]) -> float:
+    """How many times as long the slowest process of a cell took as the fastest, by the medians of
+    their samples; NaN where there is one."""
+    by = {}
+    for row in group:
+        if np.isfinite(row["t_total_s"]):
+            by.setdefault(row.get("process"), []).append(row["t_total_s"])
+    middle = [float(np.median(t)) for t in by.values()]
+    return max(middle) / min(middle) if len(middle) > 1 and min(middle) > 0 else np.nan
+
+
+def tied(one: pd.Series, least: pd.Series, column: str = "t_total_s") -> bool:
+    """Does nobody know whether a cell takes longer than the cheapest? Their medians are closer than
+    the noise of their campaign and size, or the intervals of their samples overlap."""
+    noise = max(one["noise"], least["noise"])
+    within = one[column] <= noise * least[column]
+    return bool(within or one[f"{column}_low"] <= least[f"{column}_high"])
+
+
 def cells(rows: pd.DataFrame) -> pd.DataFrame:
     """One line per cell: worst status, verified only if every repetition is, median time with its
     interval.
@@ -300,7 +319,7 @@ def cells(rows: pd.DataFrame) -> pd.DataFrame:
     """
     groups, kept = {}, [c for c in rows.columns if c not in TIMES]
     for row in rows.to_dict("records"):  # plain rows: a frame of each group would take a minute
-        groups.setdefault(row["cell_id"], []).append(row)
+        groups.setdefault((row["campaign"], row["cell_id"]), []).append(row)
     out = []
     for group in groups.values():
         first = group[0]
@@ -318,6 +337,7 @@ def cells(rows: pd.DataFrame) -> pd.DataFrame:
             line[c], line[c + "_low"], line[c + "_high"] = stats.median_interval(
                 [row[c] for row in group]
             )
+        line["between"] = between(group)
         line["cost"] = (
             line["t_total_s"] if line["good"] and np.isfinite(line["t_total_s"]) else np.inf
         )

@@ -25,11 +25,16 @@ BASE = {
     "step_s": 0.005,
     "duration_s": 0.2,
     "t_total_step_s": 1e-3,
+    "res_ncp_rel": 1e-3,
 }
 
 
 def cells(*rows):
-    return pd.DataFrame([{**BASE, **row} for row in rows])
+    some = pd.DataFrame([{**BASE, **row} for row in rows])
+    for end, factor in (("low", 0.99), ("high", 1.01)):
+        if f"t_total_step_s_{end}" not in some:
+            some[f"t_total_step_s_{end}"] = factor * some["t_total_step_s"]
+    return some
 
 
 def text(table, row=0):
@@ -60,10 +65,22 @@ class Moving(unittest.TestCase):
         self.assertEqual(found["regularized"], "not solved: lemke timeout, newton stalled")
         self.assertIn("velocity:facets=4 1, regularized 0", moving.words(some))
 
-    def test_times_within_the_noise_are_tied(self):
-        some = cells({}, {**OURS, "t_total_step_s": 1.04e-3})
+    def test_times_within_the_noise_or_the_spread_are_tied(self):
+        both = "velocity:facets=4 on 0 and 1 tied, regularized on 0 and 1 tied"
+        self.assertIn(both, moving.words(cells({}, {**OURS, "t_total_step_s": 1.04e-3})))
+        spread = {"t_total_step_s_low": 0.9e-3, "t_total_step_s_high": 2.1e-3}
+        self.assertIn(both, moving.words(cells(spread, {**OURS, **spread})))
+
+    def test_what_is_left_of_coulombs_law_is_told_and_counted(self):
+        some = cells({"res_ncp_rel": 0.2}, OURS)
+        found = text(moving.table(some))
+        self.assertEqual(found["velocity:facets=4"], "1 ms by lemke, 2.0e-01")
+        self.assertEqual(found["regularized"], "2 ms by lemke")
         said = moving.words(some)
-        self.assertIn("velocity:facets=4 on 0 and 1 tied, regularized on 0 and 1 tied", said)
+        self.assertIn("The fastest: velocity:facets=4 on 1.", said)
+        self.assertIn(
+            "(velocity:facets=4 0, regularized 1) the fastest are regularized on 1.", said
+        )
 
     def test_scenes_stand_by_their_contacts(self):
         some = cells({"problem": "folder/ramp.json", "n_active": 1600.0}, {}, OURS)
