@@ -141,14 +141,15 @@ static bool time_left(const measured *m, const sampling *s) {
 }
 
 /* As many evaluations in a sample as fill `inner`. The first one, row 0, has in it what happens once in a process. It is trusted only
- * where it fills that ten times, or where verdicts are all that is asked. Samples of growing number, of which no row tells, follow
- * until one would not need twice as many. Returns the seconds of one evaluation in `once`. */
-static base_status calibrate(measured *m, const record *base, sampling *s, double *once,
-                             base_error *err) {
+ * where it fills that ten times, or where verdicts are all that is asked. Samples of growing number follow until one would not need
+ * twice as many; the last of them is row 1, and `looked` says that there was one. Returns the seconds of one evaluation in `once`. */
+static base_status calibrate(measured *m, const record *base, sampling *s, bool *looked,
+                             double *once, base_error *err) {
   const double inner = m->job->campaign->sampling.inner;
   *once = s->seconds[0];
   const double trusted = (m->job->campaign->sampling.max_samples == 1) ? inner : 10.0 * inner;
-  if (m->status != RUN_OK || m->sweep != NULL || !(*once > 0.0) || *once >= trusted) {
+  *looked = false;
+  if (!timed_status(m->status) || m->sweep != NULL || !(*once > 0.0) || *once >= trusted) {
     return BASE_OK;
   }
   for (double wanted = ceil(inner / *once); time_left(m, s);) {
@@ -157,7 +158,9 @@ static base_status calibrate(measured *m, const record *base, sampling *s, doubl
     s->n--;
     *once = s->seconds[s->n];
     wanted = (*once > 0.0) ? fmin(ceil(inner / *once), 1e6) : 1e6;
-    if (wanted < 2.0 * m->n_inner) {
+    *looked = true;
+    if (!timed_status(m->status) || wanted < 2.0 * m->n_inner) {
+      m->n_inner = (int)fmax(m->n_inner, wanted);
       break;
     }
   }
@@ -203,7 +206,17 @@ static base_status repeat(measured *m, const record *base, sampling *s, base_err
   char hash[sizeof base->solution_hash];
   BASE_TRY(warm_up(m, base, s, err));
   double once;
-  BASE_TRY(calibrate(m, base, s, &once, err));
+  bool looked;
+  BASE_TRY(calibrate(m, base, s, &looked, &once, err));
+  if (looked && !time_left(m, s)) { /* the last one that was looked at is as good a sample as any */
+    const bool same = strcmp(s->row[1].solution_hash, s->row[0].solution_hash) == 0;
+    s->row[0] = s->row[1];
+    s->row[0].rep = 0;
+    if (!same) {
+      record_flag(&s->row[0], "not_repeatable");
+    }
+    return BASE_OK;
+  }
   if (!time_left(m, s) || (c->max_samples == 1 && m->n_inner == 1)) {
     record_flag(&s->row[0],
                 "first_run"); /* no second one fits, or verdicts are all that is asked */

@@ -344,7 +344,7 @@ static double normal_velocity(double rn, void *data) {
   return w;
 }
 
-static void many_parts(const lcp_block *k, const double *A, const double *b, double *r) {
+void lcp_cone_solve_by_brackets(const lcp_block *k, const double *A, const double *b, double *r) {
   stacked s = {.k = k, .A = A, .b = b, .r = {0}};
   double low = 0.0, at_low = b[0], high = -b[0] / A[0];
   double at_high = normal_velocity(high, &s);
@@ -370,6 +370,6 @@ void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double
   } else if (k->n_part == 1) {
     one_part(k, A, b, r);
   } else if (!lcp_cone_parts_newton(k, A, b, r)) {
-    many_parts(k, A, b, r);
+    lcp_cone_solve_by_brackets(k, A, b, r);
   }
 }

@@ -17,3 +17,6 @@ enum { LCP_CONE_MAX = 1 + 2 * LCP_PARTS_MAX }; /* rows of one block; a part has 
  * parts: Newton's method (cone_parts.h). Where that does not end, the normal impulse by bracketing on w_n, inside it the convex disc
  * problems by block coordinate descent. */
 void lcp_cone_solve(const lcp_block *k, const double *A, const double *b, double *r);
+
+/* The same by brackets, for several parts and b[0] < 0. */
+void lcp_cone_solve_by_brackets(const lcp_block *k, const double *A, const double *b, double *r);

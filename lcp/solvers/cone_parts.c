@@ -16,6 +16,12 @@ typedef struct stage {
   double worst; /* the largest of them over what it is known to [1]; 1 and less: rounding */
 } stage;
 
+/* x over what it is known to; HUGE_VAL where there is no such number. */
+static double over(double x, double known) {
+  const double ratio = (x == 0.0) ? 0.0 : fabs(x) / known;
+  return (ratio < HUGE_VAL) ? ratio : HUGE_VAL;
+}
+
 /* What w_i, and all that it is the sum of, come to. */
 static double row(const lcp_block *k, const double *A, const double *b, const double *r, int i,
                   double *size) {
@@ -32,7 +38,7 @@ static double row(const lcp_block *k, const double *A, const double *b, const do
 static void rests(const lcp_block *k, const double *A, double a, int i, double w, double size,
                   stage *s) {
   s->F[i] = w / a;
-  s->worst = fmax(s->worst, fabs(w) / (rounding * size));
+  s->worst = fmax(s->worst, over(w, rounding * size));
   for (int j = 0; j < k->size; j++) {
     s->J[i + j * k->size] = A[i + j * k->size] / a;
   }
@@ -46,7 +52,7 @@ static void slips(const lcp_block *k, const double *A, double a, int part, int a
   for (int i = 0; i < dim; i++) {
     const double along = (length > 0.0) ? u[i] / length : 0.0;
     s->F[at + i] = s->r[at + i] - radius * along;
-    s->worst = fmax(s->worst, fabs(s->F[at + i]) / (rounding * fmax(radius, DBL_MIN) * known));
+    s->worst = fmax(s->worst, over(s->F[at + i], rounding * fmax(radius, DBL_MIN) * known));
     for (int j = 0; j < n; j++) {
       double turn = 0.0; /* of u / |u| with r_j, times the radius */
       for (int l = 0; l < dim && radius > 0.0; l++) {
@@ -116,6 +122,31 @@ static bool newton_step(const lcp_block *k, const stage *s, double *step) {
   return LAPACKE_dgesv_work(LAPACK_COL_MAJOR, n, 1, J, n, swap, step, n) == 0;
 }
 
+/* A part without friction takes nothing: rounding of the other rows must not say otherwise. */
+static void without_friction(const lcp_block *k, double *r) {
+  for (int part = 0, at = 1; part < k->n_part; at += k->part_dim[part++]) {
+    for (int i = at; i < at + k->part_dim[part] && k->part_mu[part] == 0.0; i++) {
+      r[i] = 0.0;
+    }
+  }
+}
+
+/* Is what rounding leaves of every row small against the data, in the units of the diagonal? Along a null vector of A r grows until any w is
+ * rounding. */
+static bool is_known(const lcp_block *k, const double *A, const double *b, const double *r) {
+  static const double small = 1e-10;
+  double data = 0.0;
+  double noise = 0.0;
+  for (int i = 0; i < k->size; i++) {
+    double size;
+    (void)row(k, A, b, r, i, &size);
+    const double unit = sqrt(A[i + i * k->size]);
+    data = fmax(data, fabs(b[i]) / unit);
+    noise = fmax(noise, over(rounding * size, unit));
+  }
+  return noise <= small * data;
+}
+
 /* The longest of the halves of the step that brings the functions nearer to zero, the last where none does; the normal impulse stays positive. */
 static void go(const lcp_block *k, const double *A, const double *b, const double *step,
                const stage *from, stage *to) {
@@ -124,6 +155,7 @@ static void go(const lcp_block *k, const double *A, const double *b, const doubl
     for (int i = 0; i < k->size; i++) {
       to->r[i] = from->r[i] - share * step[i];
     }
+    without_friction(k, to->r);
     look(k, A, b, to);
     if (to->worst < from->worst) {
       return;
@@ -150,7 +182,7 @@ bool lcp_cone_parts_newton(const lcp_block *k, const double *A, const double *b,
     now = next;
     next = before;
   }
-  if (!(now->worst <= 1.0)) {
+  if (!(now->worst <= 1.0) || !is_known(k, A, b, now->r)) {
     return false;
   }
   memcpy(r, now->r, (size_t)k->size * sizeof *r);

@@ -8,6 +8,7 @@
  *   w_n / A_nn = 0,   r_k - P_k(r_k - w_k / a_k) = 0
  *
  * with P_k the projection onto |r_k| <= mu_k r_n and a_k the largest diagonal of part k, by damped semismooth Newton steps from the
- * frictionless impulse (Alart & Curnier 1991). Writes r[k->size]. False, and r undefined, where the steps do not come to rounding: nothing is
- * known of the block then. */
+ * frictionless impulse (Alart & Curnier 1991). Writes r[k->size]. False, and r as it was, where the steps
+ * do not come to rounding, or come to numbers so large that rounding is not small against b, as along a null vector of A: nothing is known of the
+ * block then. */
 bool lcp_cone_parts_newton(const lcp_block *k, const double *A, const double *b, double *r);

@@ -41,7 +41,7 @@ def work_precision(
     for each cell at its median time. rows: of load(), or of any table with these columns."""
     ax = _axes(ax)
     good = rows[rows["verified"] & (rows["status"] == "ok") & (rows[error] > 0)]
-    key = [c for c in (by, "cell_id") if c in good.columns]
+    key = [c for c in (by, "campaign", "cell_id") if c in good.columns]
     points = good.groupby(key).agg(error=(error, "median"), cost=(cost, "median")).reset_index()
     for name, line in points.groupby(by):
         line = line.sort_values("cost")

@@ -78,7 +78,8 @@ def references(cells: pd.DataFrame) -> dict[Key, Reference]:
     out = {}
     for at, group in some.assign(key=key(some)).groupby("key"):
         found = []
-        for combination, ladder in group.groupby("combination"):
+        for combination, runs in group.groupby("combination"):
+            ladder = runs.drop_duplicates("step_s")  # of two campaigns the same
             if ladder["step_s"].nunique() >= LEAST:
                 value, uncertainty, order = limit(ladder["step_s"], ladder["end_value"])
                 first = ladder.iloc[0]

@@ -73,6 +73,11 @@ def leaders(case: Case, level: float = accuracy.LEVEL) -> list[str]:
     return [name for name in order if rows_.tied(found[name], least)]
 
 
+def asked(g: pd.DataFrame) -> bool:
+    """Was it run, and is its error known where it is solved?"""
+    return len(g) > 0 and not (g["good"].any() and accuracy.usable(g).empty)
+
+
 def told(g: pd.DataFrame, first: bool, level: float = accuracy.LEVEL) -> Cell:
     """What the run takes, by whom; where nobody reaches the error, why not."""
     if g.empty:
@@ -85,6 +90,8 @@ def told(g: pd.DataFrame, first: bool, level: float = accuracy.LEVEL) -> Cell:
     fit = accuracy.usable(g)
     if len(fit):
         return Cell(f"off by {error(fit['err_sure'].min())}", "bad")
+    if g["good"].any():
+        return Cell("no error known", "none")
     ends = sorted({f"{s} {w}" for s, w in zip(g["solver"], g["status"], strict=True)})
     return Cell("not solved: " + ", ".join(ends), "bad")
 
@@ -131,7 +138,7 @@ def start_words(cases: list[Case], level: float, mark: str) -> str:
 def words(cells: pd.DataFrame, mark: str = "", level: float = accuracy.LEVEL) -> str:
     """Who is cheapest on how many scenes from each start; mark: what names stand in."""
     every = grid(cells)
-    found = [c for c in every if all(len(g) for g in c.by.values())]
+    found = [c for c in every if all(asked(g) for g in c.by.values())]
     if not found:
         return "No formulation ran on every scene where many contacts carry."
     ran = (
@@ -141,7 +148,7 @@ def words(cells: pd.DataFrame, mark: str = "", level: float = accuracy.LEVEL) ->
     )
     low, high = found[0].contacts, found[-1].contacts
     starts = [[c for c in found if c.start == s] for s in settings.STARTS]
-    each = "; ".join(start_words(cases, level, mark) for cases in starts if cases)
+    each = "; ".join(start_words(cases, level, mark) for cases in starts if cases) or "none"
     n = len({c.scene for c in found})
     return (
         f"Where {low:.0f} to {high:.0f} contacts carry ({n} scene{'s' * (n > 1)}), every"

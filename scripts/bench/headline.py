@@ -105,8 +105,8 @@ def sized(found: accuracy.Scenes) -> accuracy.Scenes:
 
 
 def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
-    """Who is first where all of them ran, by their defaults: elsewhere a win may lack its rival.
-    Nothing where all of them ran everywhere."""
+    """Who is first where all of them ran, by their defaults, and of all settings where that is
+    another: elsewhere a win may lack its rival. Nothing where all of them ran everywhere."""
     out, lacks = [], False
 
     def wins(reading: Reading, form: str) -> tuple[int, int]:
@@ -118,11 +118,10 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
         all_ran = [(p, g) for p, g in found if set(forms) <= ran(asked, p)]
         if not found or not (own["start"] == start).any():
             continue
-        lacks = lacks or len(all_ran) < len(found)
         fair = read(all_ran, accuracy.LEVEL)
         order = sorted(forms, key=lambda f: wins(fair, f), reverse=True)
         first = ", ".join(f"`{f}` {told(fair, f)}" for f in order if told(fair, f))
-        said = f"{STARTS[start]}, {name}: all ran on {len(all_ran)} of {len(found)}"
+        said = f"{STARTS[start]}, {SETTINGS[name]}: all ran on {len(all_ran)} of {len(found)}"
         if large := sized(found):
             said += f" ({len(sized(all_ran))} of the {len(large)} with {SOME} or more contacts)"
         said += f", where the cheapest are {first}" if first else ""
@@ -131,6 +130,7 @@ def fair_words(own: pd.DataFrame, forms: list[str]) -> list[str]:
             said += f": there {f'`{fairly}` leads' if fairly else 'nobody leads'}"
         elif name != "default":
             continue  # tells nothing else than the defaults do
+        lacks = lacks or len(all_ran) < len(found)
         out.append(said)
     return out if lacks else []
 
@@ -176,12 +176,17 @@ def table(cells: pd.DataFrame) -> Table | None:
 
 
 def tries_words(own: pd.DataFrame, leader: str) -> str:
-    """Of how many settings the best is taken in the tuned readings, formulation by formulation."""
+    """Of how many settings of each formulation the best is taken in the tuned readings: the most on
+    a scene from one start."""
     tried = own[~own["status"].isin(["unsupported", "skipped"])]
-    sets = tried.groupby("formulation")["formulation_options"].nunique()
+    each = tried.groupby(["formulation", "problem", "start"])["formulation_options"].nunique()
+    sets = each.groupby("formulation").max()
     order = [f for f in registry.by_formulation(set(sets.index)) if f != leader]
     others = ", ".join(f"`{f}` {sets[f]}" for f in order if registry.uses_solver(f))
-    return f" The tuned ones take the best of up to {sets[leader]} of its settings ({others})."
+    return (
+        f" The tuned ones take the best of up to {sets[leader]} of its settings on a scene"
+        f" ({others}), and of solvers, tolerances and steps."
+    )
 
 
 def words(cells: pd.DataFrame) -> str:

@@ -104,7 +104,7 @@ EXACT = 1e-2  # residual of the exact Coulomb problem, relative, that a good ans
 
 def exact(by: dict[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """The cells of which each step keeps Coulomb's law as well as that."""
-    return {name: g[g["res_ncp_rel"] <= EXACT] for name, g in by.items()}
+    return {name: g[~(g["res_ncp_rel"] > EXACT)] for name, g in by.items()}
 
 
 def table(cells: pd.DataFrame) -> Table | None:

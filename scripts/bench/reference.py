@@ -173,7 +173,7 @@ def disturbed_words(cells: pd.DataFrame) -> str:
 def rungs_words(ladders: stability.Ladders) -> str:
     """How many rungs half of the ladders have at most, and the longest."""
     all_of = [one for found in ladders.values() for one in found.values() if one.defined]
-    lengths = [len(one.rungs) for one in all_of]
+    lengths = [len(one.rungs) for one in all_of] or [0]
     return f"{np.median(lengths):.0f} in the median and {max(lengths)} at most"
 
 
@@ -254,7 +254,7 @@ def machines_words(cells: pd.DataFrame) -> str:
     if len(by) < 2:
         return ""
     told = "; ".join(f"{c}: {', '.join(names)}" for c, names in by.items())
-    return f" ({told}; times of two compare nothing)"
+    return f" ({told}; times of two machines are not compared)"
 
 
 def spread_words(cells: pd.DataFrame) -> str:
@@ -269,8 +269,7 @@ def spread_words(cells: pd.DataFrame) -> str:
         return ""
     return (
         "Of the undisturbed solved cells so many have two processes that differ by more than a"
-        f" factor of 1.2: {', '.join(told)}. So one ratio below 1.5 tells little; the intervals"
-        " have that spread in them."
+        f" factor of 1.2: {', '.join(told)}."
     )
 
 

@@ -95,6 +95,12 @@ class Limits(unittest.TestCase):
 
 
 class Judged(unittest.TestCase):
+    def test_two_campaigns_with_one_ladder_give_what_one_gives(self):
+        again = [{**one, "campaign": "crowded"} for one in ladder()]
+        (one,) = converged.references(pd.DataFrame(ladder())).values()
+        (two,) = converged.references(pd.DataFrame([*ladder(), *again])).values()
+        self.assertEqual((one.value, one.uncertainty, one.runs), (two.value, two.uncertainty, 3))
+
     def test_others_are_measured_by_it_and_the_method_itself_is_not(self):
         cells = judged(
             *ladder(),

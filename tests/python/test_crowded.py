@@ -104,6 +104,12 @@ class Crowded(unittest.TestCase):
         self.assertIn("every formulation ran on 1 of 2 scenes and starts, which count here,", said)
         self.assertIn("(scenes that each reaches: velocity:facets=8 1, regularized 1)", said)
 
+    def test_who_has_no_known_error_is_no_loser(self):
+        blind = {"err_ref": float("nan")}
+        some = cells({}, ours(**blind), {"problem": "b.json"}, ours(problem="b.json"))
+        self.assertEqual(text(crowded.table(some), 1)["regularized"], "no error known")
+        self.assertIn("ran on 1 of 2 scenes and starts", crowded.words(some))
+
     def test_starts_are_told_apart(self):
         some = cells({}, ours(), {"start": "previous"}, ours(1e-3, start="previous"))
         made = crowded.table(some)

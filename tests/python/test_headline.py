@@ -106,6 +106,13 @@ class Readings(unittest.TestCase):
         self.assertIn("`velocity` leads in every reading", said)
         self.assertNotIn("lack its rival", said)  # both ran on the one scene
 
+    def test_the_tries_of_the_tuned_readings_are_counted_on_a_scene(self):
+        some = [row("coulomb", f"outer={k}", 0.5) for k in (1, 2)]
+        some += [row("coulomb", f"outer={k}", 0.5, problem="roll") for k in (3, 4, 5)]
+        some += [row("velocity", "facets=8", 1.0), row("velocity", "x", 1.0, status="unsupported")]
+        said = headline.tries_words(cells(*some), "coulomb")
+        self.assertIn("the best of up to 3 of its settings on a scene (`velocity` 1)", said)
+
     def test_a_win_without_its_rival_is_told(self):
         """Velocity alone ran on two of three scenes, and is slower on the third: it leads in what
         was run, and nowhere where both were asked."""

@@ -17,6 +17,7 @@ import tempfile
 import unittest
 from unittest import mock
 
+import numpy as np
 import pandas as pd
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -173,6 +174,32 @@ class Judged(unittest.TestCase):
     @classmethod
     def tearDownClass(cls):
         cls.tmp.cleanup()
+
+    def test_a_cell_of_two_campaigns_is_two(self):
+        other = [{**row, "campaign": "other"} for row in campaign_rows()]
+        folder = pathlib.Path(self.tmp.name) / "two"
+        write(folder, campaign_rows() + other)
+        two = rows.cells(rows.load(folder))
+        self.assertEqual(two["campaign"].value_counts()["other"], self.cells["cell_id"].nunique())
+
+    def test_how_far_processes_are_apart_is_told(self):
+        def of(*seconds):
+            return [
+                {"process": p, "t_total_s": t} for p, times in enumerate(seconds) for t in times
+            ]
+
+        self.assertEqual(rows.between(of((1.0, 1.1, 0.9), (2.0, 2.5, 1.9))), 2.0)
+        self.assertTrue(np.isnan(rows.between(of((1.0, 1.1)))))
+        apart = pd.DataFrame(
+            {"campaign": "x", "good": True, "disturbed": "", "between": [1.3] * 30}
+        )
+        self.assertIn("factor of 1.2: x 100 %", reference.spread_words(apart))
+        self.assertEqual(reference.spread_words(apart[:5]), "")
+
+    def test_machines_are_told_where_there_are_several(self):
+        some = pd.DataFrame({"campaign": ["x", "y"], "host_class": ["A; B; avx2; 1", "C; D; e; 1"]})
+        self.assertIn("(A, B, avx2: x; C, D, e: y;", reference.machines_words(some))
+        self.assertEqual(reference.machines_words(some[:1]), "")
 
     def test_a_new_reference_leaves_what_no_campaign_makes(self):
         target, source = pathlib.Path(self.tmp.name) / "target", pathlib.Path(self.tmp.name) / "new"

@@ -239,6 +239,100 @@ static void the_cone_block_obeys_coulomb(void **state) {
   assert_true(modes[0] > 100 && modes[1] > 30 && modes[2] > 100);
 }
 
+/* Singular blocks, as joints make them, numbers at the ends of the range, parts without friction: what is said to be found is. */
+static void newton_claims_no_block_that_it_has_not_found(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(13);
+  const double far[2][3] = {{-2.8, 3.02, 0.0}, {-1.0, -1.0, 0.0}},
+               v[2][2] = {{-1.0, 0.9}, {0.1, -0.13}};
+  for (int c = 0; c < 2;
+       c++) { /* along its null vector r has no end, and any w is rounding of A r */
+    const lcp_block k = {
+        .size = 3, .set = LCP_CONE, .n_part = 2, .part_dim = {1, 1}, .part_mu = {2.0, 0.1}};
+    const double A[9] = {v[c][0] * v[c][0],
+                         v[c][0] * v[c][1],
+                         0.0,
+                         v[c][0] * v[c][1],
+                         v[c][1] * v[c][1],
+                         0.0,
+                         0.0,
+                         0.0,
+                         1.0};
+    double x[3];
+    assert_true(!lcp_cone_parts_newton(&k, A, far[c], x) || fabs(x[0]) < 1e6);
+  }
+  int found[4] = {0};
+  for (int c = 0; c < 4000; c++) {
+    lcp_block k = {.size = 6, .set = LCP_CONE, .n_part = 3, .part_dim = {2, 1, 2}};
+    const int kind =
+        c % 4; /* of rank 4; in other units; without friction in some part; an overflow */
+    const double unit = (kind == 1) ? ldexp(1.0, (c % 8 < 4) ? 500 : -500) : 1.0;
+    double A[LCP_CONE_MAX * LCP_CONE_MAX], b[LCP_CONE_MAX], x[LCP_CONE_MAX], J[6][4];
+    random_spd(&r, k.size, A);
+    for (int i = 0; i < 6 * 4; i++) {
+      J[i / 4][i % 4] = base_rng_between(&r, -1.0, 1.0);
+    }
+    for (int i = 0; i < 6; i++) {
+      for (int j = 0; j < 6 && kind == 0; j++) {
+        A[i + j * 6] = 0.0;
+        for (int l = 0; l < 4; l++) {
+          A[i + j * 6] += J[i][l] * J[j][l];
+        }
+      }
+      b[i] = base_rng_between(&r, -1.0, (i == 0) ? -0.01 : 1.0) * unit;
+      b[i] = (kind == 3) ? ldexp(b[i], 1000) : b[i];
+      for (int j = 0; j < 6; j++) {
+        A[i + j * 6] *= (kind == 3) ? ldexp(1.0, -600) : unit;
+      }
+    }
+    for (int p = 0; p < k.n_part; p++) {
+      k.part_mu[p] = (kind == 2 && (c / 4) % 3 == p) ? 0.0 : base_rng_between(&r, 0.01, 3.0);
+    }
+    if (!lcp_cone_parts_newton(&k, A, b, x)) {
+      continue;
+    }
+    found[kind]++;
+    double data = 0.0, w[LCP_CONE_MAX];
+    for (int i = 0; i < 6; i++) {
+      assert_true(isfinite(x[i]));
+      data = fmax(data, fabs(b[i]) / sqrt(A[i + i * 6]));
+      w[i] = b[i];
+      for (int j = 0; j < 6; j++) {
+        w[i] += A[i + j * 6] * x[j];
+      }
+    }
+    for (int p = 0, at = 1; p < k.n_part; at += k.part_dim[p++]) {
+      const bool two = k.part_dim[p] == 2;
+      const double size = two ? hypot(x[at], x[at + 1]) : fabs(x[at]), most = k.part_mu[p] * x[0];
+      const double speed = two ? hypot(w[at], w[at + 1]) : fabs(w[at]);
+      assert_true(size <= most * (1.0 + 1e-12));
+      assert_true(size >= most * (1.0 - 1e-9) ||
+                  speed <= 1e-9 * data * sqrt(A[at + at * 6]) * 10.0);
+    }
+    assert_true(fabs(w[0]) <= 1e-9 * data * sqrt(A[0]));
+  }
+  assert_true(found[0] > 0 && found[1] > 850 && found[2] > 850 && found[3] == 0);
+}
+
+/* What Newton's steps do not find brackets do, more slowly. */
+static void brackets_find_the_same_blocks(void **state) {
+  (void)state;
+  base_rng r = base_rng_seeded(14);
+  for (int c = 0; c < 200; c++) {
+    lcp_block k = {.size = 6, .set = LCP_CONE, .n_part = 3, .part_dim = {2, 1, 2}};
+    double A[LCP_CONE_MAX * LCP_CONE_MAX], b[LCP_CONE_MAX], x[LCP_CONE_MAX] = {0};
+    random_spd(&r, k.size, A);
+    for (int i = 0; i < k.size; i++) {
+      b[i] = base_rng_between(&r, -1.0, (i == 0) ? -0.01 : 0.5);
+    }
+    for (int p = 0; p < k.n_part; p++) {
+      k.part_mu[p] = base_rng_between(&r, 0.01, (p == 0) ? 1.0 : 0.2);
+    }
+    lcp_cone_solve_by_brackets(&k, A, b, x);
+    check_law(&k, A, b, x);
+  }
+}
+
 /* Friction, torsion and rolling at one contact: Newton's steps come to rounding nearly always, also where the arms of the moments are a hundredth
  * of a length, and what they come to obeys the law. */
 static void several_parts_are_found_by_newton(void **state) {
@@ -593,6 +687,8 @@ int main(void) {
       cmocka_unit_test(pgs_solves_a_contact_block_in_one_sweep),
       cmocka_unit_test(the_cone_block_obeys_coulomb),
       cmocka_unit_test(several_parts_are_found_by_newton),
+      cmocka_unit_test(newton_claims_no_block_that_it_has_not_found),
+      cmocka_unit_test(brackets_find_the_same_blocks),
       cmocka_unit_test(blocks_have_their_planted_solutions),
       cmocka_unit_test(a_block_stays_where_its_basis_holds),
       cmocka_unit_test(a_singular_basis_does_not_stay),
