@@ -130,13 +130,25 @@ def start_words(cases: list[Case], level: float, mark: str) -> str:
         for n in sorted(names, key=lambda n: -alone[n] - tied[n])
         if alone[n] or tied[n]
     )
-    counts = ", ".join(f"{mark}{n}{mark} {reached[n]}" for n in names)
+    few = ", ".join(f"{mark}{n}{mark} {reached[n]}" for n in names if reached[n] < len(cases))
+    on = f"on {len(cases)} scene{'s' * (len(cases) > 1)}"
+    counts = f"each reaches it {on}" + (f" but {few}" if few else "")
     start = settings.STARTS.get(cases[0].start, cases[0].start)
-    return f"{start}: the cheapest {won or 'is none'} (scenes that each reaches: {counts})"
+    return f"{start}: the cheapest {won or 'is none'} ({counts})"
+
+
+FINER = (1e-3, 1e-4)  # errors that could turn the order at the first one round
+
+
+def each_start(found: list[Case], level: float, mark: str) -> str:
+    """Of all starts that were measured, in their order."""
+    starts = [[c for c in found if c.start == s] for s in settings.STARTS]
+    return "; ".join(start_words(cases, level, mark) for cases in starts if cases) or "none"
 
 
 def words(cells: pd.DataFrame, mark: str = "", level: float = accuracy.LEVEL) -> str:
-    """Who is cheapest on how many scenes from each start; mark: what names stand in."""
+    """Who is cheapest on how many scenes from each start, at this error and at finer ones; mark:
+    what names stand in."""
     every = grid(cells)
     found = [c for c in every if all(asked(g) for g in c.by.values())]
     if not found:
@@ -147,13 +159,13 @@ def words(cells: pd.DataFrame, mark: str = "", level: float = accuracy.LEVEL) ->
         else f"{len(found)} of {len(every)} scenes and starts, which count here"
     )
     low, high = found[0].contacts, found[-1].contacts
-    starts = [[c for c in found if c.start == s] for s in settings.STARTS]
-    each = "; ".join(start_words(cases, level, mark) for cases in starts if cases) or "none"
+    each = each_start(found, level, mark)
+    finer = " ".join(f"To {v:g}, {each_start(found, v, mark)}." for v in FINER if v < level)
     n = len({c.scene for c in found})
     return (
         f"Where {low:.0f} to {high:.0f} contacts carry ({n} scene{'s' * (n > 1)}), every"
-        f" formulation ran on {ran}, to an error of {level:g}. {each[0].upper()}{each[1:]}."
-    )
+        f" formulation ran on {ran}, to an error of {level:g}. {each[0].upper()}{each[1:]}. {finer}"
+    ).rstrip()
 
 
 def section(cells: pd.DataFrame) -> Section | None:

@@ -74,13 +74,19 @@ class Crowded(unittest.TestCase):
         self.assertEqual(found["regularized"], "20 ms by lemke")
         self.assertEqual((found["scene"], found["contacts"]), ("bowls24", "24"))
         said = crowded.words(some, "`")
-        self.assertIn("the cheapest `regularized` 1 (scenes", said)
-        self.assertIn("`velocity:facets=8` 1, `regularized` 1)", said)
+        self.assertIn("the cheapest `regularized` 1 (each", said)
+        self.assertIn("(each reaches it on 1 scene).", said)
 
     def test_who_does_not_reach_the_error_is_told_by_how_much(self):
         some = cells({"err_ref": 0.05}, ours())
         self.assertEqual(text(crowded.table(some))["velocity:facets=8"], "off by 5.0e-02")
-        self.assertIn("velocity:facets=8 0, regularized 1)", crowded.words(some))
+        self.assertIn("on 1 scene but velocity:facets=8 0)", crowded.words(some))
+
+    def test_finer_errors_are_told_beside_it(self):
+        said = crowded.words(cells({"err_ref": 5e-4}, ours(1e-3, err_ref=5e-3)))
+        self.assertIn("Cold: the cheapest regularized 1 (", said)
+        self.assertIn("To 0.001, cold: the cheapest velocity:facets=8 1 (", said)
+        self.assertIn("To 0.0001, cold: the cheapest is none (", said)
 
     def test_an_error_that_a_finer_step_does_not_keep_is_luck(self):
         some = cells({}, {"step_s": 0.0025, "err_ref": 0.05}, ours())
@@ -94,15 +100,15 @@ class Crowded(unittest.TestCase):
     def test_times_within_the_noise_or_the_spread_are_tied(self):
         for other in (ours(1.04e-2), ours(2e-2, t_total_s_low=1e-2)):
             said = crowded.words(cells({}, other))
-            self.assertIn("velocity:facets=8 0 + 1 tied, regularized 0 + 1 tied (scenes", said)
-        self.assertIn("velocity:facets=8 1 (scenes", crowded.words(cells({}, ours())))
+            self.assertIn("velocity:facets=8 0 + 1 tied, regularized 0 + 1 tied (each", said)
+        self.assertIn("velocity:facets=8 1 (each", crowded.words(cells({}, ours())))
 
     def test_who_was_not_asked_is_no_loser(self):
         other = {"problem": "tests/cases/moving/rollers12.json"}
         self.assertIn("every formulation ran on every scene,", crowded.words(cells({}, ours())))
         said = crowded.words(cells({}, ours(), other))
         self.assertIn("every formulation ran on 1 of 2 scenes and starts, which count here,", said)
-        self.assertIn("(scenes that each reaches: velocity:facets=8 1, regularized 1)", said)
+        self.assertIn("(each reaches it on 1 scene)", said)
 
     def test_who_has_no_known_error_is_no_loser(self):
         blind = {"err_ref": float("nan")}
