@@ -1,7 +1,6 @@
 """Error against time where many contacts carry, every formulation on every scene: what the headline
 of the small scenes leaves open, for there not each formulation was run on the larger ones."""
 
-import collections
 import dataclasses
 
 import pandas as pd
@@ -117,59 +116,64 @@ def table(cells: pd.DataFrame, level: float = accuracy.LEVEL) -> Table | None:
     )
 
 
-def start_words(cases: list[Case], level: float, mark: str) -> str:
-    """Of one start: who reaches the error on how many scenes, and who is cheapest."""
-    names = list(cases[0].by)
-    reached = {n: sum(n in best_of(c, level) for c in cases) for n in names}
-    alone, tied = collections.Counter(), collections.Counter()
-    for c in cases:
-        first = leaders(c, level)
-        (alone if len(first) == 1 else tied).update(first)
-    won = ", ".join(
-        f"{mark}{n}{mark} {alone[n]}" + (f" + {tied[n]} tied" if tied[n] else "")
-        for n in sorted(names, key=lambda n: -alone[n] - tied[n])
-        if alone[n] or tied[n]
-    )
-    few = ", ".join(f"{mark}{n}{mark} {reached[n]}" for n in names if reached[n] < len(cases))
-    on = f"on {len(cases)} scene{'s' * (len(cases) > 1)}"
-    counts = f"each reaches it {on}" + (f" but {few}" if few else "")
-    start = settings.STARTS.get(cases[0].start, cases[0].start)
-    return f"{start}: the cheapest {won or 'is none'} ({counts})"
+LEVELS = (1e-2, 1e-3, 1e-4)  # finer errors could turn the order at the first one round
 
 
-FINER = (1e-3, 1e-4)  # errors that could turn the order at the first one round
-
-
-def each_start(found: list[Case], level: float, mark: str) -> str:
-    """Of all starts that were measured, in their order."""
-    starts = [[c for c in found if c.start == s] for s in settings.STARTS]
-    return "; ".join(start_words(cases, level, mark) for cases in starts if cases) or "none"
-
-
-def words(cells: pd.DataFrame, mark: str = "", level: float = accuracy.LEVEL) -> str:
-    """Who is cheapest on how many scenes from each start, at this error and at finer ones; mark:
-    what names stand in."""
+def everywhere(cells: pd.DataFrame) -> tuple[list[Case], int]:
+    """Scenes and starts on which every formulation ran and has a known error, and of how many."""
     every = grid(cells)
-    found = [c for c in every if all(asked(g) for g in c.by.values())]
+    return [c for c in every if all(asked(g) for g in c.by.values())], len(every)
+
+
+def counts(cells: pd.DataFrame) -> Table | None:
+    """For each error and start: on how many scenes a formulation is first, and reaches it."""
+    found, _ = everywhere(cells)
+    if not found:
+        return None
+    names = list(found[0].by)
+    body = []
+    for level in LEVELS:
+        for start in settings.STARTS:
+            cases = [c for c in found if c.start == start]
+            first = [leaders(c, level) for c in cases]
+            best = [best_of(c, level) for c in cases]
+            each = []
+            for n in names:
+                alone = sum(f == [n] for f in first)
+                tied = sum(n in f for f in first) - alone
+                won = f"{alone}" + (f" + {tied} tied" if tied else "") if alone or tied else "0"
+                reached = sum(n in b for b in best)
+                each.append(f"{won} of {reached}" if reached < len(cases) else won)
+            if cases:
+                body.append([f"{level:g}", settings.STARTS[start], str(len(cases)), *each])
+    return Table(
+        "crowded_counts",
+        "On how many scenes a formulation reaches an error (m, m/s or rad) in the least time, alone"
+        " or tied with others; behind it on how many it reaches the error, where that is not on"
+        " all.",
+        ["error", "start", "scenes", *names],
+        body,
+    )
+
+
+def words(cells: pd.DataFrame) -> str:
+    """What was run where."""
+    found, every = everywhere(cells)
     if not found:
         return "No formulation ran on every scene where many contacts carry."
-    ran = (
-        "every scene"
-        if len(found) == len(every)
-        else f"{len(found)} of {len(every)} scenes and starts, which count here"
-    )
-    low, high = found[0].contacts, found[-1].contacts
-    each = each_start(found, level, mark)
-    finer = " ".join(f"To {v:g}, {each_start(found, v, mark)}." for v in FINER if v < level)
     n = len({c.scene for c in found})
+    ran = "every scene" if len(found) == every else f"{len(found)} of {every} scenes and starts"
+    only = "" if len(found) == every else " The counts are of these."
     return (
-        f"Where {low:.0f} to {high:.0f} contacts carry ({n} scene{'s' * (n > 1)}), every"
-        f" formulation ran on {ran}, to an error of {level:g}. {each[0].upper()}{each[1:]}. {finer}"
-    ).rstrip()
+        f"Where {found[0].contacts:.0f} to {found[-1].contacts:.0f} contacts carry"
+        f" ({n} scene{'s' * (n > 1)}), every formulation ran on {ran}.{only}"
+    )
 
 
 def section(cells: pd.DataFrame) -> Section | None:
     made = table(cells)
     if made is None:
         return None
-    return Section("crowded", "Where many contacts carry", words(cells), [], [made])
+    told_first = counts(cells)
+    tables = [told_first, made] if told_first else [made]
+    return Section("crowded", "Where many contacts carry", words(cells), [], tables)

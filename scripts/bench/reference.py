@@ -153,8 +153,9 @@ def moving_words(cells: pd.DataFrame) -> str:
 
 def crowded_words(cells: pd.DataFrame) -> str:
     """The same at an error, every formulation on every scene."""
-    made = crowded.table(cells)
-    return f"{crowded.words(cells, '`')}\n\n{section.table_md(made)}\n" if made else ""
+    tables = [crowded.counts(cells), crowded.table(cells)]
+    told = [f"{t.caption}\n\n{section.table_md(t)}\n\n" for t in tables if t]
+    return f"{crowded.words(cells)} {''.join(told)}".rstrip() + "\n\n" if told else ""
 
 
 def disturbed_words(cells: pd.DataFrame) -> str:
