@@ -44,10 +44,11 @@ static void rests(const lcp_block *k, const double *A, double a, int i, double w
   }
 }
 
-/* The functions of a part that takes all of its friction: r - radius u / |u|, with u = r - w / a of length `length`. */
+/* The functions of a part that takes all of its friction: r - radius u / |u|, with u = r - w / a. */
 static void slips(const lcp_block *k, const double *A, double a, int part, int at, const double *u,
-                  double length, double known, stage *s) {
+                  double known, stage *s) {
   const int n = k->size, dim = k->part_dim[part];
+  const double length = (dim == 2) ? hypot(u[0], u[1]) : fabs(u[0]);
   const double mu = k->part_mu[part], radius = mu * s->r[0];
   for (int i = 0; i < dim; i++) {
     const double along = (length > 0.0) ? u[i] / length : 0.0;
@@ -90,7 +91,7 @@ static void look(const lcp_block *k, const double *A, const double *b, stage *s)
     }
     if (length > k->part_mu[part] * s->r[0] || k->part_mu[part] == 0.0) {
       /* its direction is known as u is */
-      slips(k, A, a, part, at, u, length, fmax(1.0, all / fmax(length, DBL_MIN)), s);
+      slips(k, A, a, part, at, u, fmax(1.0, all / fmax(length, DBL_MIN)), s);
       continue;
     }
     for (int i = 0; i < k->part_dim[part]; i++) {
@@ -151,7 +152,7 @@ static bool is_known(const lcp_block *k, const double *A, const double *b, const
 static void go(const lcp_block *k, const double *A, const double *b, const double *step,
                const stage *from, stage *to) {
   double share = (step[0] > 0.0) ? fmin(1.0, 0.9 * from->r[0] / step[0]) : 1.0;
-  for (int half = 0; half <= HALVINGS; half++, share *= 0.5) {
+  for (int half = 0; half <= HALVINGS; half++) {
     for (int i = 0; i < k->size; i++) {
       to->r[i] = from->r[i] - share * step[i];
     }
@@ -160,6 +161,7 @@ static void go(const lcp_block *k, const double *A, const double *b, const doubl
     if (to->worst < from->worst) {
       return;
     }
+    share *= 0.5;
   }
 }
 
