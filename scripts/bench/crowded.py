@@ -21,8 +21,7 @@ def own(cells: pd.DataFrame) -> pd.DataFrame:
         ~some["status"].isin(["unsupported", "skipped"])
         & ~some["part"].str.startswith(converged.PART)
     ]
-    asked = some["formulation_options"].map(lambda text: f":{text}" if text else "")
-    return some.assign(asked=some["formulation"] + asked)
+    return moving.named(some)
 
 
 @dataclasses.dataclass
@@ -141,7 +140,7 @@ def counts(cells: pd.DataFrame) -> Table | None:
             for n in names:
                 alone = sum(f == [n] for f in first)
                 tied = sum(n in f for f in first) - alone
-                won = f"{alone}" + (f" + {tied} tied" if tied else "") if alone or tied else "0"
+                won = f"{alone}" + (f" + {tied} tied" if tied else "")
                 reached = sum(n in b for b in best)
                 each.append(f"{won} of {reached}" if reached < len(cases) else won)
             if cases:
@@ -174,6 +173,5 @@ def section(cells: pd.DataFrame) -> Section | None:
     made = table(cells)
     if made is None:
         return None
-    told_first = counts(cells)
-    tables = [told_first, made] if told_first else [made]
+    tables = [t for t in (counts(cells), made) if t]
     return Section("crowded", "Where many contacts carry", words(cells), [], tables)

@@ -14,14 +14,19 @@ OWN = "moving"
 SETTING = ["problem", "step_s", "duration_s"]
 
 
+def named(some: pd.DataFrame) -> pd.DataFrame:
+    """Column `asked`: the formulation with its options, as it was asked for."""
+    options = some["formulation_options"].map(lambda text: f":{text}" if text else "")
+    return some.assign(asked=some["formulation"] + options)
+
+
 def own(cells: pd.DataFrame) -> pd.DataFrame:
     """The cells of the campaign that were defined, each with its formulation as it was asked for (a
     process that was killed tells no more of it)."""
     some = cells[
         cells["campaign"].str.startswith(OWN) & ~cells["status"].isin(["unsupported", "skipped"])
     ]
-    asked = some["formulation_options"].map(lambda text: f":{text}" if text else "")
-    return some.assign(asked=some["formulation"] + asked)
+    return named(some)
 
 
 def scene(problem: str) -> str:
