@@ -29,7 +29,7 @@ static void gather(const ppm *s, const lcp_matrix *M, int r, double *x) {
 }
 
 double lcp_ppm_violation(const ppm *s, int i) {
-  if (s->is_free[i]) {
+  if (s->is_free[i] || s->where[i] == INSIDE) {
     return fabs(s->w[i]);
   }
   return (s->where[i] == AT_HI) ? s->w[i] : -s->w[i];
