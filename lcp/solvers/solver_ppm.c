@@ -238,6 +238,10 @@ static void note(const ppm *s, int n, long pivots, lcp_trace *trace) {
   trace->residual[trace->len++] = worst;
 }
 
+static bool is_dependent(ppm *s, const lcp_matrix *M, int r, lcp_work *work) {
+  return !(lcp_ppm_direction(s, M, r, work) > stays * fabs(s->d[r]));
+}
+
 /* Ends with LCP_SOLVED only as a candidate: the residual has the last word. */
 static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
                          lcp_trace *trace, lcp_result *res) {
@@ -251,6 +255,10 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
       return LCP_SOLVED;
     }
     const bool sure = lcp_ppm_violation(s, r) > sure_share * s->bound[r];
+    if (!sure && s->where[r] == INSIDE && is_dependent(s, &p->M, r, &res->work)) {
+      s->tries[r] = 2; /* w_r is zero but for rounding wherever z_r is */
+      continue;
+    }
     const lcp_ppm_end e = lcp_ppm_drive(s, p, z, z, r, stop->max_iter, &res->work);
     res->work.iterations++;
     if (e == LCP_PPM_SPENT) {
