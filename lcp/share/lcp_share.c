@@ -52,6 +52,8 @@ static void layout(lcp_share *s, base_arena *a) {
   s->step = BASE_ARRAY(a, double, n);
   s->anchor = BASE_ARRAY(a, double, n);
   s->diagonal = BASE_ARRAY(a, double, n);
+  s->base = BASE_ARRAY(a, double, n);
+  s->open = BASE_ARRAY(a, double, n);
   s->answer_w = BASE_ARRAY(a, double, n);
   s->answer_size = BASE_ARRAY(a, double, n);
   s->lower = BASE_ARRAY(a, double, n);

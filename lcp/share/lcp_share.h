@@ -15,7 +15,7 @@
  *      Newton's method), delta = 1e-7 of the diagonal;
  *   3. with their factor, z <- (M + delta C)^-1 (-q + delta C z) is repeated until delta C z no longer moves. From zero
  *      this proximal iteration never leaves the C-orthogonal complement of what M does not see, so that it ends in
- *      the limit and not near it.
+ *      the limit and not near it. Its roundings do leave it, by 1e-16 over delta: they are projected out.
  *
  * Of M = J W J' + S in factors all three are done in the body velocities (lcp_share_bodies.h): nothing grows with the square
  * of the contacts, and the rank is counted, not guessed from pivots: not again while the same contacts touch and the last choice is at

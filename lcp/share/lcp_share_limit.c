@@ -9,6 +9,7 @@ enum {
   MOST_CORRECTIONS = 12,
   PLAIN_CORRECTIONS = 3,
   MOST_SOLUTIONS = 8,
+  MOST_CLEARINGS = 4,
   JOINT_ROUNDS = 4,
   BLOCK_ROUNDS =
       3 /* without fewer rows that ask for a change: then one by one, which cannot go round (Judice & Pires 1994) */
@@ -43,6 +44,16 @@ static double missing(const lcp_share *s, int i) {
   return -((r->part_dim[i] == 2) ? own + r->gain[2 * i + 1] * s->w[first + 1] : own);
 }
 
+/* x = A^-1 s->right, over the unknowns of the system. */
+static void solve_for(lcp_share *s, double *x) {
+  if (s->by_bodies) {
+    lin_body_space_solve(&s->bodies.space, s->right, x);
+    s->system.backsolves++;
+  } else {
+    lcp_share_system_solve(&s->system, s->right, x);
+  }
+}
+
 /* One correction of s->z towards the solution of the system, in s->step, from s->w = M z + q. */
 static void correct(lcp_share *s) {
   const share_rows *r = &s->rows;
@@ -56,12 +67,7 @@ static void correct(lcp_share *s) {
       s->right[m] -= (r->kind[m] == SHARE_SLIP) ? r->pull[m] * s->z[i] : 0;
     }
   }
-  if (s->by_bodies) {
-    lin_body_space_solve(&s->bodies.space, s->right, s->step);
-    s->system.backsolves++;
-  } else {
-    lcp_share_system_solve(&s->system, s->right, s->step);
-  }
+  solve_for(s, s->step);
   for (int k = 0; k < y->count; k++) {
     s->z[y->unknown[k]] += s->step[y->unknown[k]];
   }
@@ -214,11 +220,42 @@ static base_status mix(lcp_share *s, base_error *err) {
   return lin_anderson_next(&s->mixed, s->step, 1, s->z, err);
 }
 
+/* Every solution has its roundings, over delta, in what M does not see: 1e-9 of z, where z - base, whose D (z - base) is w, has
+ * nothing. B = A^-1 D leaves that part u of z - base as it is, and of the rest delta a time: it is repeated until M u, which is
+ * D times what the last time changed, is rounding. Where that takes long u stays. */
+static void clear_open(lcp_share *s, double limit) {
+  const share_system *y = &s->system;
+  double off = HUGE_VAL;
+  for (int k = 0; k < y->count; k++) {
+    const int i = y->unknown[k];
+    s->open[i] = s->z[i] - s->base[i];
+  }
+  for (int times = 0; times < MOST_CLEARINGS && off > limit; times++) {
+    off = 0;
+    for (int k = 0; k < y->count; k++) {
+      const int i = y->unknown[k];
+      s->right[i] = (s->rows.kind[i] == SHARE_ACTIVE) ? s->rows.delta[i] * s->open[i] : 0;
+    }
+    solve_for(s, s->step);
+    for (int k = 0; k < y->count; k++) {
+      const int i = y->unknown[k];
+      const double changed = s->rows.delta[i] * fabs(s->step[i] - s->open[i]);
+      off = (s->size[i] > 0 && changed > off * s->size[i]) ? changed / s->size[i] : off;
+      s->open[i] = s->step[i];
+    }
+  }
+  for (int k = 0; k < y->count && off <= limit; k++) {
+    s->z[y->unknown[k]] -= s->open[y->unknown[k]];
+  }
+}
+
 /* Step 3, on the factor of the rows found: every solution is anchored at the last one. */
 static base_status approach_limit(lcp_share *s, base_error *err) {
+  const double limit = 1e-2 * LCP_SHARE_ROW_TOL;
   double off = HUGE_VAL;
   bool mixes = false;
   lin_anderson_begin(&s->mixed, s->p->M.n);
+  memcpy(s->base, s->anchor, (size_t)s->p->M.n * sizeof *s->base);
   for (int k = 0; k < MOST_CORRECTIONS; k++) {
     const double last = off;
     off = 0;
@@ -230,14 +267,15 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);
       off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
-    if (off <= 1e-2 * LCP_SHARE_ROW_TOL) {
-      return BASE_OK;
+    if (off <= limit) {
+      break;
     }
     mixes = (k == PLAIN_CORRECTIONS) ? off < slow * last : mixes;
     if (mixes) {
       BASE_TRY(mix(s, err));
     }
   }
+  clear_open(s, limit);
   return BASE_OK;
 }
 

@@ -9,7 +9,8 @@
 
 #include <stdint.h>
 
-#define LCP_SHARE_DELTA    1e-7 /* of the diagonal; what M leaves open has 1e-16 over this as noise */
+#define LCP_SHARE_DELTA                                                                            \
+  1e-7 /* of the diagonal; what M leaves open has 1e-16 over this as noise in a solution */
 #define LCP_SHARE_TOUCHING 1e-7  /* w over its terms below which a row touches */
 #define LCP_SHARE_ROW_TOL  1e-12 /* w, or z, over its terms: rounding */
 #define LCP_SHARE_AT_BOUND 1e-9  /* a normal impulse over what its friction asks for, less one */
@@ -30,10 +31,11 @@ struct lcp_share {
   bool by_bodies, has_joints;
   share_rows rows;
   double *z, *w, *size, *right, *step, *anchor, *diagonal; /* cap_n */
-  double *lower;      /* cap_n: least value of a normal impulse */
-  lin_anderson mixed; /* points of a slow limit */
-  uint64_t seen;      /* of z of the last product, of which w is: sum_of in lcp_share_product.c; */
-  bool stale;         /* but w has been changed since */
+  double *base, *open; /* cap_n: where the rows found were anchored; what M does not see of a z */
+  double *lower;       /* cap_n: least value of a normal impulse */
+  lin_anderson mixed;  /* points of a slow limit */
+  uint64_t seen;       /* of z of the last product, of which w is: sum_of in lcp_share_product.c; */
+  bool stale;          /* but w has been changed since */
   const double *answer;                 /* view: the one that came in, */
   double *answer_w, *answer_size, *had; /* cap_n: its w, its sizes, its |w| where small */
   unsigned char *before;                /* cap_n: kinds of the round before */
