@@ -2,7 +2,7 @@
 chosen among redundant ones, whose active rows are none; and nothing that is solved from zero is
 left unsolved from there."""
 
-from support import SANITIZED, run_json, tap
+from support import SANITIZED, TESTS, run_json, tap
 
 
 def of(scene, formulation, *words, duration, solver="lemke", code=0):
@@ -41,6 +41,23 @@ def sweeps_that_give_their_start_back_are_no_end(_):
         assert warm["status"] == "ok" and warm["n_solves"] < 10 * warm["steps"], (scene, warm)
 
 
+def pivots_on_boxes_keep_what_is_redundant(_):
+    """Rows that depend on others went to a bound of their box, which made another answer of the
+    same motion: 270 solves a step, and `stalled`."""
+    for scene in ("wall", "hopper"):
+        warm = of(scene, "boxed", "--start", "previous", duration=0.05, solver="ppm")
+        assert warm["status"] == "ok" and warm["n_solves"] == warm["steps"], (scene, warm)
+
+
+def a_choice_without_noise_ends_a_loop(_):
+    """The bounds of `boxed` follow the choice among redundant impulses, which was right to 1e-9."""
+    scene = TESTS / "cases" / "moving" / "dragged_chain12.json"
+    for start in ("cold", "previous"):
+        run = of(scene, "boxed", "--start", start, duration=0.1, solver="ppm")
+        assert run["status"] == "ok" and run["n_share_missed"] == 0, (start, run["note"])
+        assert run["n_solves"] < 12 * run["steps"], (start, run["n_solves"])
+
+
 def what_shrinks_without_end_is_zero(_):
     """Friction of the last step where nothing is to be held: q is 0 there, and the impulse was
     halved and halved (4.9e-324 was still no answer)."""
@@ -54,6 +71,8 @@ tap(
         redundant_contacts_need_no_cold_start,
         a_slide_keeps_its_basis,
         sweeps_that_give_their_start_back_are_no_end,
+        pivots_on_boxes_keep_what_is_redundant,
+        a_choice_without_noise_ends_a_loop,
         what_shrinks_without_end_is_zero,
     ]
 )
