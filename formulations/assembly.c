@@ -28,6 +28,7 @@ static void layout_rows(void *state, base_arena *m) {
   a->impulse = BASE_ARRAY(m, double, s->row);
   a->v_next = BASE_ARRAY(m, double, s->dof);
   a->force = BASE_ARRAY(m, double, s->dof);
+  a->moved = BASE_ARRAY(m, double, s->dof);
   a->shift = BASE_ARRAY(m, double, s->dof);
   a->body_start = BASE_ARRAY(m, int, s->body + 2);
   a->body_group = BASE_ARRAY(m, int, 2 * (size_t)s->group);

@@ -169,10 +169,10 @@ typedef struct form_assembly {
   double *v_next;   /* n_dof */
   double *shift;    /* n_dof: formulation_answer.shift, where `shifts` */
   bool shifts; /* an error is taken back beside the motion: of eliminated joints, or an overlap */
-  bool shift_known;    /* in this step */
-  bool beside;         /* errors of joints that contacts touch are */
-  double *force;       /* n_dof, scratch: J' lambda [N s] */
-  unsigned char *mode; /* n_contact of the set */
+  bool shift_known;      /* in this step */
+  bool beside;           /* errors of joints that contacts touch are */
+  double *force, *moved; /* n_dof, scratch: J' lambda [N s], and W of it [m/s] */
+  unsigned char *mode;   /* n_contact of the set */
 
   int *body_start, *body_group; /* groups by body, scratch */
   int *cursor;                  /* n_group, scratch */
@@ -263,6 +263,9 @@ void form_assembly_velocity(const form_assembly *a, const double *lambda, double
 /* The same as r + J W J' lambda, where C is known on its diagonal only and joints were not eliminated; writes the answer of
  * lambda on the way. */
 void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u);
+/* force += J' l, and u += J x, over the first `rows` rows of group g of the set. */
+void form_add_force(form_assembly *a, int g, int rows, const double *l);
+void form_add_velocity(const contact_set *c, int g, int rows, const double *x, double *u);
 
 /* Invariant for assert: every group has an ascending list of groups in range, with itself where `self` says. */
 static inline bool form_assembly_is_linked(const form_assembly *a) {

@@ -158,8 +158,7 @@ static void eliminate_one(form_assembly *a, form_component *part, int first_row)
   subtract(a, part, Y, y);
 }
 
-/* x = S^-1 x over the rows of one component, in their order; 0 where a row says what others have said. */
-static void solve_rows(const form_joints *j, const form_component *part, double *x, double *work) {
+void form_joints_solve(const form_joints *j, const form_component *part, double *x, double *work) {
   const int n = part->rows;
   const double *S = j->dense + part->at;
   const int *pivot = j->pivot + part->row;
@@ -210,6 +209,7 @@ static base_status project(form_assembly *a, base_error *err) {
   }
   drop_rounding(a);
   form_joints_judge(a);
+  form_joints_renew(a);
   a->beside = true;
   return BASE_OK;
 }
@@ -313,7 +313,7 @@ bool form_assembly_repair_impulses(const form_assembly *a, double *lambda) {
       const int g = j->member[m];
       memcpy(x + j->offset[g], a->repair + row[g], (size_t)(row[g + 1] - row[g]) * sizeof *x);
     }
-    solve_rows(j, part, x, j->work);
+    form_joints_solve(j, part, x, j->work);
     for (int m = part->first; m < part->first + part->count; m++) {
       const int g = j->member[m];
       memcpy(lambda + row[g], x + j->offset[g], (size_t)(row[g + 1] - row[g]) * sizeof *x);

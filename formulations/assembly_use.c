@@ -53,8 +53,7 @@ void form_assembly_dense(const form_assembly *a, double *out) {
   }
 }
 
-/* force += J' l for the first `rows` rows of group g. */
-static void push(form_assembly *a, int g, int rows, const double *l) {
+void form_add_force(form_assembly *a, int g, int rows, const double *l) {
   const contact_set *c = a->set;
   const int all = c->row_start[g + 1] - c->row_start[g];
   const double *jac = c->jac + c->jac_start[g];
@@ -91,7 +90,8 @@ static void find_shift(form_assembly *a) {
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   memset(a->shift, 0, (size_t)c->n_dof * sizeof *a->shift);
   for (int i = a->full.n_contact; i < a->full.n_contact + form_joints_of(a); i++) {
-    push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], a->lambda + a->full.row[i]);
+    form_add_force(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i],
+                   a->lambda + a->full.row[i]);
   }
   add_motion(a, a->shift, a->shift);
   for (int d = 0; d < c->n_dof; d++) {
@@ -137,7 +137,7 @@ void form_assembly_answer(form_assembly *a, const double *lambda) {
   const double *l = own ? a->lambda : lambda;
   memset(a->force, 0, (size_t)c->n_dof * sizeof *a->force);
   for (int i = 0; i < n_group; i++) {
-    push(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], l + a->full.row[i]);
+    form_add_force(a, a->full.group[i], a->full.row[i + 1] - a->full.row[i], l + a->full.row[i]);
   }
   if (ties) {
     (void)take_impulses(a, lambda, false);
@@ -162,8 +162,7 @@ void form_assembly_answer_beside(form_assembly *a, const double *lambda, const d
   }
 }
 
-/* u += J x over the first `rows` rows of group g. */
-static void add_velocity(const contact_set *c, int g, int rows, const double *x, double *u) {
+void form_add_velocity(const contact_set *c, int g, int rows, const double *x, double *u) {
   const int all = c->row_start[g + 1] - c->row_start[g];
   const double *jac = c->jac + c->jac_start[g];
   for (int side = 0; side < 2; side++) {
@@ -184,7 +183,7 @@ void form_assembly_velocity_of(form_assembly *a, const double *lambda, double *u
   }
   memcpy(u, a->r, (size_t)a->n_row * sizeof *u);
   for (int i = 0; i < a->n_group; i++) {
-    add_velocity(c, a->group[i], form_rows_of(a, i), a->force, u + a->row[i]);
+    form_add_velocity(c, a->group[i], form_rows_of(a, i), a->force, u + a->row[i]);
   }
 }
 
@@ -218,7 +217,7 @@ static void end_velocity(const form_assembly *a, int i, double u[6]) {
   const contact_set *c = a->set;
   const int g = a->group[i], rows = c->row_start[g + 1] - c->row_start[g];
   memcpy(u, c->u_drift + c->row_start[g], (size_t)rows * sizeof *u);
-  add_velocity(c, g, rows, a->v_next, u);
+  form_add_velocity(c, g, rows, a->v_next, u);
 }
 
 double form_slip_speed(const form_assembly *a, int i) {

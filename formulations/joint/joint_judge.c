@@ -9,9 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Share of its diagonal that a direction must have lost before it is asked whether it is blocked. */
-static const double much_lost = 1e-6;
-
 /* The drift of the joint rows of one component. */
 static void joint_drift(const form_assembly *a, const form_component *part, double *drift) {
   const form_joints *j = &a->joints;
@@ -76,7 +73,7 @@ static bool may_be_blocked(const form_assembly *a, int i, int first, int n) {
   double c[9], lost = 0;
   for (int p = 0; p < n; p++) {
     memcpy(c + 3 * p, own + (ptrdiff_t)p * rows, (size_t)n * sizeof *c);
-    lost += much_lost * j->before[a->row[i] + first + p];
+    lost += FORM_MUCH_LOST * j->before[a->row[i] + first + p];
   }
   for (int left = n; left > 0; left--) {
     int k = 0;
