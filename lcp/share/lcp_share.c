@@ -102,10 +102,10 @@ static void set_delta(lcp_share *s, double most_soft) {
   double low = HUGE_VAL, high = 0;
   for (int k = 0; k < s->n_contact; k++) {
     const double d = s->diagonal[lcp_share_block(s, k)->start];
-    low = fmin(low, d);
+    low = (d > 0) ? fmin(low, d) : low; /* a row that cannot move has none */
     high = fmax(high, d);
   }
-  s->delta = LCP_SHARE_DELTA * sqrt(low) * sqrt(high);
+  s->delta = (high > 0) ? LCP_SHARE_DELTA * sqrt(low) * sqrt(high) : 0;
   for (int i = 0; i < s->p->M.n; i++) {
     s->rows.delta[i] = (s->diagonal[i] > 0) ? friction_share * s->delta : 0;
     s->rows.slips[i] = 0;

@@ -391,6 +391,40 @@ static void one_answer_is_left_alone(void **state) {
   assert_true(extreme[0] == 2 && extreme[1] == 0);
 }
 
+/* Beside the corners of a plate a contact that joints hold, as the formulations keep it for `event`: a row of zeros. The plate is
+ * shared as without it, and it carries nothing. Alone such rows have no scale, and are left. */
+static void a_row_that_cannot_move_sets_no_scale(void **state) {
+  (void)state;
+  enum { N = 5, HELD = 4 };
+  plate t = corners();
+  double M[N * N] = {0}, q[N] = {0}, z[N] = {2, 0, 2, 0, 7};
+  lcp_block block[N];
+  pose(&t, (double[]){-2, 0, 0});
+  for (int j = 0; j < t.n; j++) {
+    memcpy(M + (ptrdiff_t)j * N, t.M + (ptrdiff_t)j * t.n, (size_t)t.n * sizeof *M);
+    q[j] = t.q[j];
+  }
+  for (int j = 0; j < N; j++) {
+    block[j] = (lcp_block){.start = j, .size = 1, .set = LCP_ORTHANT, .soft = 1};
+  }
+  lcp_problem p = {.M = {.storage = LCP_DENSE, .n = N, .val = M},
+                   .q = q,
+                   .block = block,
+                   .n_block = N,
+                   .traits = LCP_SYMMETRIC | LCP_PSD};
+  const lcp_share_result r = shared(&p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_int_equal(r.deficit, 2);
+  for (int i = 0; i < N; i++) {
+    check_close(z[i], (i == HELD) ? 0 : 1, 1e-7);
+  }
+  memset(M, 0, sizeof M);
+  memset(q, 0, sizeof q);
+  double held[N] = {0, 0, 1, 0, 0};
+  assert_int_equal(shared(&p, held).outcome, LCP_SHARE_MISSED);
+  assert_true(held[2] == 1);
+}
+
 /* Two rows that press against each other and are both asked to part: no answer, so what came in stays, and the outcome
  * says so. */
 static void no_answer_is_made_up(void **state) {
@@ -515,6 +549,7 @@ int main(void) {
       cmocka_unit_test(a_wrong_start_is_left),
       cmocka_unit_test(sliding_contacts_follow_the_plate),
       cmocka_unit_test(one_answer_is_left_alone),
+      cmocka_unit_test(a_row_that_cannot_move_sets_no_scale),
       cmocka_unit_test(no_answer_is_made_up),
       cmocka_unit_test(cones_are_shared_alike),
   };
