@@ -194,10 +194,14 @@ static bool settle_sign(lcp_share *s, int i, double scale) {
   return false;
 }
 
-/* Does the normal row of a contact of a resting island, which presses against what carries its friction, ask for the other kind?
- * What the limit has decided of a row, delta alone does not take back: with delta it would be decided the other way for ever. */
+/* What the limit has decided of a normal row, delta alone does not take back: with delta it would be decided the other way for ever. */
+static bool is_settled(const lcp_share *s, int i) {
+  return s->pull > 0 && s->by_limit[i] == s->rows.kind[i] + 1;
+}
+
+/* Does the normal row of a contact of a resting island, which presses against what carries its friction, ask for the other kind? */
 static bool resting_moves(const lcp_share *s, int i) {
-  const bool settled = s->pull > 0 && s->by_limit[i] == s->rows.kind[i] + 1;
+  const bool settled = is_settled(s, i);
   if (s->rows.kind[i] == SHARE_ACTIVE) {
     return s->z[i] < s->lower[i] - LCP_SHARE_ROW_TOL * lcp_share_scale(s, i) && !settled;
   }
@@ -220,22 +224,32 @@ static bool settle_resting(lcp_share *s, int i) {
   return moves;
 }
 
+/* The normal row of contact b asks for the other kind, and gets it unless only one row may change and one has. */
+static void turn_contact(lcp_share *s, const lcp_block *b) {
+  const int i = b->start;
+  if (!may_change(s)) {
+    return;
+  }
+  if (s->rows.kind[i] == SHARE_FIXED) {
+    open_contact(s, b, LCP_SHARE_ROW_TOL);
+  } else {
+    close_contact(s, b);
+  }
+  s->by_limit[i] = (unsigned char)((s->pull == 0) ? s->rows.kind[i] + 1 : 0);
+}
+
 static bool settle_contact(lcp_share *s, const lcp_block *b) {
   const int i = b->start;
   if (s->rows.kind[i] == SHARE_FIXED) {
-    if (s->w[i] >= -LCP_SHARE_ROW_TOL * s->size[i]) {
+    if (s->w[i] >= -LCP_SHARE_ROW_TOL * s->size[i] || is_settled(s, i)) {
       close_contact(s, b); /* slip speeds follow the motion */
       return false;
     }
-    if (may_change(s)) {
-      open_contact(s, b, LCP_SHARE_ROW_TOL);
-    }
+    turn_contact(s, b);
     return true;
   }
-  if (s->z[i] < -LCP_SHARE_ROW_TOL * lcp_share_scale(s, i)) {
-    if (may_change(s)) {
-      close_contact(s, b);
-    }
+  if (s->z[i] < -LCP_SHARE_ROW_TOL * lcp_share_scale(s, i) && !is_settled(s, i)) {
+    turn_contact(s, b);
     s->z[i] = fmax(s->z[i], 0.0);
     return true;
   }

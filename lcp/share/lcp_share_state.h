@@ -40,7 +40,7 @@ struct lcp_share {
   double *answer_w, *answer_size, *had; /* cap_n: its w, its sizes, its |w| where small */
   unsigned char *before;                /* cap_n: kinds of the round before */
   unsigned char
-      *by_limit; /* cap_n: 1 + the kind of a resting normal row that the limit asked for, else 0 */
+      *by_limit; /* cap_n: 1 + the kind of a normal row that the limit asked for, else 0 */
   int *contact;  /* cap_n: blocks with compliance */
   int *owner;    /* cap_n: contact of a row, or a number below zero */
   int *island;   /* cap_n: of a contact or a joint: an earlier one, or itself */

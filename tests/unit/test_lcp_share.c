@@ -391,6 +391,23 @@ static void one_answer_is_left_alone(void **state) {
   assert_true(extreme[0] == 2 && extreme[1] == 0);
 }
 
+/* One body slides on two contacts of which one is open by 3e-8 of its terms: with delta both carry, without it the other one alone. What the
+ * limit closes delta does not open again. */
+static void what_the_limit_closes_stays_closed(void **state) {
+  (void)state;
+  const double M[4] = {1, 1, 1, 1}, q[2] = {-2, -2 + 3e-8};
+  const lcp_block block[2] = {{.start = 0, .size = 1, .set = LCP_ORTHANT, .soft = 1},
+                              {.start = 1, .size = 1, .set = LCP_ORTHANT, .soft = 1}};
+  const lcp_problem p = {
+      .M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q, .block = block, .n_block = 2};
+  double z[2] = {2, 0};
+  const lcp_share_result r = shared(&p, z);
+  assert_int_equal(r.outcome, LCP_SHARE_MADE);
+  assert_int_equal(r.deficit, 1);
+  check_close(z[0], 2, 1e-13);
+  assert_true(z[1] == 0);
+}
+
 /* Beside the corners of a plate a contact that joints hold, as the formulations keep it for `event`: a row of zeros. The plate is
  * shared as without it, and it carries nothing. Alone such rows have no scale, and are left. */
 static void a_row_that_cannot_move_sets_no_scale(void **state) {
@@ -549,6 +566,7 @@ int main(void) {
       cmocka_unit_test(a_wrong_start_is_left),
       cmocka_unit_test(sliding_contacts_follow_the_plate),
       cmocka_unit_test(one_answer_is_left_alone),
+      cmocka_unit_test(what_the_limit_closes_stays_closed),
       cmocka_unit_test(a_row_that_cannot_move_sets_no_scale),
       cmocka_unit_test(no_answer_is_made_up),
       cmocka_unit_test(cones_are_shared_alike),
