@@ -19,6 +19,7 @@ static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double clearly = 0.999;    /* of what friction asks for */
 static const double slow = 0.99;        /* a round leaves at most this share, or no limit is near */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
+static const double worth_clearing = 1e-10;
 
 /* ---- systems ------------------------------------------------------------------------------------ */
 
@@ -220,9 +221,28 @@ static base_status mix(lcp_share *s, base_error *err) {
   return lin_anderson_next(&s->mixed, s->step, 1, s->z, err);
 }
 
-/* Every solution has its roundings, over delta, in what M does not see: 1e-9 of z, where z - base, whose D (z - base) is w, has
- * nothing. B = A^-1 D leaves that part u of z - base as it is, and of the rest delta a time: it is repeated until M u, which is
- * D times what the last time changed, is rounding. Where that takes long u stays. */
+/* D s->open in the rows of the system. */
+static void pull_open(lcp_share *s) {
+  for (int k = 0; k < s->system.count; k++) {
+    const int i = s->system.unknown[k];
+    s->right[i] = (s->rows.kind[i] == SHARE_ACTIVE) ? s->rows.delta[i] * s->open[i] : 0;
+  }
+}
+
+/* Is s->open more of z than its own solves leave in rows that carry nothing? In the unit of impulses of one energy. */
+static bool is_worth_clearing(const lcp_share *s) {
+  double most = 0, largest = 0;
+  for (int k = 0; k < s->system.count; k++) {
+    const int i = s->system.unknown[k];
+    most = fmax(most, s->diagonal[i] * s->open[i] * s->open[i]);
+    largest = fmax(largest, s->diagonal[i] * s->z[i] * s->z[i]);
+  }
+  return most > worth_clearing * worth_clearing * largest;
+}
+
+/* Every solution has its roundings, over delta, in what M does not see: 1e-9 of z, and more where q is not quite in the range of M.
+ * z - base, whose D (z - base) is w, has nothing there. B = A^-1 D leaves that part u of z - base as it is, and of the rest delta
+ * a time: it is repeated until M u, which is D times what the last time changed, is rounding. Where that takes long u stays. */
 static void clear_open(lcp_share *s, double limit) {
   const share_system *y = &s->system;
   double off = HUGE_VAL;
@@ -232,10 +252,7 @@ static void clear_open(lcp_share *s, double limit) {
   }
   for (int times = 0; times < MOST_CLEARINGS && off > limit; times++) {
     off = 0;
-    for (int k = 0; k < y->count; k++) {
-      const int i = y->unknown[k];
-      s->right[i] = (s->rows.kind[i] == SHARE_ACTIVE) ? s->rows.delta[i] * s->open[i] : 0;
-    }
+    pull_open(s);
     solve_for(s, s->step);
     for (int k = 0; k < y->count; k++) {
       const int i = y->unknown[k];
@@ -244,7 +261,8 @@ static void clear_open(lcp_share *s, double limit) {
       s->open[i] = s->step[i];
     }
   }
-  for (int k = 0; k < y->count && off <= limit; k++) {
+  const bool clears = off <= limit && is_worth_clearing(s);
+  for (int k = 0; k < y->count && clears; k++) {
     s->z[y->unknown[k]] -= s->open[y->unknown[k]];
   }
 }
@@ -268,14 +286,19 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
       off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
     if (off <= limit) {
-      break;
+      clear_open(s, limit);
+      return BASE_OK;
     }
     mixes = (k == PLAIN_CORRECTIONS) ? off < slow * last : mixes;
     if (mixes) {
       BASE_TRY(mix(s, err));
     }
   }
-  clear_open(s, limit);
+  /* What hands back an answer goes on in what M does not see without end, by rounding of q; what does not is on its way to where a
+   * contact closes. Friction of cones that slip would turn. */
+  if (off <= solved_tol && !s->system.slips) {
+    clear_open(s, limit);
+  }
   return BASE_OK;
 }
 
