@@ -248,9 +248,10 @@ static void set_active(const group_system *a, const share_rows *r, int k) {
 
 static void set_slip(const group_system *a, const share_rows *r, int k) {
   const int i = a->row[k];
-  a->T[k + k * a->n] += r->own[i];
-  for (int m = 0; m < r->part_dim[i] && r->part_dim[i] == 2; m++) {
-    a->Y[k + a->place[share_first(r, i) + m - a->row[0]] * a->n] = r->gain[2 * i + m];
+  for (int m = 0; m < r->part_dim[i]; m++) {
+    const int at = share_first(r, i) + m, place = a->place[at - a->row[0]];
+    a->T[k + place * a->n] += r->own[2 * i + m] + r->gain[2 * i + m] * r->delta[at];
+    a->Y[k + place * a->n] = r->gain[2 * i + m];
   }
 }
 

@@ -10,6 +10,7 @@ enum {
   PLAIN_CORRECTIONS = 3,
   MOST_SOLUTIONS = 8,
   MOST_CLEARINGS = 4,
+  MOST_TURNS = 12,
   JOINT_ROUNDS = 4,
   BLOCK_ROUNDS =
       3 /* without fewer rows that ask for a change: then one by one, which cannot go round (Judice & Pires 1994) */
@@ -40,9 +41,13 @@ static double missing(const lcp_share *s, int i) {
   if (r->kind[i] == SHARE_ACTIVE) {
     return r->delta[i] * (s->anchor[i] - s->z[i]) - s->w[i];
   }
-  const int first = share_first(r, i);
-  const double own = r->own[i] * s->z[i] + r->gain[2 * i] * s->w[first];
-  return -((r->part_dim[i] == 2) ? own + r->gain[2 * i + 1] * s->w[first + 1] : own);
+  double sum = 0;
+  for (int m = 0; m < r->part_dim[i]; m++) {
+    const int at = share_first(r, i) + m;
+    const double speed = s->w[at] + r->delta[at] * (s->z[at] - s->anchor[at]);
+    sum += r->own[2 * i + m] * s->z[at] + r->gain[2 * i + m] * speed;
+  }
+  return -sum;
 }
 
 /* x = A^-1 s->right, over the unknowns of the system. */
@@ -223,9 +228,14 @@ static base_status mix(lcp_share *s, base_error *err) {
 
 /* D s->open in the rows of the system. */
 static void pull_open(lcp_share *s) {
+  const share_rows *r = &s->rows;
   for (int k = 0; k < s->system.count; k++) {
     const int i = s->system.unknown[k];
-    s->right[i] = (s->rows.kind[i] == SHARE_ACTIVE) ? s->rows.delta[i] * s->open[i] : 0;
+    s->right[i] = (r->kind[i] == SHARE_ACTIVE) ? r->delta[i] * s->open[i] : 0;
+    for (int m = 0; m < r->part_dim[i] && r->kind[i] == SHARE_SLIP; m++) {
+      const int at = share_first(r, i) + m;
+      s->right[i] += r->gain[2 * i + m] * r->delta[at] * s->open[at];
+    }
   }
 }
 
@@ -273,7 +283,6 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
   double off = HUGE_VAL;
   bool mixes = false;
   lin_anderson_begin(&s->mixed, s->p->M.n);
-  memcpy(s->base, s->anchor, (size_t)s->p->M.n * sizeof *s->base);
   for (int k = 0; k < MOST_CORRECTIONS; k++) {
     const double last = off;
     off = 0;
@@ -285,9 +294,8 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);
       off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
-    if (off <= limit) {
-      clear_open(s, limit);
-      return BASE_OK;
+    if (off <= limit || (off <= solved_tol && off > 0.5 * last)) {
+      break;
     }
     mixes = (k == PLAIN_CORRECTIONS) ? off < slow * last : mixes;
     if (mixes) {
@@ -296,7 +304,7 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
   }
   /* What hands back an answer goes on in what M does not see without end, by rounding of q; what does not is on its way to where a
    * contact closes. Friction of cones that slip would turn. */
-  if (off <= solved_tol && !s->system.slips) {
+  if (off <= solved_tol && !(s->system.slips && s->by_bodies)) {
     clear_open(s, limit);
   }
   return BASE_OK;
@@ -352,6 +360,7 @@ void lcp_share_restore_answer(lcp_share *s) {
 static void begin(lcp_share *s, const share_search *how) {
   const size_t n = (size_t)s->p->M.n;
   lcp_share_restore_answer(s);
+  s->pull = 0;
   memset(s->by_limit, 0, n);
   lcp_share_begin_rows(s);
   if (how->start != NULL) {
@@ -361,6 +370,16 @@ static void begin(lcp_share *s, const share_search *how) {
     lcp_share_begin_held(s);
   }
   memcpy(s->anchor, s->z, n * sizeof *s->z);
+}
+
+/* Step 3 and what the rows then ask for. Without delta friction that slips has another direction, which is met by the same rows: from
+ * where they are and not with delta again. */
+static base_status settle_limit(lcp_share *s, bool *changed, base_error *err) {
+  BASE_TRY(approach_limit(s, err));
+  drop_delta(s);
+  memcpy(s->before, s->rows.kind, (size_t)s->p->M.n);
+  *changed = lcp_share_settle(s);
+  return BASE_OK;
 }
 
 base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *end,
@@ -373,9 +392,23 @@ base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *e
     if (*end != SHARE_FOUND) {
       return BASE_OK;
     }
-    BASE_TRY(approach_limit(s, err));
-    drop_delta(s);
-    if (!lcp_share_settle(s)) {
+    bool changed, regular = true;
+    memcpy(s->base, s->anchor, (size_t)s->p->M.n * sizeof *s->base);
+    BASE_TRY(settle_limit(s, &changed, err));
+    for (int k = 0; k < MOST_TURNS && changed && changes(s) == 0 && out->rounds < last; k++) {
+      out->rounds++;
+      BASE_TRY(lcp_share_factor(s, &regular, err));
+      if (!regular) {
+        *end = SHARE_LOST;
+        return BASE_OK;
+      }
+      BASE_TRY(settle_limit(s, &changed, err));
+    }
+    if (changed && changes(s) == 0) {
+      *end = SHARE_LOST;
+      return BASE_OK;
+    }
+    if (!changed) {
       *end = judged(s);
     } else if (how->until_held && lcp_share_note_held(s)) {
       *end = SHARE_HELD;
@@ -390,6 +423,7 @@ base_status lcp_share_follow(lcp_share *s, int rounds, share_end *end, lcp_share
   memset(s->rests, 0, (size_t)s->n_contact * sizeof *s->rests);
   lcp_share_begin_rows(s);
   lcp_share_hold_bounds(s);
+  memcpy(s->base, s->z, (size_t)s->p->M.n * sizeof *s->base);
   for (int k = 0; k < rounds; k++) {
     bool regular;
     out->rounds++;

@@ -1,6 +1,8 @@
 /* lcp_share_rows.c - which rows are active, and how: facets, cones, boxes. */
 #include "lcp/share/lcp_share_facets.h"
 
+#include <float.h>
+
 /* ---- facets ---------------------------------------------------------------------------------- */
 
 /* A part without friction impulse: its slip speed is the least that its facets allow, and the facet that allows no
@@ -36,20 +38,19 @@ static void settle_speed(lcp_share *s, share_facets f, bool moves, double still)
 
 /* ---- cones ----------------------------------------------------------------------------------- */
 
-/* Friction of the part at `row` against the unit vector d, linearised in d = w_t/|w_t| at the present point; where the
- * part does not move d stands still. A slow slip is nearly a stick, and its rows are scaled as one. */
-static void slip_along(lcp_share *s, const lcp_block *b, int row, int dim, double mu,
-                       const double *d, double speed) {
+/* Friction of the part at `row` against the unit vector d, linearised in d = w_t/|w_t| at the present point: mu z_n along d, and
+ * across it d turns with the motion, by `turn` for 1 m/s. Both rows are scaled as one that sticks: HUGE_VAL sticks across d. */
+static void slip_along(lcp_share *s, int row, int dim, double mu, const double *d, double turn) {
   share_rows *r = &s->rows;
   const double own = (s->diagonal[row] > 0) ? s->diagonal[row] : 1;
-  const double turn = (dim == 2 && speed > 0) ? mu * fmax(s->z[b->start], 0.0) / speed : 0;
-  const double scale = own / (1 + own * turn);
+  const double sticks = (dim == 1) ? 0 : ((turn < HUGE_VAL) ? own * turn / (1 + own * turn) : 1);
   for (int k = 0; k < dim; k++) {
     r->kind[row + k] = SHARE_SLIP;
-    r->own[row + k] = scale;
-    r->pull[row + k] = scale * mu * d[k];
-    for (int m = 0; m < 2; m++) { /* of one row the second is zero, as turn is */
-      r->gain[2 * (row + k) + m] = scale * turn * ((k == m ? 1.0 : 0.0) - d[k] * d[m]);
+    r->pull[row + k] = own * mu * d[k];
+    for (int m = 0; m < 2; m++) {
+      const double across = ((k == m) ? 1.0 : 0.0) - d[k] * d[m];
+      r->own[2 * (row + k) + m] = own * (d[k] * d[m] + (1 - sticks) * across);
+      r->gain[2 * (row + k) + m] = sticks * across;
     }
   }
 }
@@ -57,15 +58,18 @@ static void slip_along(lcp_share *s, const lcp_block *b, int row, int dim, doubl
 /* A part of a cone at the present point. */
 typedef struct share_part {
   int row, dim;
-  double mu, normal, speed, force;
+  double mu, normal, u[2], speed, force;
   bool moves;
 } share_part;
 
 static share_part part_at(const lcp_share *s, const lcp_block *b, int k, int row) {
   share_part p = {.row = row, .dim = b->part_dim[k], .mu = b->part_mu[k], .normal = s->z[b->start]};
-  p.speed = lcp_share_length(s->w + row, p.dim);
+  for (int m = 0; m < p.dim; m++) {
+    p.u[m] = lcp_share_speed(s, row + m);
+  }
+  p.speed = lcp_share_length(p.u, p.dim);
   p.force = lcp_share_length(s->z + row, p.dim);
-  p.moves = p.speed > 100 * LCP_SHARE_ROW_TOL * s->size[row];
+  p.moves = p.speed > ((s->pull > 0) ? 64 * DBL_EPSILON : 100 * LCP_SHARE_ROW_TOL) * s->size[row];
   return p;
 }
 
@@ -81,7 +85,7 @@ static bool part_slips(const lcp_share *s, const share_part *p) {
   }
   double along = 0; /* friction that drives has changed sides */
   for (int m = 0; m < p->dim; m++) {
-    along -= s->z[p->row + m] * s->w[p->row + m];
+    along -= s->z[p->row + m] * p->u[m];
   }
   return !p->moves || along > 0 || p->normal <= 0;
 }
@@ -94,18 +98,21 @@ static bool stick_part(lcp_share *s, const share_part *p) {
   return changed;
 }
 
-static bool slip_part(lcp_share *s, const lcp_block *b, const share_part *p) {
-  const double *u = s->w + p->row, *l = s->z + p->row;
-  double d[2] = {0}, off = 0;
+static bool slip_part(lcp_share *s, const share_part *p) {
+  const double *u = p->u, *l = s->z + p->row;
+  const double most = p->mu * fmax(p->normal, 0.0);
+  double d[2] = {0}, off = p->moves ? 0 : fabs(p->force - most);
   for (int m = 0; m < p->dim; m++) {
     d[m] = p->moves ? u[m] / p->speed : (p->force > 0 ? -l[m] / p->force : 0);
     off = fmax(off, p->moves ? fabs(l[m] + p->mu * p->normal * d[m]) : 0);
   }
+  /* u is known to rounding of its terms, and d by as much over |u| */
+  const double known = p->moves ? most * fmin(1, 4 * DBL_EPSILON * s->size[p->row] / p->speed) : 0;
   if (s->rows.kind[p->row] == SHARE_SLIP &&
-      off <= LCP_SHARE_ROW_TOL * fmax(p->mu * p->normal, lcp_share_scale(s, p->row))) {
+      off <= LCP_SHARE_ROW_TOL * fmax(most, lcp_share_scale(s, p->row)) + known) {
     return false; /* the factor at hand is of this direction */
   }
-  slip_along(s, b, p->row, p->dim, p->mu, d, p->moves ? p->speed : 0);
+  slip_along(s, p->row, p->dim, p->mu, d, p->moves ? most / p->speed : ((most > 0) ? HUGE_VAL : 0));
   return true;
 }
 
@@ -126,7 +133,7 @@ static bool settle_cone(lcp_share *s, const lcp_block *b) {
       changed = true;
       continue;
     }
-    changed = (slips ? slip_part(s, b, &p) : stick_part(s, &p)) || changed;
+    changed = (slips ? slip_part(s, &p) : stick_part(s, &p)) || changed;
   }
   return changed;
 }
@@ -371,7 +378,7 @@ static void hold_part(lcp_share *s, const lcp_block *b, int part, int row) {
   const int dim = b->part_dim[part];
   const double force = lcp_share_length(s->z + row, dim);
   const double d[2] = {-s->z[row] / force, (dim == 2) ? -s->z[row + 1] / force : 0};
-  slip_along(s, b, row, dim, b->part_mu[part], d, 0);
+  slip_along(s, row, dim, b->part_mu[part], d, 0);
 }
 
 void lcp_share_begin_held(lcp_share *s) {

@@ -80,6 +80,11 @@ static inline double lcp_share_length(const double *x, int n) {
   return (n == 1) ? fabs(x[0]) : sqrt(x[0] * x[0] + x[1] * x[1]);
 }
 
+/* Speed of friction row i, with what delta asks of it while delta is in the problem: zero where it sticks. */
+static inline double lcp_share_speed(const lcp_share *s, int i) {
+  return s->w[i] + s->pull * s->rows.delta[i] * (s->z[i] - s->anchor[i]);
+}
+
 /* What z of row i is measured against. */
 static inline double lcp_share_scale(const lcp_share *s, int i) {
   return (s->diagonal[i] > 0) ? s->size[i] / s->diagonal[i] : 0;

@@ -123,7 +123,11 @@ static void add_column(share_system *s, const lcp_matrix *M, const share_rows *r
     }
   }
   if (r->kind[j] == SHARE_SLIP) {
-    add(s, column, j, r->own[j], count);
+    const int first = share_first(r, j);
+    for (int k = first; k < first + r->part_dim[j]; k++) {
+      add(s, column, k, r->own[2 * k + (j - first)] + r->gain[2 * k + (j - first)] * r->delta[j],
+          count);
+    }
   } else if (r->delta[j] != 0) {
     add(s, column, j, r->delta[j], count);
   }

@@ -6,7 +6,7 @@
 #include "lcp/linear/sparse_lu.h"
 
 /* What is asked of an unknown: its value stays; its row of M z + q is zero; it is friction of a cone that slips,
- *   own z_i + pull z_n + gain_0 w_t + gain_1 w_t+1 = 0,   t = first row of its part, n its normal. */
+ *   own_0 z_t + own_1 z_t+1 + pull z_n + gain_0 w_t + gain_1 w_t+1 = 0,   t = first row of its part, n its normal. */
 enum { SHARE_FIXED, SHARE_ACTIVE, SHARE_SLIP };
 
 typedef struct share_rows {
@@ -15,8 +15,8 @@ typedef struct share_rows {
   unsigned char *into;     /* n: rows of its part before it, of every cone's friction */
   unsigned char *part_dim; /* n: of the part, 1 or 2; else 0 */
   unsigned char *slips;    /* n: of a cone's normal: rows of friction behind it; else 0 */
-  double *own, *pull;      /* n */
-  double *gain;            /* 2 n */
+  double *pull;            /* n */
+  double *own, *gain;      /* 2 n */
 } share_rows;
 
 /* First row of the part of row i. */
