@@ -10,7 +10,7 @@
  * rule. When nothing blocks, d >= 0 with Md = 0 and q'd < 0: no feasible point.
  * A start point gives the first F, by the rows strictly inside their bounds; descent to w_F = 0 precedes. With boxes a row
  * whose column depends on those of F stays at its start instead of going to a bound, until it drives: so redundant impulses,
- * of which many are answers, stay those of the start.
+ * of which many are answers, stay those of the start. A start that meets the tolerance is the answer there, to the bit.
  * An indefinite M (s < 0) is allowed: the descent then still ends in a solution or on a ray.
  * Small problems from z = 0 take the same pivots on a tableau (ppm/ppm_table.c). */
 #include "lcp/base/clock.h"
@@ -104,6 +104,10 @@ static base_status prepare(void *state, const lcp_problem *p, const void *opt, b
   return BASE_OK;
 }
 
+static bool is_sure(const ppm *s, int r) {
+  return lcp_ppm_violation(s, r) > sure_share * s->bound[r];
+}
+
 /* The nonbasic row to drive, -1: none left. Free rows first, then the largest violation in the
  * energy metric. */
 static int choose(ppm *s, int n) {
@@ -124,7 +128,7 @@ static int choose(ppm *s, int n) {
       top = score;
     }
   }
-  if (best >= 0 && !(lcp_ppm_violation(s, best) > sure_share * s->bound[best])) {
+  if (best >= 0 && !is_sure(s, best)) {
     s->tries[best]++;
   }
   return best;
@@ -239,7 +243,20 @@ static void note(const ppm *s, int n, long pivots, lcp_trace *trace) {
 }
 
 static bool is_dependent(ppm *s, const lcp_matrix *M, int r, lcp_work *work) {
-  return !(lcp_ppm_direction(s, M, r, work) > stays * fabs(s->d[r]));
+  const bool dependent = !(lcp_ppm_direction(s, M, r, work) > stays * fabs(s->d[r]));
+  work->pivots--; /* that was none */
+  return dependent;
+}
+
+/* The row to drive, -1: none is left. With boxes one that misses by rounding and depends on F is passed over: w_r is as small
+ * wherever z_r is, and the drive would go to the next bound of any row, however far. */
+static int next(ppm *s, const lcp_matrix *M, lcp_work *work) {
+  int r = choose(s, M->n);
+  while (r >= 0 && s->boxes && !is_sure(s, r) && is_dependent(s, M, r, work)) {
+    s->tries[r] = 2;
+    r = choose(s, M->n);
+  }
+  return r;
 }
 
 /* Ends with LCP_SOLVED only as a candidate: the residual has the last word. */
@@ -250,15 +267,11 @@ static lcp_outcome pivot(ppm *s, const lcp_problem *p, const lcp_stop *stop, dou
     res->work.matvecs++;
     lcp_ppm_correct(s, p, z, &res->work);
     note(s, p->M.n, res->work.pivots, trace);
-    const int r = choose(s, p->M.n);
+    const int r = next(s, &p->M, &res->work);
     if (r < 0) {
       return LCP_SOLVED;
     }
-    const bool sure = lcp_ppm_violation(s, r) > sure_share * s->bound[r];
-    if (!sure && s->where[r] == INSIDE && is_dependent(s, &p->M, r, &res->work)) {
-      s->tries[r] = 2; /* w_r is zero but for rounding wherever z_r is */
-      continue;
-    }
+    const bool sure = is_sure(s, r);
     const lcp_ppm_end e = lcp_ppm_drive(s, p, z, z, r, stop->max_iter, &res->work);
     res->work.iterations++;
     if (e == LCP_PPM_SPENT) {
@@ -335,16 +348,14 @@ static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_
   return true;
 }
 
-static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
-                         double *z, lcp_result *res) {
-  ppm *s = state;
-  const lcp_stop *stop = &((const options *)opt)->stop;
+static void solve_from(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_trace *trace,
+                       double *z, lcp_result *res) {
   if (solve_small(s, p, stop, trace, z, res)) {
-    return BASE_OK;
+    return;
   }
   lcp_loop_begin(&s->loop, p, false);
   if (s->boxes && is_answer(s, p, stop, z, res)) {
-    return BASE_OK;
+    return;
   }
   if (start(s, &p->M, z, &res->work)) {
     res->variant = "warm";
@@ -363,15 +374,35 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   met = met || (ended == LCP_SOLVED && lcp_ppm_rounded(s, p, stop, z, res));
   if (ended == LCP_INFEASIBLE || ended == LCP_RAY) {
     res->outcome = ended;
-    res->certificate = (lcp_certificate){
-        .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
-  } else if (met && (lcp_problem_sets(p) & (1u << LCP_BOX)) != 0) {
-    res->outcome = LCP_SOLVED; /* a basis does not tell the two ends of a box apart */
+    if (!s->boxes) { /* there nothing is proved */
+      res->certificate = (lcp_certificate){
+          .kind = (ended == LCP_RAY) ? LCP_CERT_RAY : LCP_CERT_FARKAS, .vector = s->ray};
+    }
   } else if (met) {
     res->outcome = LCP_SOLVED;
-    res->certificate = basis(s, p->M.n);
+    if (!s->boxes) { /* a basis does not tell the two ends of a box apart */
+      res->certificate = basis(s, p->M.n);
+    }
   } else {
     res->outcome = (ended == LCP_SOLVED) ? LCP_NUMERICAL : ended;
+  }
+}
+
+/* With boxes redundant rows keep what a start has of them, and one far off may drown what is asked for: from zero then. */
+static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp_trace *trace,
+                         double *z, lcp_result *res) {
+  ppm *s = state;
+  const lcp_stop *stop = &((const options *)opt)->stop;
+  bool warm = false;
+  for (int i = 0; i < p->M.n; i++) {
+    warm = warm || z[i] != 0;
+  }
+  solve_from(s, p, stop, trace, z, res);
+  if (warm && s->boxes && (res->outcome == LCP_NUMERICAL || res->outcome == LCP_RAY)) {
+    memset(z, 0, (size_t)p->M.n * sizeof *z);
+    res->variant = "";
+    res->work.fallbacks++;
+    solve_from(s, p, stop, trace, z, res);
   }
   return BASE_OK;
 }

@@ -9,7 +9,7 @@
 #include "lcp/solvers/loop.h"
 #include "lcp/solvers/sweep.h"
 
-/* INSIDE: between its bounds and not basic, where it started. A row that is driven leaves that place for good. */
+/* INSIDE: between its bounds and not basic, where it started. */
 typedef enum place { AT_LO, AT_HI, BASIC, INSIDE } place;
 
 typedef struct ppm {
@@ -21,7 +21,7 @@ typedef struct ppm {
   int *order, *pos;     /* F in the order of L; place of i in F or -1 */
   unsigned char *where; /* place of z_i */
   unsigned char *is_free;
-  bool boxes; /* a row has two bounds: rows may stay INSIDE, as no basis is a certificate there */
+  bool boxes; /* some rows have a box: rows may stay INSIDE, as no basis is a certificate there */
   unsigned char *tries; /* times a violation near round-off was driven */
   double *L, *cs;
   double *d, *unit;      /* diagonal; sqrt |M_ii| (1 where zero) */
