@@ -7,7 +7,8 @@
  *
  *   C'_cd = x W J_d',   r'_c = x v_free + drift_c - w' drift_b,
  *
- * which have the error of their own terms: u_c is the velocity along x of the motion that u_d is seen in. */
+ * which have the error of their own terms: u_c is the velocity along x of the motion that u_d is seen in. C'_cc is x W x'. Of two such rows
+ * C'_cd has the rounding of J_d. */
 #include "formulations/dof_kernel.h"
 #include "formulations/joint/joint.h"
 
@@ -24,9 +25,9 @@ typedef struct faint {
   double drift;
 } faint;
 
-/* x v_free, and the sum of what it is made of. */
+/* x v_free, and the sum of what it is made of; x W x'. */
 typedef struct speed {
-  double sum, size;
+  double sum, size, own;
 } speed;
 
 static void find_parts(const form_assembly *a, faint *f) {
@@ -74,6 +75,7 @@ static void take_bodies(form_assembly *a, int g, speed *u) {
       const double term = a->force[d] * c->v_free[d];
       u->sum += term;
       u->size += fabs(term);
+      u->own += a->force[d] * a->moved[d];
       a->force[d] = a->moved[d] = 0;
     }
   }
@@ -142,6 +144,12 @@ static void write_row(form_assembly *a, const faint *f) {
   }
 }
 
+/* What C' has of row p of contact i with itself. */
+static double *own_of(const form_assembly *a, int i, int p) {
+  const form_blocks *left = &a->joints.left;
+  return left->block + left->block_at[a->self[i]] + (ptrdiff_t)p * (form_rows_of(a, i) + 1);
+}
+
 static void renew(form_assembly *a, int i, int p) {
   static const double noise = 16 * DBL_EPSILON;
   const int g = a->group[i], row = a->row[i] + p;
@@ -159,13 +167,14 @@ static void renew(form_assembly *a, int i, int p) {
   }
   write_row(a, &f);
   const speed u = take(a, &f);
+  *own_of(a, i, p) = u.own;
   a->r[row] = ((fabs(u.sum) <= noise * u.size) ? 0 : u.sum) + f.drift;
 }
 
 /* Of contact i the row p, by its diagonals: not blocked, and all but `FORM_MUCH_LOST` of it gone. */
 static bool is_faint(const form_assembly *a, int i, int p) {
   const form_joints *j = &a->joints;
-  const double own = (j->left.block + j->left.block_at[a->self[i]])[p * (form_rows_of(a, i) + 1)];
+  const double own = *own_of(a, i, p);
   const int row = a->row[i] + p;
   return own > a->known[row].noise && own <= FORM_MUCH_LOST * j->before[row];
 }
