@@ -303,7 +303,7 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
     }
   }
   /* What hands back an answer goes on in what M does not see without end, by rounding of q; what does not is on its way to where a
-   * contact closes. Friction of cones that slip would turn. */
+   * contact closes. In body space friction of cones that slip would turn. */
   if (off <= solved_tol && !(s->system.slips && s->by_bodies)) {
     clear_open(s, limit);
   }
