@@ -372,13 +372,29 @@ static void begin(lcp_share *s, const share_search *how) {
   memcpy(s->anchor, s->z, n * sizeof *s->z);
 }
 
-/* Step 3 and what the rows then ask for. Without delta friction that slips has another direction, which is met by the same rows: from
- * where they are and not with delta again. */
-static base_status settle_limit(lcp_share *s, bool *changed, base_error *err) {
+static base_status settle_once(lcp_share *s, bool *changed, base_error *err) {
   BASE_TRY(approach_limit(s, err));
   drop_delta(s);
   memcpy(s->before, s->rows.kind, (size_t)s->p->M.n);
   *changed = lcp_share_settle(s);
+  return BASE_OK;
+}
+
+/* Step 3, and whether rows then ask for another kind. Without delta friction that slips has another direction, which the same rows
+ * meet: from where they are and not with delta again. *lost: they do not. */
+static base_status settle_limit(lcp_share *s, int last, bool *changed, bool *lost,
+                                lcp_share_result *out, base_error *err) {
+  bool regular = true;
+  BASE_TRY(settle_once(s, changed, err));
+  for (int k = 0; k < MOST_TURNS && *changed && changes(s) == 0 && out->rounds < last; k++) {
+    out->rounds++;
+    BASE_TRY(lcp_share_factor(s, &regular, err));
+    if (!regular) {
+      break;
+    }
+    BASE_TRY(settle_once(s, changed, err));
+  }
+  *lost = !regular || (*changed && changes(s) == 0);
   return BASE_OK;
 }
 
@@ -392,19 +408,10 @@ base_status lcp_share_search(lcp_share *s, const share_search *how, share_end *e
     if (*end != SHARE_FOUND) {
       return BASE_OK;
     }
-    bool changed, regular = true;
+    bool changed, lost;
     memcpy(s->base, s->anchor, (size_t)s->p->M.n * sizeof *s->base);
-    BASE_TRY(settle_limit(s, &changed, err));
-    for (int k = 0; k < MOST_TURNS && changed && changes(s) == 0 && out->rounds < last; k++) {
-      out->rounds++;
-      BASE_TRY(lcp_share_factor(s, &regular, err));
-      if (!regular) {
-        *end = SHARE_LOST;
-        return BASE_OK;
-      }
-      BASE_TRY(settle_limit(s, &changed, err));
-    }
-    if (changed && changes(s) == 0) {
+    BASE_TRY(settle_limit(s, last, &changed, &lost, out, err));
+    if (lost) {
       *end = SHARE_LOST;
       return BASE_OK;
     }
