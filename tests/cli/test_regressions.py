@@ -122,6 +122,16 @@ def chains_that_move_have_one_choice(d):
         )
 
 
+def friction_at_its_bound_has_one_choice(d):
+    """Boxes that slide at one speed hold each other at the bound of their friction, and could turn
+    freely there: stick and slip went round, and all 30 choices were missed, nine tenths of a
+    step."""
+    for name, start in itertools.product(("pulled_plate8", "spinning_deck6"), ("cold", "previous")):
+        words = ("--formulation", "coulomb", "--solver", "cone_newton", "--start", start)
+        o = run_json("simulate", MOVING / f"{name}.json", *words)
+        assert o["status"] == "ok" and o["n_share_missed"] == 0, (name, start, o["n_share_missed"])
+
+
 def what_pushes_without_force_has_one_choice(d):
     """A box has hit a ball, without bounce, and both slide on at one speed: their contact stays
     closed and carries nothing. What the compliance of the choice lets them sink was a slip there
@@ -579,6 +589,7 @@ tap(
         disputed_scenes_come_out_right,
         many_contacts_move_right,
         chains_that_move_have_one_choice,
+        friction_at_its_bound_has_one_choice,
         what_pushes_without_force_has_one_choice,
         cases_come_out_right,
         a_house_of_cards_stands,
