@@ -294,7 +294,7 @@ static base_status approach_limit(lcp_share *s, base_error *err) {
       const double moved = s->rows.delta[i] * fabs(s->z[i] - s->anchor[i]);
       off = (s->size[i] > 0 && moved > off * s->size[i]) ? moved / s->size[i] : off;
     }
-    if (off <= limit || (off <= solved_tol && off > slow * last)) {
+    if (off <= limit || (off <= solved_tol && off > 0.5 * last)) {
       break;
     }
     mixes = (k == PLAIN_CORRECTIONS) ? off < slow * last : mixes;

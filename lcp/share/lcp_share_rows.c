@@ -108,9 +108,8 @@ static bool slip_part(lcp_share *s, const share_part *p) {
   }
   /* u is known to rounding of its terms, and d by as much over |u| */
   const double known = p->moves ? most * fmin(1, 4 * DBL_EPSILON * s->size[p->row] / p->speed) : 0;
-  const double share = (s->pull > 0 || !p->moves) ? LCP_SHARE_ROW_TOL : 1e-2 * LCP_SHARE_ROW_TOL;
   if (s->rows.kind[p->row] == SHARE_SLIP &&
-      off <= share * fmax(most, lcp_share_scale(s, p->row)) + known) {
+      off <= LCP_SHARE_ROW_TOL * fmax(most, lcp_share_scale(s, p->row)) + known) {
     return false; /* the factor at hand is of this direction */
   }
   slip_along(s, p->row, p->dim, p->mu, d, p->moves ? most / p->speed : ((most > 0) ? HUGE_VAL : 0));
