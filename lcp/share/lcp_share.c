@@ -71,8 +71,8 @@ static void layout(lcp_share *s, base_arena *a) {
   s->rows.into = BASE_ARRAY(a, unsigned char, n);
   s->rows.part_dim = BASE_ARRAY(a, unsigned char, n);
   s->rows.slips = BASE_ARRAY(a, unsigned char, n);
-  s->rows.own = BASE_ARRAY(a, double,
-                           2 * (size_t)n); /* from here on of cones that slip, and of slow limits */
+  /* of cones that slip, and of slow limits */
+  s->rows.own = BASE_ARRAY(a, double, 2 * (size_t)n);
   s->rows.pull = BASE_ARRAY(a, double, n);
   s->rows.gain = BASE_ARRAY(a, double, 2 * (size_t)n);
   lin_anderson_layout(&s->mixed, n, a);

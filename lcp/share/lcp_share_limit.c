@@ -20,6 +20,7 @@ static const double answer_tol = 1e-8;  /* w over its terms in an answer */
 static const double clearly = 0.999;    /* of what friction asks for */
 static const double slow = 0.99;        /* a round leaves at most this share, or no limit is near */
 static const double solved_tol = 1e-11; /* w over its terms in what is handed back */
+/* of the largest impulse: to take out less leaves rounding in rows that carry nothing, and turns their signs */
 static const double worth_clearing = 1e-10;
 
 /* ---- systems ------------------------------------------------------------------------------------ */

@@ -6,12 +6,14 @@
 #include "lcp/linear/sparse_lu.h"
 
 /* What is asked of an unknown: its value stays; its row of M z + q is zero; it is friction of a cone that slips,
- *   own_0 z_t + own_1 z_t+1 + pull z_n + gain_0 w_t + gain_1 w_t+1 = 0,   t = first row of its part, n its normal. */
+ *   own_0 z_t + own_1 z_t+1 + pull z_n + gain_0 u_t + gain_1 u_t+1 = 0,   t = first row of its part, n its normal,
+ *
+ * u = w + delta (z - anchor), which is zero where friction sticks. */
 enum { SHARE_FIXED, SHARE_ACTIVE, SHARE_SLIP };
 
 typedef struct share_rows {
   unsigned char *kind;     /* n */
-  double *delta;           /* n: added to the diagonal of an active row */
+  double *delta;           /* n: of active rows, on the diagonal; in u of those that slip */
   unsigned char *into;     /* n: rows of its part before it, of every cone's friction */
   unsigned char *part_dim; /* n: of the part, 1 or 2; else 0 */
   unsigned char *slips;    /* n: of a cone's normal: rows of friction behind it; else 0 */
