@@ -28,22 +28,22 @@ static void note_way(const controlled *c, double h, bool changed) {
 }
 
 /* Friction that is not of a round cone gives velocities that the bodies keep. */
-static base_status keep_law(controlled *c, double h, base_error *err) {
+static base_status keep_law(controlled *c, const step_end *end, double h, base_error *err) {
   const world *w = c->run.w;
   const int n = world_n_dof(w);
-  if (c->pair.fine.friction.bent && c->law == NULL) {
+  if (end->friction.bent && c->law == NULL) {
     c->law = calloc((size_t)n, sizeof *c->law);
     if (c->law == NULL) {
       return BASE_FAIL(err, BASE_ENOMEM, "no memory for the velocities of %d dofs", n);
     }
   }
-  for (int k = 0; c->pair.fine.friction.bent && k < n; k++) {
-    c->law[k] += c->pair.fine.law[k];
+  for (int k = 0; end->friction.bent && k < n; k++) {
+    c->law[k] += end->law[k];
   }
   const double speed = (c->law != NULL) ? world_speed_at(w, c->law) : 0.0;
   c->account->law += h * speed;
   c->account->law_speed = fmax(c->account->law_speed, speed);
-  c->account->left = fmax(c->account->left, c->pair.fine.friction.left * step_reach(c));
+  c->account->left = fmax(c->account->left, end->friction.left * step_reach(c));
   return BASE_OK;
 }
 
@@ -86,7 +86,7 @@ static base_status keep(controlled *c, double h, double e, base_error *err) {
   a->located = fmax(a->located, c->located);
   a->jump = fmax(a->jump, fmax(c->passed, fmax(c->slipped, c->late_speed)));
   a->doubt = fmax(a->doubt, c->pair.fine.doubt * step_reach(c));
-  BASE_TRY(keep_law(c, h, err));
+  BASE_TRY(keep_law(c, &c->pair.fine, h, err));
   a->off += c->off;
   a->plain += c->plain;
   note_way(c, h, changed);
@@ -209,30 +209,30 @@ static double towards(const controlled *c, double left, double h) {
   return (h >= left - c->rule->least) ? left : fmin(h, half * left);
 }
 
-/* Is the run at the end of this way where it was at its start, and at rest? */
-static bool has_stayed(const controlled *c, const step_end *end, double h) {
+/* What rests and nothing moves in one step over all of the run stays where it is all the while, whatever times steps are to end at: at rest
+ * at the end of a step of h, loads that are constant are balanced by its impulses, and half of these balance them in steps of h/2. */
+static base_status stay(controlled *c, bool *stays, base_error *err) {
   static const double still = 1e-6; /* of the tolerance */
+  sim *s = &c->run;
+  const step_end *end = &c->pair.coarse;
+  const double h = s->q->duration;
   double position;
   double velocity;
-  world_saved_distance(c->run.w, c->pair.start.state, end->state, &position, &velocity);
-  return end->good && position + velocity * h <= still * step_tolerance(c);
-}
-
-/* What rests and nothing moves in one step over all of the run stays where it is all the while, whatever times steps are to end at. */
-static base_status stay(controlled *c, bool *stays, base_error *err) {
-  sim *s = &c->run;
-  const double h = s->q->duration;
   *stays = false;
-  if (!c->rule->rests || c->rule->limit < 3) {
+  if (!c->rule->rests || c->rule->limit < 1) {
     return BASE_OK;
   }
   BASE_TRY(step_pair_begin(&c->pair, s, c->record, c->carrying, h, err));
-  if (has_stayed(c, &c->pair.coarse, h)) {
-    BASE_TRY(step_pair_finish(&c->pair, s, c->record, h, err));
-    *stays = has_stayed(c, &c->pair.fine, h);
-  }
   c->account->solved = c->pair.solved;
-  return *stays ? keep(c, h, step_error(c, h), err) : step_pair_undo(&c->pair, s, c->record, err);
+  world_saved_distance(s->w, c->pair.start.state, end->state, &position, &velocity);
+  const double off = position + velocity * h;
+  *stays = end->good && off <= still * step_tolerance(c);
+  if (!*stays) {
+    return step_pair_undo(&c->pair, s, c->record, err);
+  }
+  c->account->off = off;
+  BASE_TRY(keep_law(c, end, h, err));
+  return count(c, h, 0, err);
 }
 
 /* At this pace the limit of work is far from enough: a fiftieth of it is spent, and ten times all of it would not do. */

@@ -56,7 +56,7 @@
  * and `law` is how far it goes; `left` is what slip does that an impact left to a contact that holds.
  *
  * Where nothing moves at the start, and no load or drive changes with time, one step over all of the run is tried first: if nothing
- * moves in it, nor in its halves, that is the run.
+ * moves in it, that is the run.
  *
  * The error of the whole run is not the sum of these, for errors grow and decay: error_run.h compares runs. */
 #pragma once
