@@ -158,10 +158,8 @@ static double resting_place(const ppm *s, int i, double z) {
   return s->is_free[i] ? 0 : (s->where[i] == AT_HI) ? s->hi[i] : s->lo[i];
 }
 
-/* F empty; every z at the bound nearest to its start, or where it is between two bounds. True when the start names
- * another point than zero. */
-static bool start_outside(ppm *s, int n, const double *z) {
-  bool warm = false;
+/* F empty; every z at the bound nearest to its start, or where it is between two bounds. */
+static void start_outside(ppm *s, int n, const double *z) {
   s->m = 0;
   for (int i = 0; i < n; i++) {
     const bool high = z[i] >= s->hi[i] || (s->lo[i] == -HUGE_VAL && s->hi[i] < HUGE_VAL);
@@ -170,16 +168,14 @@ static bool start_outside(ppm *s, int n, const double *z) {
     s->pos[i] = -1;
     s->tries[i] = 0;
     s->e[i] = 0;
-    warm = warm || z[i] != 0;
   }
-  return warm;
 }
 
 /* Cold (z = 0): F is empty. Otherwise F takes the rows whose start is strictly between its bounds (free
  * rows: not zero), as far as their columns are independent. True when F has any. A dependent row of a problem with boxes
  * stays where it is: at a bound it would ask the others for another answer than the one that the start is near to. */
-static bool start(ppm *s, const lcp_matrix *M, double *z, lcp_work *work) {
-  const bool warm = start_outside(s, M->n, z);
+static bool start(ppm *s, const lcp_matrix *M, bool warm, double *z, lcp_work *work) {
+  start_outside(s, M->n, z);
   for (int i = 0; i < M->n; i++) {
     const bool inside = s->is_free[i] ? z[i] != 0 : z[i] > s->lo[i] && z[i] < s->hi[i];
     const double schur = (warm && inside) ? lcp_ppm_direction(s, M, i, work) : 0;
@@ -299,12 +295,10 @@ static bool passes(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z
 /* Is the start, on K, an answer? Another one of as small a residual would move the bounds that follow from it. */
 static bool is_answer(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
                       lcp_result *res) {
-  bool warm = false;
   for (int i = 0; i < p->M.n; i++) {
     z[i] = fmin(fmax(z[i], s->lo[i]), s->hi[i]);
-    warm = warm || z[i] != 0;
   }
-  const bool met = warm && passes(s, p, stop, z, res);
+  const bool met = passes(s, p, stop, z, res);
   res->variant = met ? "warm" : res->variant;
   return met;
 }
@@ -324,13 +318,6 @@ static lcp_certificate basis(ppm *s, int n) {
 /* A small problem from z = 0. False: nothing is decided, z is as it was. */
 static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_trace *trace,
                         double *z, lcp_result *res) {
-  bool small = s->small;
-  for (int i = 0; i < p->M.n && small; i++) {
-    small = z[i] == 0;
-  }
-  if (!small) {
-    return false;
-  }
   if (!lcp_ppm_table_solve(s, p, stop, &lcp_ppm_relative, z, res)) {
     memset(z, 0, (size_t)p->M.n * sizeof *z);
     res->work.pivots = 0;
@@ -348,16 +335,17 @@ static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_
   return true;
 }
 
+/* warm: z is another point than zero. */
 static void solve_from(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_trace *trace,
-                       double *z, lcp_result *res) {
-  if (solve_small(s, p, stop, trace, z, res)) {
+                       bool warm, double *z, lcp_result *res) {
+  if (s->small && !warm && solve_small(s, p, stop, trace, z, res)) {
     return;
   }
   lcp_loop_begin(&s->loop, p, false);
-  if (s->boxes && is_answer(s, p, stop, z, res)) {
+  if (s->boxes && warm && is_answer(s, p, stop, z, res)) {
     return;
   }
-  if (start(s, &p->M, z, &res->work)) {
+  if (start(s, &p->M, warm, z, &res->work)) {
     res->variant = "warm";
     settle(s, p, z, &res->work);
   }
@@ -397,12 +385,12 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   for (int i = 0; i < p->M.n; i++) {
     warm = warm || z[i] != 0;
   }
-  solve_from(s, p, stop, trace, z, res);
+  solve_from(s, p, stop, trace, warm, z, res);
   if (warm && s->boxes && (res->outcome == LCP_NUMERICAL || res->outcome == LCP_RAY)) {
     memset(z, 0, (size_t)p->M.n * sizeof *z);
     res->variant = "";
     res->work.fallbacks++;
-    solve_from(s, p, stop, trace, z, res);
+    solve_from(s, p, stop, trace, false, z, res);
   }
   return BASE_OK;
 }

@@ -2,12 +2,11 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
-enum { DOF = 6, CONTACTS = 16, N = 2 * CONTACTS, OPT_MAX = 512, SEEDS = 40 };
+enum { DOF = 6, CONTACTS = 16, N = 2 * CONTACTS, SEEDS = 40 };
 
 /* A normal and a friction row of each contact of one body, M = J J', and an answer z with w = 0 of which all but DOF of the
  * rows are a matter of choice. */
@@ -63,21 +62,11 @@ static void fill(redundant *b, uint64_t seed) {
                        .traits = LCP_SYMMETRIC | LCP_PSD};
 }
 
-static void solve(const lcp_problem *p, double *z, lcp_result *res) {
-  const lcp_solver *s = lcp_solver_find("ppm");
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
-  base_error err = {0};
-  lcp_instance *k;
-  lcp_verdict v;
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  assert_int_equal(res->outcome, LCP_SOLVED);
-  check_ok(lcp_judge(p, z, &v, &err), &err);
-  check_close(v.rho, 0, 1e-10);
-  lcp_instance_close(k);
+static lcp_result solve(const lcp_problem *p, double *z) {
+  const lcp_result res = solve_by("ppm", "", p, z);
+  assert_int_equal(res.outcome, LCP_SOLVED);
+  check_close(verdict_on(p, z).rho, 0, 1e-10);
+  return res;
 }
 
 /* All of the problem's data is that of the last step: nothing is to be done. */
@@ -86,10 +75,9 @@ static void an_answer_comes_back_to_the_bit(void **state) {
   for (uint64_t seed = 1; seed <= SEEDS; seed++) {
     redundant b;
     double z[N];
-    lcp_result res;
     fill(&b, seed);
     memcpy(z, b.z, sizeof z);
-    solve(&b.p, z, &res);
+    const lcp_result res = solve(&b.p, z);
     assert_memory_equal(z, b.z, sizeof z);
     assert_int_equal(res.work.pivots, 0);
   }
@@ -102,7 +90,6 @@ static void a_small_change_moves_little(void **state) {
   for (uint64_t seed = 1; seed <= SEEDS; seed++) {
     redundant b;
     double z[N], push[N], by[N];
-    lcp_result res;
     fill(&b, seed);
     base_rng rng = base_rng_seeded(seed + 1000);
     for (int i = 0; i < N; i++) {
@@ -113,7 +100,7 @@ static void a_small_change_moves_little(void **state) {
       b.q[i] += by[i];
     }
     memcpy(z, b.z, sizeof z);
-    solve(&b.p, z, &res);
+    (void)solve(&b.p, z);
     for (int i = 0; i < N; i++) {
       check_close(z[i], b.z[i], 1e-3);
     }
@@ -125,7 +112,6 @@ static void what_needs_no_friction_has_none(void **state) {
   (void)state;
   redundant b;
   double z[N] = {0};
-  lcp_result res;
   fill(&b, 7);
   for (int i = 0; i < N; i++) { /* friction acts on a body of its own that nothing moves */
     for (int j = 0; j < N; j++) {
@@ -137,7 +123,7 @@ static void what_needs_no_friction_has_none(void **state) {
   for (int i = 0; i < N; i++) {
     b.q[i] = -b.q[i];
   }
-  solve(&b.p, z, &res);
+  (void)solve(&b.p, z);
   for (int i = 1; i < N; i += 2) {
     assert_true(z[i] == 0);
   }
@@ -150,12 +136,11 @@ static void a_far_start_is_given_up(void **state) {
   for (uint64_t seed = 1; seed <= SEEDS; seed++) {
     redundant b;
     double z[N];
-    lcp_result res;
     fill(&b, seed);
     for (int i = 0; i < N; i++) {
       z[i] = (i % 2 == 0) ? 1e12 * b.z[i] : b.z[i];
     }
-    solve(&b.p, z, &res);
+    const lcp_result res = solve(&b.p, z);
     for (int i = 0; i < N && res.work.fallbacks > 0; i++) {
       assert_true(fabs(z[i]) < 1e3);
     }
@@ -164,12 +149,34 @@ static void a_far_start_is_given_up(void **state) {
   assert_true(from_zero > 0);
 }
 
+/* Zero is no start from another solve, also where no box has it. */
+static void zero_outside_of_a_box_is_cold(void **state) {
+  (void)state;
+  enum { ROWS = 2 };
+  const double M[ROWS * ROWS] = {2, 1, 1, 2}, q[ROWS] = {-5, 1}, lo[ROWS] = {1, 0.5},
+                        hi[ROWS] = {9, 2};
+  const lcp_block rows = {.start = 0, .size = ROWS, .set = LCP_BOX};
+  const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = ROWS, .val = M},
+                         .q = q,
+                         .lo = lo,
+                         .hi = hi,
+                         .block = &rows,
+                         .n_block = 1,
+                         .traits = LCP_SYMMETRIC | LCP_PSD};
+  double z[ROWS] = {0};
+  assert_string_equal(solve(&p, z).variant, "");
+  check_close(z[0], 2.25, 1e-15); /* w_0 = 0 */
+  check_close(z[1], 0.5, 0);      /* at its lower end */
+  assert_string_equal(solve(&p, z).variant, "warm");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(an_answer_comes_back_to_the_bit),
       cmocka_unit_test(a_small_change_moves_little),
       cmocka_unit_test(what_needs_no_friction_has_none),
       cmocka_unit_test(a_far_start_is_given_up),
+      cmocka_unit_test(zero_outside_of_a_box_is_cold),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
