@@ -3,13 +3,12 @@
 
 #include "lcp/base/crew.h"
 #include "lcp/lcp_cone.h"
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "lcp/solvers/cone_batches.h"
 #include "lcp/solvers/cone_block.h"
 #include "lcp/solvers/cone_sweep.h"
 #include "lcp/solvers/facet_batches.h"
 #include "tests/support/plain_sweep.h"
+#include "tests/support/solve.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -188,23 +187,10 @@ static void cones_of_another_form_are_refused(void **state) {
   cones_close(&f);
 }
 
-/* From z, by a solver with options; the status of its preparation. */
 static base_status solve_from(const lcp_problem *p, const char *name, const char *options,
                               double *z, lcp_result *res) {
-  _Alignas(16) unsigned char opt[256] = {0};
-  const lcp_solver *s = lcp_solver_find(name);
-  const lcp_capacity cap = lcp_problem_capacity(p);
   base_error err = {0};
-  lcp_instance *k;
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_parse(s->fields, s->n_fields, opt, options, &err), &err);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  const base_status ready = lcp_instance_prepare(k, p, &err);
-  if (ready == BASE_OK) {
-    check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  }
-  lcp_instance_close(k);
-  return ready;
+  return try_solve(name, options, p, z, res, &err);
 }
 
 /* By the solver: solved, the judge agrees, every sweep is counted. */

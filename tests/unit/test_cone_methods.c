@@ -2,54 +2,37 @@
  * to solve, and an answer is its own warm start. */
 #include "tests/support/check.h"
 
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "tests/support/random_cones.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
 enum { SETS = CHECK_FEWER(45), STORAGES = 3 };
 
 typedef struct method {
-  const char *solver, *options[3][2]; /* names and values, NULL at the end */
-  const char *most;                   /* iterations */
-  int least;                          /* percent of the sets, in every storage */
+  const char *solver, *options;
+  int least; /* percent of the sets, in every storage */
 } method;
 
 static const method methods[] = {
-    {"admm", {{"law", "coulomb"}}, "2000", 75},
-    {"admm", {{"law", "de_saxce"}}, "2000", 65},
-    {"admm", {{"polish", "off"}, {"accelerate", "anderson"}}, "2000", 45},
-    {"admm", {{"polish", "off"}, {"accelerate", "none"}}, "2000", 35},
-    {"cone_ipm", {{"law", "coulomb"}}, "100", 85},
-    {"cone_ipm", {{"law", "de_saxce"}}, "100", 80},
-    {"cone_ipm", {{"polish", "off"}, {"tol", "1e-8"}}, "100", 60},
-    {"prox", {{"inner", "newton"}}, "2000", 90},
-    {"prox", {{"inner", "newton"}, {"polish", "on"}}, "2000", 90},
-    {"prox", {{"polish", "on"}}, "20", 50},
-    {"nsgs", {{"polish", "on"}}, "100", 55},
-    {"nsgs", {{"accelerate", "anderson"}, {"polish", "on"}}, "100", 50},
+    {"admm", "law=coulomb,max_iter=2000", 75},
+    {"admm", "law=de_saxce,max_iter=2000", 65},
+    {"admm", "polish=off,accelerate=anderson,max_iter=2000", 45},
+    {"admm", "polish=off,accelerate=none,max_iter=2000", 35},
+    {"cone_ipm", "law=coulomb,max_iter=100", 85},
+    {"cone_ipm", "law=de_saxce,max_iter=100", 80},
+    {"cone_ipm", "polish=off,tol=1e-8,max_iter=100", 60},
+    {"prox", "inner=newton,max_iter=2000", 90},
+    {"prox", "inner=newton,polish=on,max_iter=2000", 90},
+    {"prox", "polish=on,max_iter=20", 50},
+    {"nsgs", "polish=on,max_iter=100", 55},
+    {"nsgs", "accelerate=anderson,polish=on,max_iter=100", 50},
 };
 
 static void solve(const method *m, const lcp_problem *p, double *z, lcp_result *res,
                   lcp_verdict *v) {
-  _Alignas(16) unsigned char opt[512] = {0};
-  const lcp_solver *s = lcp_solver_find(m->solver);
-  assert_true(s != NULL && s->options_size <= sizeof opt);
-  lcp_instance *k;
-  base_error err = {0};
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", m->most, &err), &err);
-  for (int i = 0; i < 3 && m->options[i][0] != NULL; i++) {
-    check_ok(base_fields_set(s->fields, s->n_fields, opt, m->options[i][0], m->options[i][1], &err),
-             &err);
-  }
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  check_ok(lcp_judge(p, z, v, &err), &err);
-  lcp_instance_close(k);
+  *res = solve_by(m->solver, m->options, p, z);
+  *v = verdict_on(p, z);
 }
 
 static bool try(const method *m, const lcp_problem *p, double *z) {
@@ -103,8 +86,7 @@ static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
       sum += solved[m][st];
       assert_true(100 * solved[m][st] >= (methods[m].least - 15) * SETS / STORAGES);
     }
-    print_message("%s %s=%s: %d of %d\n", methods[m].solver, methods[m].options[0][0],
-                  methods[m].options[0][1], sum, SETS);
+    print_message("%s %s: %d of %d\n", methods[m].solver, methods[m].options, sum, SETS);
     assert_true(100 * sum >= methods[m].least * SETS);
   }
 }

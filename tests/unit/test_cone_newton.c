@@ -3,9 +3,9 @@
 
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "lcp/solvers/cone_map.h"
 #include "tests/support/random_cones.h"
+#include "tests/support/solve.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -102,23 +102,9 @@ static void maps_vanish_at_contact_solutions_only(void **state) {
 }
 
 /* Solves from z; false where the solver refuses the problem. */
-static bool run(const lcp_problem *p, const char *name, const char *value, double *z,
-                lcp_result *res, base_error *err) {
-  _Alignas(16) unsigned char opt[512] = {0};
-  const lcp_solver *s = lcp_solver_find("cone_newton");
-  assert_true(s != NULL && s->options_size <= sizeof opt);
-  lcp_instance *k;
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  base_fields_default(s->fields, s->n_fields, opt);
-  if (name != NULL) {
-    check_ok(base_fields_set(s->fields, s->n_fields, opt, name, value, err), err);
-  }
-  check_ok(lcp_instance_open(&k, s, &cap, opt, err), err);
-  const base_status prepared = lcp_instance_prepare(k, p, err);
-  if (prepared == BASE_OK) {
-    check_ok(lcp_instance_solve(k, NULL, z, res, err), err);
-  }
-  lcp_instance_close(k);
+static bool run(const lcp_problem *p, const char *options, double *z, lcp_result *res,
+                base_error *err) {
+  const base_status prepared = try_solve("cone_newton", options, p, z, res, err);
   assert_true(prepared == BASE_OK || prepared == BASE_EUNSUPPORTED);
   return prepared == BASE_OK;
 }
@@ -127,7 +113,7 @@ static bool run(const lcp_problem *p, const char *name, const char *value, doubl
 static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
   (void)state;
   enum { SETS = 100, DENSE = 80 /* rows: beyond that LAPACK's cube is felt */ };
-  static const char *const maps[] = {"alart_curnier", "fischer"};
+  static const char *const maps[] = {"map=alart_curnier", "map=fischer"};
   int solved[3] = {0}, posed[3] = {0};
   for (int seed = 1; seed <= SETS; seed++) {
     known_lcp k;
@@ -150,7 +136,7 @@ static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
       p.M = stored[st];
       posed[st]++;
       memset(z, 0, (size_t)n * sizeof *z);
-      assert_true(run(&p, "map", maps[seed % 2], z, &res, &err));
+      assert_true(run(&p, maps[seed % 2], z, &res, &err));
       check_ok(lcp_judge(&p, z, &v, &err), &err);
       if (res.outcome == LCP_SOLVED) {
         solved[st]++;
@@ -162,7 +148,7 @@ static void random_sets_are_solved_and_never_claimed_falsely(void **state) {
           print_message("seed %d storage %d: rho %g, out of the cone by %g of %g\n", seed, st,
                         v.rho, v.infeasible_z, top);
         }
-        assert_true(run(&p, NULL, NULL, z, &res, &err));
+        assert_true(run(&p, "", z, &res, &err));
         assert_string_equal(lcp_outcome_name(res.outcome), "ok");
         assert_true(res.work.factorizations <= 2 || v.infeasible_z > 1e-12 * top);
       } else {
@@ -220,11 +206,11 @@ static void an_answer_is_tested_once(void **state) {
   double z[N] = {0}, other[N];
   base_error err = {0};
   lcp_result res;
-  assert_true(run(&p, NULL, NULL, z, &res, &err));
+  assert_true(run(&p, "", z, &res, &err));
   assert_int_equal(res.outcome, LCP_SOLVED);
   assert_true(res.work.iterations > 0 && z[1] > 0);
   memcpy(other, z, sizeof z);
-  assert_true(run(&p, NULL, NULL, other, &res, &err));
+  assert_true(run(&p, "", other, &res, &err));
   assert_int_equal(res.outcome, LCP_SOLVED);
   assert_int_equal(res.work.iterations, 0);
   assert_int_equal(res.work.matvecs, 2);
@@ -243,7 +229,7 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
   lcp_factored f = *k.p.M.factored;
   lcp_problem p = k.p;
   p.M.factored = &f;
-  assert_true(run(&p, NULL, NULL, z, &res, &err));
+  assert_true(run(&p, "", z, &res, &err));
 
   int *colptr = calloc((size_t)p.M.n + 1, sizeof *colptr);
   assert_non_null(colptr);
@@ -254,7 +240,7 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
   }
   const lcp_csc shift = {p.M.n, p.M.n, colptr, &other, &one};
   f.shift = &shift;
-  assert_false(run(&p, NULL, NULL, z, &res, &err));
+  assert_false(run(&p, "", z, &res, &err));
   assert_non_null(strstr(err.text, "couples"));
   f.shift = NULL;
 
@@ -266,7 +252,7 @@ static void factored_form_refuses_what_it_cannot_split(void **state) {
   p.block = joined;
   p.n_block--;
   assert_true(joined[0].size <= LCP_CONE_MAX);
-  assert_false(run(&p, NULL, NULL, z, &res, &err));
+  assert_false(run(&p, "", z, &res, &err));
   assert_non_null(strstr(err.text, "two groups"));
   free(colptr);
   known_lcp_free(&k);
@@ -310,7 +296,7 @@ static void what_nothing_acts_on_ends_at_zero(void **state) {
     lcp_result res;
     lcp_verdict v;
     base_error err = {0};
-    assert_true(run(&p, NULL, NULL, z, &res, &err));
+    assert_true(run(&p, "", z, &res, &err));
     check_ok(lcp_judge(&p, z, &v, &err), &err);
     assert_string_equal(lcp_outcome_name(res.outcome), "ok");
     assert_true(v.rho <= 1e-10 && res.work.iterations < 100);

@@ -3,9 +3,8 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "tests/support/random_cones.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
@@ -146,30 +145,6 @@ static void close_lattice(lattice *l) {
   known_lcp_free(&l->k);
 }
 
-static void run(const char *solver, const char *max_iter, const lcp_problem *p, double *z,
-                lcp_result *res) {
-  _Alignas(16) unsigned char opt[512] = {0};
-  base_error err = {0};
-  const lcp_solver *s = lcp_solver_find(solver);
-  assert_true(s != NULL && s->options_size <= sizeof opt);
-  lcp_instance *k;
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "tol", "1e-10", &err), &err);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", max_iter, &err), &err);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  lcp_instance_close(k);
-}
-
-static double rho(const lcp_problem *p, const double *z) {
-  base_error err = {0};
-  lcp_verdict v;
-  check_ok(lcp_judge(p, z, &v, &err), &err);
-  return v.rho;
-}
-
 static const char *const solvers[] = {"cone_newton", "nsgs", "prox"};
 
 /* In both storages, from zero and from an answer with noise; the claimed residual is the judge's, or above it. */
@@ -187,12 +162,12 @@ static void an_oblique_lattice_rests(void **state) {
       lcp_result res;
       memset(z, 0, (size_t)n * sizeof *z);
       for (int again = 0; again < 2; again++) {
-        run(solvers[trial / 2], "200", p, z, &res);
+        res = solve_by(solvers[trial / 2], "tol=1e-10,max_iter=200", p, z);
         assert_string_equal(lcp_outcome_name(res.outcome), "ok");
         if (p->M.storage == LCP_FACTORED) { /* a bound where it is enough */
-          assert_true(res.residual >= rho(p, z) - 1e-13);
+          assert_true(res.residual >= verdict_on(p, z).rho - 1e-13);
         } else {
-          check_close(res.residual, rho(p, z), 1e-13);
+          check_close(res.residual, verdict_on(p, z).rho, 1e-13);
         }
         assert_true(res.residual <= 1e-10);
         for (int i = 0; i < n; i++) {
@@ -217,15 +192,15 @@ static void claims_are_those_of_the_judge(void **state) {
   const int n = l.k.p.M.n;
   double *answer = calloc((size_t)n, sizeof *answer), *z = calloc((size_t)n, sizeof *z);
   assert_true(answer != NULL && z != NULL);
-  run("cone_newton", "200", &l.stored[0], answer, &res);
+  res = solve_by("cone_newton", "tol=1e-10,max_iter=200", &l.stored[0], answer);
   for (int trial = 0; trial < TRIALS; trial++) {
     const double off = pow(10.0, -base_rng_between(&r, 8.0, 14.0));
     const int at = (int)(base_rng_uniform(&r) * n);
     for (int i = 0; i < n; i++) {
       z[i] = answer[i] + ((i == at) ? off : 0.0);
     }
-    const double true_rho = rho(&l.stored[0], z);
-    run("nsgs", "1", &l.stored[0], z, &res);
+    const double true_rho = verdict_on(&l.stored[0], z).rho;
+    res = solve_by("nsgs", "tol=1e-10,max_iter=1", &l.stored[0], z);
     if (res.work.sweeps == 0) { /* accepted as it came */
       assert_string_equal(lcp_outcome_name(res.outcome), "ok");
       assert_true(true_rho <= 1.000001e-10);
@@ -250,7 +225,7 @@ static void no_scale_makes_zero_a_solution(void **state) {
   const int n = l.k.p.M.n;
   double *q = calloc((size_t)n, sizeof *q), *z = calloc((size_t)n, sizeof *z);
   assert_true(q != NULL && z != NULL);
-  const double plain = rho(&l.stored[0], z);
+  const double plain = verdict_on(&l.stored[0], z).rho;
   assert_true(plain > 0.1);
   for (int k = 0; k < 2 * BASE_COUNT(scales); k++) {
     lcp_problem p = l.stored[k % 2];
@@ -260,15 +235,15 @@ static void no_scale_makes_zero_a_solution(void **state) {
     }
     p.q = q;
     memset(z, 0, (size_t)n * sizeof *z);
-    check_close(rho(&p, z), plain, 1e-12);
+    check_close(verdict_on(&p, z).rho, plain, 1e-12);
     for (int i = 0; i < BASE_COUNT(solvers); i++) {
       memset(z, 0, (size_t)n * sizeof *z);
-      run(solvers[i], "1", &p, z, &res);
+      res = solve_by(solvers[i], "tol=1e-10,max_iter=1", &p, z);
       assert_string_equal(lcp_outcome_name(res.outcome), "max_iter");
       memset(z, 0, (size_t)n * sizeof *z);
-      run(solvers[i], "200", &p, z, &res);
+      res = solve_by(solvers[i], "tol=1e-10,max_iter=200", &p, z);
       assert_string_equal(lcp_outcome_name(res.outcome), "ok");
-      assert_true(rho(&p, z) <= 1e-10);
+      assert_true(verdict_on(&p, z).rho <= 1e-10);
     }
   }
   free(q);
@@ -301,7 +276,7 @@ static void closing_walls_are_proved_infeasible(void **state) {
       p.q = q;
       squeeze(&l, seed == 0, (trial < 2) ? 0.1 : -0.1, q);
       memset(z, 0, (size_t)n * sizeof *z);
-      run("cone_newton", "200", &p, z, &res);
+      res = solve_by("cone_newton", "tol=1e-10,max_iter=200", &p, z);
       if (trial >= 2) {
         assert_string_equal(lcp_outcome_name(res.outcome), "ok");
       } else if (seed == 0) {

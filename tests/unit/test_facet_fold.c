@@ -3,9 +3,9 @@
 
 #include "lcp/base/rng.h"
 #include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "lcp/solvers/facet_fold.h"
 #include "tests/support/random_cones.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
@@ -391,17 +391,7 @@ static void products_are_those_of_the_facets(void **state) {
 }
 
 static lcp_outcome run(const lcp_problem *p, double *z, lcp_result *res) {
-  _Alignas(16) unsigned char opt[512] = {0};
-  const lcp_solver *s = lcp_solver_find("cone_newton");
-  base_error err = {0};
-  lcp_instance *k;
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", "300", &err), &err);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  lcp_instance_close(k);
+  *res = solve_by("cone_newton", "max_iter=300", p, z);
   return res->outcome;
 }
 

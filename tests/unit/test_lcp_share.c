@@ -2,11 +2,10 @@
  * weight and its moments in balance. */
 #include "tests/support/check.h"
 
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
 #include "lcp/share/lcp_share.h"
 #include "lcp/share/lcp_share_state.h"
 #include "tests/support/random_cones.h"
+#include "tests/support/solve.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -120,19 +119,7 @@ static lcp_share_result shared(const lcp_problem *p, double *z) {
 }
 
 static bool solved(const lcp_problem *p, double *z) {
-  base_error err = {0};
-  const lcp_solver *solver = lcp_solver_find("cone_newton");
-  lcp_instance *k;
-  lcp_result r;
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  unsigned char opt[512];
-  assert_true(solver->options_size <= sizeof opt);
-  base_fields_default(solver->fields, solver->n_fields, opt);
-  assert_int_equal(lcp_instance_open(&k, solver, &cap, opt, &err), BASE_OK);
-  assert_int_equal(lcp_instance_prepare(k, p, &err), BASE_OK);
-  assert_int_equal(lcp_instance_solve(k, NULL, z, &r, &err), BASE_OK);
-  lcp_instance_close(k);
-  return r.outcome == LCP_SOLVED;
+  return solve_by("cone_newton", "", p, z).outcome == LCP_SOLVED;
 }
 
 /* Both storages make the same of z; returns the dense one's. */

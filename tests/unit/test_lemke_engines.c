@@ -3,8 +3,8 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "lcp/lcp_instance.h"
 #include "lcp/solvers/lemke/proof.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
@@ -172,28 +172,13 @@ static void a_table_grows(void **state) {
   free(r.memory);
 }
 
-static lcp_result solve(const lcp_problem *p, double *z) {
-  const lcp_solver *solver = lcp_solver_find("lemke");
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  unsigned char opt[512];
-  base_error err = {0};
-  lcp_instance *k = NULL;
-  lcp_result res;
-  base_fields_default(solver->fields, solver->n_fields, opt);
-  check_ok(lcp_instance_open(&k, solver, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
-  lcp_instance_close(k);
-  return res;
-}
-
 /* The path takes a pivot of 1e-9 in a column of size 1, and the answer is right to the last digit all the same. */
 static void a_small_pivot_costs_no_digit(void **state) {
   (void)state;
   const double M[4] = {1e-9, 1, 1, 1}, q[2] = {-1, 5};
   const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = 2, .val = M}, .q = q};
   double z[2] = {0, 0};
-  const lcp_result res = solve(&p, z);
+  const lcp_result res = solve_by("lemke", "", &p, z);
   assert_int_equal(res.outcome, LCP_SOLVED);
   assert_string_equal(res.variant, "table");
   assert_int_equal(res.work.fallbacks, 0);
@@ -239,7 +224,7 @@ static void phase_one_decides(void **state) {
     const bool proved = lemke_search_proof(&r.path, &r.table, &r.built, &r.p, proof);
     assert_int_equal(proved, hopeless);
     double z[N] = {0};
-    const lcp_result res = solve(&r.p, z); /* the solver says so too */
+    const lcp_result res = solve_by("lemke", "", &r.p, z); /* the solver says so too */
     assert_true(!hopeless || res.outcome == LCP_INFEASIBLE);
     assert_true(hopeless || res.outcome != LCP_INFEASIBLE);
     proofs += proved;

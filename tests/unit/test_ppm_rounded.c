@@ -1,28 +1,15 @@
 /* ppm where doubles cannot hold what is asked of w: heavy bodies on light ones, and what has no answer all the same. */
 #include "tests/support/check.h"
 
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
-enum { OPT_MAX = 512, ROWS = 2 };
+enum { ROWS = 2 };
 
-static lcp_outcome solve(const lcp_problem *p, double *z, lcp_verdict *v) {
-  const lcp_solver *s = lcp_solver_find("ppm");
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
-  base_error err = {0};
-  lcp_instance *k;
-  lcp_result res;
+static lcp_outcome solve(const lcp_problem *p, double *z) {
   memset(z, 0, sizeof *z * (size_t)p->M.n);
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  check_ok(lcp_instance_solve(k, NULL, z, &res, &err), &err);
-  check_ok(lcp_judge(p, z, v, &err), &err);
-  lcp_instance_close(k);
-  return res.outcome;
+  return solve_by("ppm", "", p, z).outcome;
 }
 
 /* A body of `mass` on one of 1 kg on the floor: both fall at `speed`, both stop, by impulses whose difference is what
@@ -40,9 +27,8 @@ static void tower(double mass, double speed, bool box) {
     p.hi = hi;
   }
   double z[ROWS];
-  lcp_verdict v;
-  assert_int_equal(solve(&p, z, &v), LCP_SOLVED);
-  assert_true(v.rho <= 1e-15);
+  assert_int_equal(solve(&p, z), LCP_SOLVED);
+  assert_true(verdict_on(&p, z).rho <= 1e-15);
   const double light = (z[0] - z[1]) - speed, heavy = z[1] / mass - speed;
   assert_true(fabs(light) <= 4e-16 * z[0]); /* as well as doubles can */
   assert_true(fabs(heavy) <= 1e-7 * speed); /* 1 + 1/mass was rounded */
@@ -64,8 +50,7 @@ static void contradictions_stay(void **state) {
     const double M[ROWS * ROWS] = {1, -1, -1, 1}, q[ROWS] = {-1, 1 - ldexp(1, -k)};
     const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = ROWS, .val = M}, .q = q};
     double z[ROWS];
-    lcp_verdict v;
-    assert_int_not_equal(solve(&p, z, &v), LCP_SOLVED);
+    assert_int_not_equal(solve(&p, z), LCP_SOLVED);
   }
 }
 

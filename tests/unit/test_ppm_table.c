@@ -3,12 +3,11 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
+#include "tests/support/solve.h"
 
 #include <string.h>
 
-enum { N_MAX = 64, OPT_MAX = 512, PROBLEMS = 600 };
+enum { N_MAX = 64, PROBLEMS = 600 };
 
 typedef struct drawn {
   double M[N_MAX * N_MAX], q[N_MAX], unit[N_MAX];
@@ -54,19 +53,8 @@ static void draw(uint64_t seed, drawn *d) {
 
 static void solve(const char *name, const lcp_problem *p, double *z, lcp_result *res,
                   lcp_verdict *v) {
-  const lcp_solver *s = lcp_solver_find(name);
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
-  base_error err = {0};
-  lcp_instance *k;
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  check_ok(lcp_instance_prepare(k, p, &err), &err);
-  const long before = check_heap_calls;
-  check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  assert_int_equal(check_heap_calls, before);
-  check_ok(lcp_judge(p, z, v, &err), &err);
-  lcp_instance_close(k);
+  *res = solve_by(name, "", p, z);
+  *v = verdict_on(p, z);
 }
 
 /* Largest row of M (x - y) against the size of its terms: w is unique. */

@@ -3,13 +3,12 @@
 #include "tests/support/check.h"
 
 #include "lcp/base/rng.h"
-#include "lcp/lcp_instance.h"
-#include "lcp/lcp_judge.h"
+#include "tests/support/solve.h"
 
 #include <stdio.h>
 #include <string.h>
 
-enum { N = 24, OPT_MAX = 256 };
+enum { N = 24 };
 static const char *const names[] = {
     "pgs",    "projected_gradient", "jacobi", "apgd",        "nncg", "nsgs",    "prox", "newton",
     "pgs_sm", "interior_point",     "sqp",    "cone_newton", "admm", "cone_ipm"};
@@ -78,36 +77,23 @@ static bool outside(const char *name, const lcp_problem *p) {
 }
 
 /* False where the solver refuses p, which it must where p is outside what it is for, and only there. */
-static bool run_limited(const char *name, const char *max_iter, const lcp_problem *p, double *z,
+static bool run_limited(const char *name, const char *options, const lcp_problem *p, double *z,
                         lcp_result *res) {
-  _Alignas(16) unsigned char opt[OPT_MAX] = {0};
-  const lcp_solver *s = lcp_solver_find(name);
-  assert_true(s != NULL && s->options_size <= OPT_MAX);
-  if (lcp_solver_admits(s, p, NULL) != BASE_OK) {
+  base_error err = {0};
+  if (lcp_solver_admits(lcp_solver_find(name), p, NULL) != BASE_OK) {
     assert_true(outside(name, p));
     return false;
   }
-  base_error err = {0};
-  lcp_instance *k;
-  base_fields_default(s->fields, s->n_fields, opt);
-  check_ok(base_fields_set(s->fields, s->n_fields, opt, "max_iter", max_iter, &err), &err);
-  const lcp_capacity cap = lcp_problem_capacity(p);
-  check_ok(lcp_instance_open(&k, s, &cap, opt, &err), &err);
-  const base_status prepared = lcp_instance_prepare(k, p, &err);
-  if (prepared == BASE_OK) {
-    check_ok(lcp_instance_solve(k, NULL, z, res, &err), &err);
-  } else {
-    assert_int_equal(prepared, BASE_EUNSUPPORTED);
-  }
+  const base_status prepared = try_solve(name, options, p, z, res, &err);
+  assert_true(prepared == BASE_OK || prepared == BASE_EUNSUPPORTED);
   if ((prepared != BASE_OK) != outside(name, p)) {
     fail_msg("%s: %s", name, (prepared == BASE_OK) ? "not refused" : err.text);
   }
-  lcp_instance_close(k);
   return prepared == BASE_OK;
 }
 
 static bool run(const char *name, const lcp_problem *p, double *z, lcp_result *res) {
-  return run_limited(name, "20000", p, z, res);
+  return run_limited(name, "max_iter=20000", p, z, res);
 }
 
 static void planted_solutions_are_found(void **state) {
@@ -254,7 +240,7 @@ static void given_up_points_are_handed_over(void **state) {
     lcp_result res = {0};
     lcp_verdict v;
     base_error err = {0};
-    assert_true(run_limited(pivoting[s], "1", &t.p, z, &res));
+    assert_true(run_limited(pivoting[s], "max_iter=1", &t.p, z, &res));
     assert_string_equal(lcp_outcome_name(res.outcome), "max_iter");
     int moved = 0;
     for (int i = 0; i < N; i++) {
