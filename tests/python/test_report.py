@@ -675,6 +675,15 @@ class Judged(unittest.TestCase):
         )
         short = [accuracy.rivals_in_short(cold["others"], k) for k in ("slower", "few")]
         self.assertEqual(short, ["regularized + lemke 2", "coulomb + lemke"])
+        fields = {r["name"]: reference.factor_words(r) for r in cold["others"]}
+        self.assertEqual(fields["regularized + lemke"], "2 [2, 2]")
+        self.assertEqual(fields["coulomb + lemke"], "(0.05)")
+        apart = {**cold["others"][0], "few": False, "low": 0.9, "reached": 2, "run": 3}
+        self.assertEqual(reference.factor_words(apart), "\u2248 2 [0.9, 2], 2 of 3")
+        self.assertEqual(reference.factor_words({**apart, "both": 0}), "-")
+        table = reference.advice_in_short(rows.cells(rows.load(folder)))
+        self.assertIn("| scene, start | use | a step takes | `velocity` | `regularized` |", table)
+        self.assertIn("| **1** | 2 [2, 2] | (0.05) |", table)
 
     def test_unlike_facets_are_told(self):
         at = ("accuracy", "stack:n=50")
