@@ -142,10 +142,10 @@ def advice_in_short(cells: pd.DataFrame) -> str:
     ]
     header = ["scene, start", "use", "a step takes", *[f"`{f}`" for f in names]]
     return (
-        f"How many times the time of the one to use each formulation takes to an error of"
-        f" {accuracy.LEVEL:g}, the mean over the scenes that both reach, with its 95 % interval. \u2248:"
-        " the rows do not tell who is faster; in brackets: run on too few scenes to tell; 9 of 11:"
-        " it reaches the error on 9 of 11 scenes. One declared setting each"
+        "How many times the time of the one to use each formulation takes to an error of"
+        f" {accuracy.LEVEL:g}, the mean over the scenes that both reach, with its 95 % interval."
+        " \u2248: the rows do not tell who is faster; in brackets: run on too few scenes to tell;"
+        " 9 of 11: it reaches the error on 9 of 11 scenes. One declared setting each"
         f" ({accuracy.declared_words()}; of the others the program's own), with the solver that"
         " ranks first and the cheapest step. Solvers and numbers of scenes:"
         " [results/README.md](results/README.md).\n\n"
