@@ -39,9 +39,9 @@ def verdicts(folder):
     }
 
 
-def built_in(d):
+def built_in(d, text=TEXT):
     """The same campaign by the built-in runner, in d/one; the campaign's file."""
-    c = campaign(d, TEXT)
+    c = campaign(d, text)
     run("run", c, "--out", d / "one", "--quiet")
     assert len({r["cell_id"] for r in rows(d / "one")}) == 200
     return c

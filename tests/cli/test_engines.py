@@ -33,8 +33,11 @@ exit $code
 """
 
 
+SHORT = TEXT.replace("inner: 0.005s", "inner: 0.001s")  # no queue to wait for: less to measure
+
+
 def killed_once_then_whole(d, engine, path=None):
-    words = submit_words(d, built_in(d), engine)
+    words = submit_words(d, built_in(d, SHORT), engine)
     p = start(words, path)
     give_up = time.time() + 60
     while time.time() < give_up and not any((d / "many").glob("shard.2/results.csv")):
