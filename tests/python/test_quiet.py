@@ -3,6 +3,7 @@ the reason."""
 
 import contextlib
 import io
+import itertools
 import pathlib
 import sys
 import unittest
@@ -17,15 +18,16 @@ QUIET = Canary(0.99, 0.0100)
 
 class Quiet(unittest.TestCase):
     def test_each_sign_of_a_busy_machine(self):
-        for before, after, others, why in (
-            (QUIET, QUIET, 0.0, ""),
-            (QUIET, Canary(0.95, 0.0105), 0.1, ""),
-            (Canary(0.4, 0.0100), QUIET, 0.0, "40 % of a core"),
-            (QUIET, Canary(0.4, 0.0100), 0.0, "40 % of a core"),
-            (QUIET, Canary(0.99, 0.0125), 0.0, "1.25 times as fast"),
-            (QUIET, QUIET, 0.5, "others took 50 %"),
+        for before, after, others, late, why in (
+            (QUIET, QUIET, 0.0, 0.0, ""),
+            (QUIET, Canary(0.95, 0.0105), 0.1, 0.05, ""),
+            (Canary(0.4, 0.0100), QUIET, 0.0, 0.0, "40 % of a core"),
+            (QUIET, Canary(0.4, 0.0100), 0.0, 0.0, "40 % of a core"),
+            (QUIET, Canary(0.99, 0.0125), 0.0, 0.0, "1.25 times as fast"),
+            (QUIET, QUIET, 0.5, 0.0, "others took 50 %"),
+            (QUIET, QUIET, 0.0, 2.0, "stood still for 2.00 s"),
         ):
-            found = quiet.why_busy(before, after, others)
+            found = quiet.why_busy(before, after, others, late)
             self.assertIn(why, found)
             self.assertEqual(found == "", why == "")
 
@@ -55,6 +57,14 @@ class Quiet(unittest.TestCase):
         before = quiet.busy_s()
         quiet.canary()
         self.assertGreater(quiet.busy_s() + 1, before)
+
+    def test_a_machine_that_stands_still_is_seen(self):
+        """The clock as after a pause of the machine: it goes on by two seconds at once."""
+        clock = itertools.chain([0.0], itertools.repeat(2.0 + quiet.NAP_S))
+        with mock.patch.object(quiet.time, "monotonic", side_effect=clock):
+            sleeper = quiet.Sleeper()
+            sleeper.start()
+            self.assertAlmostEqual(sleeper.end(), 2.0)
 
 
 if __name__ == "__main__":
