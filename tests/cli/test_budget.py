@@ -198,11 +198,13 @@ def counted(out):
 
 
 def small_campaign(d):
+    """The campaign, and what all of it takes on this machine [s]: 3, of which budgets are parts."""
     c = campaign(d, TIMED % d)
     for n in (2, 3, 4):
         diagonal(d, n)
+    began = time.monotonic()
     run("run", c, "--out", d / "whole", "--quiet", exe=FAULTY)
-    return c
+    return c, time.monotonic() - began
 
 
 def left_of(out):
@@ -212,14 +214,15 @@ def left_of(out):
 def a_cut_run_goes_on(d):
     """Exit 4 and a prefix of the order as often as the budget is spent, then 0; nothing twice,
     manifest and status tell each time what is there and what is not."""
-    c = small_campaign(d)
+    c, seconds = small_campaign(d)
+    budget = f"{seconds / 6:.3f}s"
     whole = counted(d / "whole")
     assert left_of(d / "whole") is None and "cut" not in run("status", d / "whole").stdout
     plan = plan_of(c, d / "o")
     codes = []
     seen = 0
     while not codes or codes[-1] == 4:
-        done = run("run", c, "--out", d / "o", "--quiet", "--budget", "0.5s", exe=FAULTY, code=None)
+        done = run("run", c, "--out", d / "o", "--quiet", "--budget", budget, exe=FAULTY, code=None)
         codes.append(done.returncode)
         cells = list(dict.fromkeys(r["cell_id"] for r in rows(d / "o")))
         assert cells == plan[: len(cells)] and len(cells) >= seen, "not a prefix of the order"
@@ -243,7 +246,7 @@ def a_cut_run_goes_on(d):
 
 def a_stage_can_be_the_last(d):
     """Whatever time there is: the quick form's cells, and the values of all axes, and no other."""
-    c = small_campaign(d)
+    c, _ = small_campaign(d)
     plan = plan_of(c, d / "none")
     words = ("run", c, "--out", d / "o", "--quiet", "--budget", "1h")
     for stage, n in (("quick", 3), ("values", 6), ("values", 6)):
@@ -257,11 +260,12 @@ def a_stage_can_be_the_last(d):
 def rows_of_another_order_stay(d):
     """What was measured in the plan's own order is not measured again, and a run without a budget
     takes what a cut one left."""
-    c = small_campaign(d)
+    c, seconds = small_campaign(d)
     run("run", c, "--out", d / "o", "--quiet", "--filter", "solver=*0.03", exe=FAULTY)
     before = rows(d / "o")
     assert json.loads((d / "o/manifest.json").read_text())["filters"] == ["solver=*0.03"]
-    run("run", c, "--out", d / "o", "--quiet", "--budget", "0.4s", exe=FAULTY, code=4)
+    words = ("run", c, "--out", d / "o", "--quiet", "--budget", f"{seconds / 8:.3f}s")
+    run(*words, exe=FAULTY, code=4)
     assert rows(d / "o")[: len(before)] == before and len(rows(d / "o")) > len(before)
     middle = rows(d / "o")
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
@@ -274,25 +278,22 @@ def rows_of_another_order_stay(d):
 
 def killed_it_goes_on(d):
     """SIGKILL at random moments of runs with a budget: what is there is a prefix of the order."""
-    c = small_campaign(d)
+    c, seconds = small_campaign(d)
+    words = ("run", c, "--out", d / "o", "--quiet", "--budget", f"{seconds / 5:.3f}s")
     plan = plan_of(c, d / "o")
     rng = random.Random(11)
     hits = 0
     code = None
     while code != 0:
         p = subprocess.Popen(
-            [FAULTY, "run", str(c), "--out", str(d / "o"), "--quiet", "--budget", "0.6s"],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
+            [FAULTY, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        time.sleep(rng.uniform(0.05, 0.3))
+        time.sleep(seconds * rng.uniform(1 / 60, 1 / 10))
         p.send_signal(signal.SIGKILL)
         code = p.wait()
         hits += code == -signal.SIGKILL
         if (d / "o/results.csv").exists() and hits >= 5:
-            code = run(
-                "run", c, "--out", d / "o", "--quiet", "--budget", "0.6s", exe=FAULTY, code=None
-            ).returncode
+            code = run(*words, exe=FAULTY, code=None).returncode
             assert code in (0, 4)
             cells = list(dict.fromkeys(r["cell_id"] for r in rows(d / "o")))
             assert cells == plan[: len(cells)]
@@ -301,7 +302,7 @@ def killed_it_goes_on(d):
 
 def the_dry_run_says_how_far_it_gets(d):
     """A budget between nothing and all: the cells that the forecast lets it reach, by stage."""
-    c = small_campaign(d)
+    c, _ = small_campaign(d)
     words = ("run", c, "--dry-run", "--out", d / "none", "--like", d / "whole", "--budget")
     form = r"a budget of \d+ s reaches about (\d+) of 12 cells: (\d+) of 3 by quick, .*"
 
