@@ -193,7 +193,8 @@ def deadlines_are_reported(d):
         assert 0 < p50 <= p95 <= p99 and p50 <= 1.5 * most, r
         share = [float(r[f"share_{k}ms"]) for k in (1, 4, 16)]
         assert 0 <= share[0] <= share[1] <= share[2] <= 1 and share[2] > 0.5
-        assert (share[0] >= 0.5) == (p50 <= 1e-3), (share, p50)
+        if share[0] != 0.5:  # else the median lies between a step within 1 ms and one that is not
+            assert (share[0] > 0.5) == (p50 <= 1e-3), (share, p50)
 
 
 def start_s(words):
