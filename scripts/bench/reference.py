@@ -320,6 +320,20 @@ def spread_words(cells: pd.DataFrame) -> str:
     )
 
 
+def yardsticks_words(cells: pd.DataFrame) -> str:
+    """On how many solved cells each of the three errors is known."""
+    some = cells[cells["good"]]
+    if not len(some):
+        return ""
+    known = [some[k].notna() for k in ("rho", "res_ncp_rel", "err_ref")]
+    told = [f"{k.mean():.0%}" for k in [*known, known[0] & known[1] & known[2]]]
+    return (
+        f"Of the {len(some):,} solved cells {told[0]} have `rho`, {told[1]} the residual of the"
+        f" exact Coulomb problem, {told[2]} an error of the motion (against a closed form, or a"
+        f" converged run of another method) and {told[3]} all three. "
+    )
+
+
 def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
     """Where the rows come from."""
     commit = sorted({str(c)[:12] for c in cells["suite_commit"] if c})
@@ -335,7 +349,7 @@ def measured_words(cells: pd.DataFrame, manifests: dict[str, dict]) -> str:
         f"Measured by `scripts/reproduce`, {len(cells)} cells of {len(manifests)} campaigns"
         f" ({form}), commit {', '.join(commit) or 'unknown'}{changed}, at a load of {load:.1g}"
         f" on the machine{'' if one else 's'} named in the manifests{machines_words(cells)}."
-        f" {disturbed_words(cells)} {spread_words(cells)}"
+        f" {yardsticks_words(cells)}{disturbed_words(cells)} {spread_words(cells)}"
     )
 
 

@@ -195,6 +195,14 @@ class Judged(unittest.TestCase):
         )
         self.assertIn("factor of 1.2: x 100 %", reference.spread_words(apart))
         self.assertEqual(reference.spread_words(apart[:5]), "")
+        some = pd.DataFrame(
+            {"good": [True] * 4 + [False], "rho": [0.0] * 3 + [None, 0.0]}
+            | {"res_ncp_rel": [0.0, 0.0, None, None, 0.0], "err_ref": [0.0] + 4 * [None]}
+        )
+        told = reference.yardsticks_words(some)
+        self.assertIn("Of the 4 solved cells 75% have `rho`, 50% the residual", told)
+        self.assertTrue("25% an error" in told and "25% all three" in told)
+        self.assertEqual(reference.yardsticks_words(some[4:]), "")
 
     def test_machines_are_told_where_there_are_several(self):
         some = pd.DataFrame({"campaign": ["x", "y"], "host_class": ["A; B; avx2; 1", "C; D; e; 1"]})
