@@ -732,7 +732,7 @@ OTHERS = {"open": "open who is faster", "slower": "slower", "few": "run on too f
 
 
 def declared_words() -> str:
-    """'`velocity:facets=8`, `position:facets=8`': where the declared setting has options."""
+    """'`velocity:facets=8`, `position:facets=4`': where the declared setting has options."""
     return ", ".join(f"`{f}:{options}`" for f, options in sorted(settings.declared()) if options)
 
 
