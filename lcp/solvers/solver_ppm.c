@@ -292,9 +292,12 @@ static bool passes(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z
   return res->outcome == LCP_SOLVED;
 }
 
-/* Is the start, on K, an answer? Another one of as small a residual would move the bounds that follow from it. */
+/* With boxes: is the start, on K, an answer? Another one of as small a residual would move the bounds that follow from it. */
 static bool is_answer(ppm *s, const lcp_problem *p, const lcp_stop *stop, double *z,
                       lcp_result *res) {
+  if (!s->boxes) {
+    return false;
+  }
   for (int i = 0; i < p->M.n; i++) {
     z[i] = fmin(fmax(z[i], s->lo[i]), s->hi[i]);
   }
@@ -335,14 +338,11 @@ static bool solve_small(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_
   return true;
 }
 
-/* warm: z is another point than zero. */
+/* warm: z is another point than zero, as it was given, before it is put into its boxes. */
 static void solve_from(ppm *s, const lcp_problem *p, const lcp_stop *stop, lcp_trace *trace,
                        bool warm, double *z, lcp_result *res) {
-  if (s->small && !warm && solve_small(s, p, stop, trace, z, res)) {
-    return;
-  }
   lcp_loop_begin(&s->loop, p, false);
-  if (s->boxes && warm && is_answer(s, p, stop, z, res)) {
+  if (warm && is_answer(s, p, stop, z, res)) {
     return;
   }
   if (start(s, &p->M, warm, z, &res->work)) {
@@ -384,6 +384,9 @@ static base_status solve(void *state, const lcp_problem *p, const void *opt, lcp
   bool warm = false;
   for (int i = 0; i < p->M.n; i++) {
     warm = warm || z[i] != 0;
+  }
+  if (s->small && !warm && solve_small(s, p, stop, trace, z, res)) {
+    return BASE_OK;
   }
   solve_from(s, p, stop, trace, warm, z, res);
   if (warm && s->boxes && (res->outcome == LCP_NUMERICAL || res->outcome == LCP_RAY)) {

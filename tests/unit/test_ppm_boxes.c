@@ -149,11 +149,11 @@ static void a_far_start_is_given_up(void **state) {
   assert_true(from_zero > 0);
 }
 
-/* Zero is no start from another solve, also where no box has it. */
+/* Zero is no start from another solve, also where a box does not have it. */
 static void zero_outside_of_a_box_is_cold(void **state) {
   (void)state;
   enum { ROWS = 2 };
-  const double M[ROWS * ROWS] = {2, 1, 1, 2}, q[ROWS] = {-5, 1}, lo[ROWS] = {1, 0.5},
+  const double M[ROWS * ROWS] = {2, 1, 1, 2}, q[ROWS] = {-5, 1}, lo[ROWS] = {1, -1},
                         hi[ROWS] = {9, 2};
   const lcp_block rows = {.start = 0, .size = ROWS, .set = LCP_BOX};
   const lcp_problem p = {.M = {.storage = LCP_DENSE, .n = ROWS, .val = M},
@@ -165,8 +165,8 @@ static void zero_outside_of_a_box_is_cold(void **state) {
                          .traits = LCP_SYMMETRIC | LCP_PSD};
   double z[ROWS] = {0};
   assert_string_equal(solve(&p, z).variant, "");
-  check_close(z[0], 2.25, 1e-15); /* w_0 = 0 */
-  check_close(z[1], 0.5, 0);      /* at its lower end */
+  check_close(z[0], 3, 1e-15); /* w = (0, 2) */
+  check_close(z[1], -1, 0);
   assert_string_equal(solve(&p, z).variant, "warm");
 }
 
