@@ -127,9 +127,11 @@ def factor_words(r: dict) -> str:
 
 def advice_in_short(cells: pd.DataFrame) -> str:
     """The same with a column for each formulation, and without the solvers of the others."""
-    advised = [a for a in accuracy.advise(cells) if a["use"]]
+    advised = accuracy.advise(cells)
+    large = largest_words(advised)
+    advised = [a for a in advised if a["use"]]
     if not advised:
-        return ""
+        return large
     of = [
         {a["formulation"]: "**1**"}
         | {r["name"].split(" + ")[0]: factor_words(r) for r in a["others"]}
@@ -144,13 +146,14 @@ def advice_in_short(cells: pd.DataFrame) -> str:
     return (
         "How many times the time of the one to use each formulation takes to an error of"
         f" {accuracy.LEVEL:g}, the mean over the scenes that both reach, with its 95 % interval."
-        " \u2248: the rows do not tell who is faster; in brackets: run on too few scenes to tell;"
-        " 9 of 11: it reaches the error on 9 of 11 scenes. One declared setting each"
+        " \u2248: the rows do not tell who is faster; in round brackets: run on too few scenes to"
+        " tell; 9 of 11: it reaches the error on 9 of 11 scenes; -: on none of the same; an"
+        " interval over three scenes is a rough one. One declared setting each"
         f" ({accuracy.declared_words()}; of the others the program's own), with the solver that"
         " ranks first and the cheapest step. Solvers and numbers of scenes:"
         " [results/README.md](results/README.md).\n\n"
         + section.table_md(Table("", "", header, body))
-        + largest_words(accuracy.advise(cells))
+        + large
     )
 
 

@@ -34,6 +34,7 @@ exit $code
 
 
 SHORT = TEXT.replace("inner: 0.005s", "inner: 0.001s")  # no queue to wait for: less to measure
+assert SHORT != TEXT
 
 
 def killed_once_then_whole(d, engine, path=None):
