@@ -108,7 +108,7 @@ def what_rests_is_one_step(_):
     fallen = simulate(
         "drop", "1e-2", formulation=("--formulation", "position", "--solver", "lemke")
     )
-    assert fallen["error"]["promised"] and fallen["error"]["steps_solved"] > 3
+    assert fallen["error"]["promised"] and fallen["error"]["steps_solved"] > 1
 
 
 def impacts_that_nearly_coincide_are_told_apart(d):
@@ -407,15 +407,18 @@ def what_event_leaves_between_steps_is_seen(_):
 def stopped(*words, where):
     """What the program says behind SIGTERM: later and later, until where() tells that the signal
     met it where it should. How late that is depends on the machine."""
-    for k in range(16):
+    late = 0.1
+    while True:
         p = subprocess.Popen([LCPBENCH, *words], stdout=subprocess.PIPE, text=True)
-        time.sleep(0.1 * 1.5**k)
+        time.sleep(late)
+        ended = p.poll() is not None
         p.send_signal(signal.SIGTERM)
         said = p.communicate(timeout=120)[0]
         o = json.loads(said) if p.returncode == 4 else None
         if o is not None and where(o):
             return o
-    raise AssertionError(f"no signal met {words} there; the last: exit {p.returncode}, {said}")
+        assert not ended, f"no signal met {words} there; the last: exit {p.returncode}, {said}"
+        late *= 1.3
 
 
 def a_signal_leaves_what_there_is(_):
@@ -430,10 +433,14 @@ def a_signal_leaves_what_there_is(_):
 def what_is_found_is_written_whole_behind_a_signal(d):
     """The run that ended is made again for its files, to its end, though a signal came before: in
     the run after it."""
+
+    def in_the_second_run(o):
+        return len(o["error"]["runs"]) == 2 and "signal" in o["error"]["reason"]
+
     path = d / "t.csv"
     words = ("simulate", "hopper", "--formulation", "event", "--solver", "lemke")
     words += ("--error", "1e-13", "--trajectory", str(path))
-    o = stopped(*words, where=lambda o: len(o["error"]["runs"]) == 2)
+    o = stopped(*words, where=in_the_second_run)
     last = float(path.read_text().splitlines()[-1].split(",")[0])
     assert last == o["t_end_s"] and abs(last - 0.1) < 1e-9, (last, o["t_end_s"])
     assert not o["error"]["promised"] and "signal" in o["error"]["reason"], o["error"]
