@@ -210,8 +210,8 @@ static double towards(const controlled *c, double left, double h) {
 }
 
 /* What rests and nothing moves in one step over all of the run stays where it is all the while, whatever times steps are to end at: at rest
- * at the end of a step of h, loads that are constant are balanced by its impulses, and half of these balance them in steps of h/2. Where a contact begins to slide
- * beside a body that rests, as on a belt, that is for steps to find. */
+ * at the end of a step of h, loads that are constant are balanced by its impulses, and half of these balance them in steps of h/2. Where a
+ * contact begins to slide beside a body that rests, as on a belt, that is for steps to find. */
 static base_status stay(controlled *c, bool *stays, base_error *err) {
   static const double still = 1e-6; /* of the tolerance */
   sim *s = &c->run;
