@@ -369,7 +369,7 @@ def the_end_is_honest_where_time_is_limited(_):
     penalty = ("--formulation", "penalty", "--solver", "lemke")
     began = time.monotonic()
     o = simulate("sphere_pile", "1e-3", "--time-limit", "1s", formulation=penalty, code=3)
-    assert time.monotonic() - began < 5, time.monotonic() - began
+    assert time.monotonic() - began < 15, time.monotonic() - began
     assert "the limit of time comes first" in o["error"]["reason"], o["error"]
     e, free = (simulate("bounce", "1e-2", *more)["error"] for more in (("--time-limit", "1h"), ()))
     assert e["promised"] and e["steps_solved"] == free["steps_solved"], (e, free)

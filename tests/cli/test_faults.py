@@ -7,7 +7,7 @@ from support import FAULTY, SANITIZED, campaign, diagonal, one_line_error, rows,
 
 TEXT = """
 name: faults
-limits: {time: 2s, memory: 2G, grace: 0.5s}
+limits: {time: 5s, memory: 2G, grace: 0.5s}
 sampling: {processes: 2, samples: 2, max_samples: 2, inner: 0.0001s}
 parts:
   - name: a
@@ -41,7 +41,7 @@ def g3_each_death_has_its_word(d):
         assert len(mine) == (4 if word == "ok" else 1), (solver, len(mine))
         if word != "ok":
             assert mine[0]["t_total_s"] == "" and mine[0]["verified"] != "true", solver
-    assert {(r["t_limit_s"], r["mem_limit_B"]) for r in got} == {("2", str(2 << 30))}
+    assert {(r["t_limit_s"], r["mem_limit_B"]) for r in got} == {("5", str(2 << 30))}
     liar = next(r for r in got if r["solver"] == "faulty_liar")
     assert liar["status_claimed"] == "ok" and float(liar["rho"]) > 1e-3 and liar["note"]
     assert next(r for r in got if r["solver"] == "faulty_crash")["exit_signal"] == (
@@ -83,7 +83,7 @@ def rerun_measures_what_is_asked_for(d):
         diagonal(d, 6),
         "[lemke, pgs, faulty_liar, faulty_crash, faulty_hang, faulty_patient]",
     )
-    c = campaign(d, text.replace("time: 1s", "time: 2s"))
+    c = campaign(d, text)
     run("run", c, "--out", d / "o", "--quiet", exe=FAULTY)
     first = {r["solver"]: r["status"] for r in rows(d / "o")}
     assert (
@@ -103,7 +103,7 @@ def rerun_measures_what_is_asked_for(d):
 
 FLAGS = """
 name: flags
-limits: {time: 1s, grace: 0.2s}
+limits: {time: 5s, grace: 1s}
 sampling: {processes: 1, samples: %d, max_samples: %d, half_width: 0, inner: 0.0001s, budget: 10s}
 parts:
   - name: a

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDER = pathlib.Path(os.environ["LCPBENCH_PLUGIN_FOLDER"])
 MANY = """
 name: planted
-limits: {time: 2s, memory: 1G, grace: 0.5s}
+limits: {time: 5s, memory: 1G, grace: 0.5s}
 sampling: {processes: 1, samples: 200, max_samples: 200, inner: 1e-9s, budget: 10s}
 parts:
   - name: a

@@ -89,7 +89,7 @@ def faults_cost_one_row_each(d):
             problem,
             *words,
             "--time-limit",
-            "1",
+            "5",
             "--format",
             "json",
             exe=FAULTY,
