@@ -3,7 +3,8 @@
 
 #include <stdbool.h>
 
-/* From now on both only raise a flag: each time, or the first time. */
+/* From now on both only raise a flag: each time, or the first time. Behind the first, one that comes at once is the same request (GNU
+ * timeout sends two: to its child, and to the group of both), and one that comes later ends the process. */
 void stop_catch_signals(void);
 void stop_catch_first_signal(void);
 

@@ -116,6 +116,29 @@ def stopped_is_4_or_130(d):
             SEEN.add(code)
 
 
+def signals_at_once_are_one_request(_):
+    """GNU timeout sends two, to its child and to the group of both: the second took the result.
+    One that comes later ends what does not listen."""
+    words = ("simulate", "stack:n=1", "--formulation", "normal", "--solver", "faulty_patient")
+    for wait in (0.3, 0.6, 1.2, 2.4, 4.8):
+        with subprocess.Popen([FAULTY, *words], stdout=subprocess.DEVNULL) as process:
+            time.sleep(wait)
+            process.send_signal(signal.SIGTERM)
+            began = time.monotonic()
+            time.sleep(0.02)
+            heard = process.poll() is None
+            process.send_signal(signal.SIGTERM)
+            at_once = time.monotonic() - began < 0.2
+            time.sleep(0.5)
+            still_there = process.poll() is None
+            process.send_signal(signal.SIGTERM)
+            assert process.wait(timeout=30) == -signal.SIGTERM
+        if heard and at_once:
+            assert still_there
+            return
+    raise AssertionError("no pair of signals met a program that listens")
+
+
 def the_table_lists_them_all(_):
     table = README.read_text(encoding="utf-8").split("| exit code |", 1)[1].split("\n\n", 1)[0]
     listed = {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)}
@@ -131,6 +154,7 @@ tap(
         bad_input_is_2,
         honest_failure_is_3,
         stopped_is_4_or_130,
+        signals_at_once_are_one_request,
         the_table_lists_them_all,
     ]
 )
